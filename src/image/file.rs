@@ -1,0 +1,1 @@
+//! Picture files: reading untrusted ones within limits, writing PNG.

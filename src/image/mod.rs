@@ -1,0 +1,123 @@
+//! Pictures in memory: a rectangle of values, colour spaces, and picture files.
+
+pub mod color;
+
+pub mod file;
+
+/// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
+pub type Rgba8 = [u8; 4];
+
+/// A rectangle of `T`, row by row from the top, x to the right.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image<T> {
+    width: u32,
+    height: u32,
+    pixels: Vec<T>,
+}
+
+impl<T: Copy> Image<T> {
+    /// A picture of `width` × `height` px, all `value`.
+    pub fn filled(width: u32, height: u32, value: T) -> Self {
+        Self { width, height, pixels: vec![value; width as usize * height as usize] }
+    }
+
+    /// Takes row-major `pixels`. Panics unless there are exactly `width` × `height` of them.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Self {
+        assert_eq!(pixels.len(), width as usize * height as usize, "pixel count does not match {width}×{height}");
+        Self { width, height, pixels }
+    }
+
+    /// Builds a picture by asking `value` for every pixel, rows from the top.
+    pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| value(x, y)).collect();
+        Self { width, height, pixels }
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// (width, height) in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// The value at (x, y). Panics outside.
+    #[inline]
+    pub fn at(&self, x: u32, y: u32) -> T {
+        self.pixels[self.index(x, y)]
+    }
+
+    /// The value at (x, y), or `None` outside.
+    pub fn get(&self, x: u32, y: u32) -> Option<T> {
+        (x < self.width && y < self.height).then(|| self.at(x, y))
+    }
+
+    /// The value nearest to (x, y): coordinates are clamped to the edge. Panics on an empty picture.
+    #[inline]
+    pub fn at_clamped(&self, x: i64, y: i64) -> T {
+        let x = x.clamp(0, i64::from(self.width) - 1) as u32;
+        let y = y.clamp(0, i64::from(self.height) - 1) as u32;
+        self.at(x, y)
+    }
+
+    /// Writes the value at (x, y). Panics outside.
+    #[inline]
+    pub fn set(&mut self, x: u32, y: u32, value: T) {
+        let index = self.index(x, y);
+        self.pixels[index] = value;
+    }
+
+    /// One row, left to right.
+    pub fn row(&self, y: u32) -> &[T] {
+        let start = y as usize * self.width as usize;
+        &self.pixels[start..start + self.width as usize]
+    }
+
+    /// All values, row by row.
+    pub fn pixels(&self) -> &[T] {
+        &self.pixels
+    }
+
+    /// All values, row by row, to be written.
+    pub fn pixels_mut(&mut self) -> &mut [T] {
+        &mut self.pixels
+    }
+
+    /// A picture of the same size with every value mapped.
+    pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Image<U> {
+        Image { width: self.width, height: self.height, pixels: self.pixels.iter().copied().map(f).collect() }
+    }
+
+    /// Resizes in place, reusing the memory, and fills with `value`.
+    pub fn reset(&mut self, width: u32, height: u32, value: T) {
+        self.width = width;
+        self.height = height;
+        self.pixels.clear();
+        self.pixels.resize(width as usize * height as usize, value);
+    }
+
+    /// Bytes held by the pixels.
+    pub fn bytes(&self) -> usize {
+        self.pixels.capacity() * size_of::<T>()
+    }
+
+    #[inline]
+    fn index(&self, x: u32, y: u32) -> usize {
+        debug_assert!(x < self.width && y < self.height, "({x}, {y}) outside {}×{}", self.width, self.height);
+        y as usize * self.width as usize + x as usize
+    }
+}
+
+impl Image<Rgba8> {
+    /// The pixels as bytes, four per pixel.
+    pub fn as_bytes(&self) -> &[u8] {
+        self.pixels.as_flattened()
+    }
+}

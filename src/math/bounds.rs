@@ -1,0 +1,78 @@
+//! Axis-aligned boxes.
+
+use glam::{Mat4, Vec3};
+
+/// An axis-aligned box. [`Aabb::EMPTY`] contains nothing and is the neutral element of [`Aabb::union`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Aabb {
+    /// Smallest corner.
+    pub min: Vec3,
+    /// Largest corner.
+    pub max: Vec3,
+}
+
+impl Aabb {
+    /// The box that contains no point.
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around `points`.
+    pub fn around(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// Whether the box contains no point.
+    pub fn is_empty(&self) -> bool {
+        self.min.cmpgt(self.max).any()
+    }
+
+    /// The smallest box around both.
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// The middle. Computed by halves, so that it stays finite for the largest coordinates.
+    pub fn center(&self) -> Vec3 {
+        self.min * 0.5 + self.max * 0.5
+    }
+
+    /// Radius of the sphere around [`Aabb::center`] through the corners, computed in f64 so that it cannot overflow.
+    pub fn radius(&self) -> f32 {
+        let half = self.max.as_dvec3() * 0.5 - self.min.as_dvec3() * 0.5;
+        half.length() as f32
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            Vec3::new(pick(0), pick(1), pick(2))
+        })
+    }
+
+    /// The smallest box around the transformed corners (`target_from_source` affine).
+    pub fn transformed(&self, target_from_source: Mat4) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        Self::around(self.corners().map(|c| target_from_source.transform_point3(c)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_is_neutral_and_empty() {
+        let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+        assert!(Aabb::EMPTY.is_empty());
+        assert_eq!(Aabb::EMPTY.union(unit), unit);
+    }
+
+    #[test]
+    fn the_largest_box_has_a_finite_center_and_radius() {
+        let b = Aabb { min: Vec3::splat(-1.5e38), max: Vec3::splat(1.5e38) };
+        assert_eq!(b.center(), Vec3::ZERO);
+        assert!(b.radius().is_finite());
+    }
+}

@@ -1,0 +1,153 @@
+//! Which pixels of the full picture are drawn at all.
+//!
+//! An upscaler that shades a quarter of the pixels must also *visit* only a quarter of them: skipping inside the pixel
+//! loop saves shading but still walks every pixel, which is why skipping there buys little. So the rasterizer walks a
+//! [`SampleGrid`]: the samples that are drawn, packed into a smaller picture. Every sample keeps its place in the full
+//! picture (vertices are snapped at full resolution), so what is drawn is bit for bit what the full picture has there.
+
+use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
+
+/// The set of pixels that are drawn, and how they are packed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleGrid {
+    /// One sample for each block of `step` × `step` pixels; packed picture `ceil(size / step)`.
+    ///
+    /// `step` 1 is every pixel. The sample lies at the centre of the block's top-left pixel.
+    Block {
+        /// Edge of the block in pixels, ≥ 1.
+        step: u32,
+    },
+    /// The 2×2-pixel squares of one colour of a checkerboard, the colour of the top-left square. Packed columns: of
+    /// each four pixels of a row the two that are drawn.
+    Checkerboard,
+}
+
+impl SampleGrid {
+    /// Every pixel.
+    pub const FULL: Self = Self::Block { step: 1 };
+
+    /// Size of the packed picture for a full picture of `width` × `height` px.
+    pub fn packed_size(self, width: u32, height: u32) -> (u32, u32) {
+        match self {
+            Self::Block { step } => (width.div_ceil(step), height.div_ceil(step)),
+            // The row that starts with a drawn square has the most: 2 of each 4, and up to 2 of a rest.
+            Self::Checkerboard => (width / 4 * 2 + (width % 4).min(2), height),
+        }
+    }
+
+    /// Full-picture pixel of a packed sample.
+    #[inline]
+    pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
+        match self {
+            Self::Block { step } => (column * step, row * step),
+            Self::Checkerboard => (column / 2 * 4 + column % 2 + Self::first_drawn(row), row),
+        }
+    }
+
+    /// Packed sample at a full-picture pixel, if that pixel is drawn.
+    #[inline]
+    pub fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
+        match self {
+            Self::Block { step } => (x.is_multiple_of(step) && y.is_multiple_of(step)).then(|| (x / step, y / step)),
+            Self::Checkerboard => {
+                let within = x.checked_sub(Self::first_drawn(y))?;
+                (within % 4 < 2).then_some((within / 4 * 2 + within % 4, y))
+            }
+        }
+    }
+
+    /// Position of a packed sample in 24.8 fixed point.
+    #[inline]
+    pub fn position(self, column: u32, row: u32) -> (i64, i64) {
+        let (x, y) = self.pixel(column, row);
+        (i64::from(x) * SUBPIXELS + HALF_PIXEL, i64::from(y) * SUBPIXELS + HALF_PIXEL)
+    }
+
+    /// Half-open range of packed rows whose samples may lie within the pixel rows `from..to`.
+    pub fn rows(self, from: u32, to: u32) -> std::ops::Range<u32> {
+        match self {
+            Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
+            Self::Checkerboard => from..to,
+        }
+    }
+
+    /// Half-open range of packed columns of packed row `row` whose samples lie within the pixel columns `from..to`.
+    pub fn columns(self, row: u32, from: u32, to: u32) -> std::ops::Range<u32> {
+        match self {
+            Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
+            Self::Checkerboard => {
+                let drawn_before = |x: u32| {
+                    let within = x.saturating_sub(Self::first_drawn(row));
+                    within / 4 * 2 + (within % 4).min(2)
+                };
+                drawn_before(from)..drawn_before(to)
+            }
+        }
+    }
+
+    /// How many pixels of a `width` × `height` picture are drawn.
+    pub fn drawn_pixels(self, width: u32, height: u32) -> u64 {
+        self.rows(0, height).map(|row| self.columns(row, 0, width).len() as u64).sum()
+    }
+
+    /// Column of the first drawn pixel of a checkerboard row: 0 and 2 in turns of two rows.
+    #[inline]
+    fn first_drawn(y: u32) -> u32 {
+        y & 2
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRIDS: [SampleGrid; 4] =
+        [SampleGrid::FULL, SampleGrid::Block { step: 2 }, SampleGrid::Block { step: 4 }, SampleGrid::Checkerboard];
+
+    #[test]
+    fn every_drawn_pixel_has_one_place_in_the_packed_picture() {
+        for grid in GRIDS {
+            for (width, height) in [(1, 1), (2, 3), (5, 4), (7, 9), (16, 8)] {
+                let (packed_width, packed_height) = grid.packed_size(width, height);
+                let mut drawn = 0;
+                for y in 0..height {
+                    for x in 0..width {
+                        if let Some((column, row)) = grid.sample_at(x, y) {
+                            assert!(column < packed_width && row < packed_height, "{grid:?} {width}×{height} {x},{y}");
+                            assert_eq!(grid.pixel(column, row), (x, y), "{grid:?}");
+                            drawn += 1;
+                        }
+                    }
+                }
+                assert_eq!(drawn, grid.drawn_pixels(width, height), "{grid:?} {width}×{height}");
+            }
+        }
+    }
+
+    #[test]
+    fn ranges_hold_exactly_the_samples_within_them() {
+        for grid in GRIDS {
+            for y in 0..9 {
+                for from in 0..12 {
+                    for to in from..12 {
+                        let inside: Vec<_> = (from..to).filter_map(|x| grid.sample_at(x, y)).collect();
+                        for (_, row) in &inside {
+                            assert!(grid.rows(y, y + 1).contains(row));
+                            let columns: Vec<_> = grid.columns(*row, from, to).collect();
+                            assert_eq!(
+                                columns,
+                                inside.iter().map(|s| s.0).collect::<Vec<_>>(),
+                                "{grid:?} {from}..{to}"
+                            );
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_checkerboard_draws_half() {
+        assert_eq!(SampleGrid::Checkerboard.drawn_pixels(16, 16), 128);
+    }
+}

@@ -1,0 +1,3 @@
+//! The rendering pipeline.
+
+pub mod grid;

@@ -1,0 +1,178 @@
+//! Triangle meshes.
+
+use std::ops::Deref;
+
+use glam::{Vec2, Vec3};
+use thiserror::Error;
+
+use crate::math::{Aabb, unit_or};
+
+/// The arrays of a mesh before they are checked.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshData {
+    /// What a person calls it.
+    pub name: String,
+    /// One per vertex, model space.
+    pub positions: Vec<Vec3>,
+    /// One per vertex, unit length.
+    pub normals: Vec<Vec3>,
+    /// One per vertex, or none at all. v runs down the picture (already flipped).
+    pub uvs: Vec<Vec2>,
+    /// One per vertex, or none at all; sRGB values in [0, 1].
+    pub colors: Vec<Vec3>,
+    /// Vertex numbers, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Why arrays do not make a mesh.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum MeshError {
+    /// An index beyond the vertices.
+    #[error("triangle {triangle} refers to vertex {vertex} of {count}")]
+    IndexOutOfRange {
+        /// Number of the triangle.
+        triangle: usize,
+        /// The index that it holds.
+        vertex: u32,
+        /// How many vertices there are.
+        count: usize,
+    },
+    /// An attribute array of another length than the positions.
+    #[error("{count} {attribute} for {positions} positions")]
+    LengthMismatch {
+        /// Which array.
+        attribute: &'static str,
+        /// Its length.
+        count: usize,
+        /// The length that it should have.
+        positions: usize,
+    },
+    /// A NaN or an infinity.
+    #[error("{attribute} {index} is not finite")]
+    NotFinite {
+        /// Which array.
+        attribute: &'static str,
+        /// Where in it.
+        index: usize,
+    },
+}
+
+/// A checked mesh: indices in range, arrays of equal length, every number finite, one unit normal per vertex.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mesh {
+    data: MeshData,
+    bounds: Aabb,
+}
+
+impl Mesh {
+    /// Checks the arrays. Missing normals are computed ([`super::mesh::smooth_normals`]).
+    pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
+        let count = data.positions.len();
+        for (triangle, corners) in data.triangles.iter().enumerate() {
+            if let Some(&vertex) = corners.iter().find(|v| **v as usize >= count) {
+                return Err(MeshError::IndexOutOfRange { triangle, vertex, count });
+            }
+        }
+        if data.normals.is_empty() {
+            data.normals = smooth_normals(&data.positions, &data.triangles);
+        }
+        check_array("normals", &data.normals, count, false, |n| n.is_finite())?;
+        check_array("positions", &data.positions, count, false, |p| p.is_finite())?;
+        check_array("texture coordinates", &data.uvs, count, true, |t| t.is_finite())?;
+        check_array("vertex colours", &data.colors, count, true, |c| c.is_finite())?;
+        let bounds = Aabb::around(data.positions.iter().copied());
+        Ok(Self { data, bounds })
+    }
+
+    /// Box around all vertices, model space.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Bytes held by the arrays.
+    pub fn bytes(&self) -> usize {
+        let MeshData { name: _, positions, normals, uvs, colors, triangles } = &self.data;
+        (positions.capacity() + normals.capacity() + colors.capacity()) * size_of::<Vec3>()
+            + uvs.capacity() * size_of::<Vec2>()
+            + triangles.capacity() * size_of::<[u32; 3]>()
+    }
+}
+
+impl Deref for Mesh {
+    type Target = MeshData;
+
+    fn deref(&self) -> &MeshData {
+        &self.data
+    }
+}
+
+fn check_array<T>(
+    attribute: &'static str,
+    values: &[T],
+    positions: usize,
+    may_be_absent: bool,
+    is_finite: impl Fn(&T) -> bool,
+) -> Result<(), MeshError> {
+    if may_be_absent && values.is_empty() {
+        return Ok(());
+    }
+    if values.len() != positions {
+        return Err(MeshError::LengthMismatch { attribute, count: values.len(), positions });
+    }
+    match values.iter().position(|v| !is_finite(v)) {
+        Some(index) => Err(MeshError::NotFinite { attribute, index }),
+        None => Ok(()),
+    }
+}
+
+/// One normal per vertex: the mean of the normals of its triangles, weighted by area.
+///
+/// Computed in f64 from differences scaled to the largest one, so that neither huge nor tiny triangles overflow or
+/// vanish. A vertex without a triangle of positive area gets +z.
+pub fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut sums = vec![glam::DVec3::ZERO; positions.len()];
+    for corners in triangles {
+        let [a, b, c] = corners.map(|i| positions[i as usize].as_dvec3());
+        let doubled_area_normal = (b - a).cross(c - a);
+        for i in corners {
+            sums[*i as usize] += doubled_area_normal;
+        }
+    }
+    sums.into_iter().map(|sum| unit_or(sum, Vec3::Z)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle() -> MeshData {
+        MeshData { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], triangles: vec![[0, 1, 2]], ..MeshData::default() }
+    }
+
+    #[test]
+    fn missing_normals_are_computed() {
+        assert_eq!(Mesh::new(triangle()).unwrap().normals, vec![Vec3::Z; 3]);
+    }
+
+    #[test]
+    fn a_dangling_index_is_refused() {
+        let data = MeshData { triangles: vec![[0, 1, 3]], ..triangle() };
+        assert_eq!(Mesh::new(data), Err(MeshError::IndexOutOfRange { triangle: 0, vertex: 3, count: 3 }));
+    }
+
+    #[test]
+    fn infinities_are_refused() {
+        let mut data = triangle();
+        data.positions[1].x = f32::INFINITY;
+        assert!(matches!(Mesh::new(data), Err(MeshError::NotFinite { index: 1, .. })));
+    }
+
+    #[test]
+    fn normals_of_extreme_triangles_are_finite_units() {
+        for scale in [1e-30_f32, 1e30] {
+            let data = triangle();
+            let positions: Vec<_> = data.positions.iter().map(|p| *p * scale).collect();
+            assert_eq!(smooth_normals(&positions, &data.triangles), vec![Vec3::Z; 3]);
+        }
+    }
+}

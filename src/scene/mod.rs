@@ -1,0 +1,127 @@
+//! What is drawn: validated data. A [`Scene`] that exists can be rendered.
+
+pub mod builtin;
+
+pub mod camera;
+
+pub mod error;
+
+pub mod library;
+
+pub mod material;
+
+pub mod mesh;
+
+pub mod obj;
+
+pub mod texture;
+
+pub use camera::{Camera, Projection};
+pub use error::{SceneError, Warning};
+pub use library::{Library, MaterialId, MeshId, TextureId};
+pub use material::Material;
+pub use mesh::{Mesh, MeshData};
+pub use texture::Texture;
+
+use glam::{Mat4, Vec3};
+
+use crate::math::Aabb;
+
+/// One object: which mesh, where, in which material. A small record; the buffers are shared.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// What a person calls it.
+    pub name: String,
+    /// The shared mesh.
+    pub mesh: MeshId,
+    /// The shared material.
+    pub material: MaterialId,
+    /// Placement (affine).
+    pub world_from_model: Mat4,
+    /// Multiplies the material's colour; sRGB values in [0, 1].
+    pub tint: Vec3,
+}
+
+/// A triangle of the scene, numbered in draw order over all instances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
+#[serde(transparent)]
+pub struct TriangleId(pub u32);
+
+impl TriangleId {
+    /// Stands for "no triangle" in buffers of identifiers.
+    pub const NONE: Self = Self(u32::MAX);
+}
+
+/// Everything that is drawn, and the view that it is first seen from.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// What a person calls it.
+    pub name: String,
+    /// Shared buffers.
+    pub library: Library,
+    /// Objects, in draw order.
+    pub instances: Vec<Instance>,
+    /// Colour behind everything (sRGB codes).
+    pub background: [u8; 3],
+    /// The view to start from, and to come back to.
+    pub home: Camera,
+}
+
+impl Scene {
+    /// Box around all instances, in world space.
+    pub fn bounds(&self) -> Aabb {
+        self.instances
+            .iter()
+            .fold(Aabb::EMPTY, |all, i| all.union(self.library.mesh(i.mesh).bounds().transformed(i.world_from_model)))
+    }
+
+    /// Triangles over all instances.
+    pub fn triangle_count(&self) -> usize {
+        self.instances.iter().map(|i| self.library.mesh(i.mesh).triangles.len()).sum()
+    }
+
+    /// For each instance the identifier of its first triangle.
+    pub fn first_triangles(&self) -> Vec<TriangleId> {
+        self.instances
+            .iter()
+            .scan(0, |next, i| {
+                let first = *next;
+                *next += self.library.mesh(i.mesh).triangles.len() as u32;
+                Some(TriangleId(first))
+            })
+            .collect()
+    }
+
+    /// The instance that `id` belongs to and the triangle's number within its mesh.
+    pub fn locate(&self, id: TriangleId) -> Option<(usize, usize)> {
+        let mut rest = id.0 as usize;
+        for (index, instance) in self.instances.iter().enumerate() {
+            let count = self.library.mesh(instance.mesh).triangles.len();
+            if rest < count {
+                return Some((index, rest));
+            }
+            rest -= count;
+        }
+        None
+    }
+
+    /// Bytes held by the shared buffers and by the instance records.
+    pub fn memory(&self) -> Memory {
+        Memory {
+            shared_bytes: self.library.bytes(),
+            instance_bytes: self.instances.iter().map(|i| size_of::<Instance>() + i.name.capacity()).sum(),
+            unshared_bytes: self.instances.iter().map(|i| self.library.mesh(i.mesh).bytes()).sum(),
+        }
+    }
+}
+
+/// What a scene holds in memory, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Memory {
+    /// Meshes and textures, each counted once.
+    pub shared_bytes: usize,
+    /// Instance records.
+    pub instance_bytes: usize,
+    /// What the meshes alone would take if every instance held its own copy.
+    pub unshared_bytes: usize,
+}
