@@ -1,11 +1,19 @@
 //! Rasterscope: a software rendering pipeline that anyone can open up, stop at any stage, and question.
+//!
+//! Modules stand in the order of the data flow; each imports only from those above it.
 
 pub mod math;
 
 pub mod image;
+
+pub mod flat2d;
 
 pub mod scene;
 
 pub mod pipeline;
 
 pub mod upscale;
+
+pub mod chain;
+
+pub mod inspect;

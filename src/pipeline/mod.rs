@@ -1,3 +1,232 @@
-//! The rendering pipeline.
+//! The spine: from a scene to drawn pixels, one stage after the other, each a function over plain buffers in a file of
+//! its own.
+//!
+//! ```text
+//! plan → transform → clip → project → cull │ rasterize → depth → interpolate → shade
+//!            per draw, all triangles       │       per triangle, sample by sample
+//! ```
+//!
+//! [`prepare`] is the left half and gives [`Geometry`]; [`draw`] is the right half and fills a [`Framebuffer`]. This is the
+//! *classic* way to execute: triangle after triangle in submission order, plain scalar code, every stage visible. It is
+//! the reference for every faster way. Equal input gives an equal picture, bit for bit.
+
+pub mod clip;
+
+pub mod cull;
+
+pub mod depth;
+
+pub mod framebuffer;
 
 pub mod grid;
+
+pub mod interpolate;
+
+pub mod observe;
+
+pub mod plan;
+
+pub mod raster;
+
+pub mod sample;
+
+pub mod settings;
+
+pub mod shade;
+
+pub mod vertex;
+
+pub mod viewport;
+
+pub mod wireframe;
+
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use depth::{Comparison, depth_at};
+use framebuffer::Framebuffer;
+use interpolate::interpolate;
+use observe::{DepthOutcome, Observer};
+use plan::{DrawPlan, Part};
+use raster::{EdgeFunctions, Scissor, doubled_area};
+use settings::Settings;
+use shade::Shader;
+use vertex::{DrawMatrices, containment, transform};
+use viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+
+use crate::scene::{Camera, Instance, Scene, TriangleId};
+
+/// What the geometry stages hand to the rasterizer.
+#[derive(Clone, Debug, Default)]
+pub struct Geometry {
+    /// Triangles to rasterize, in submission order.
+    pub triangles: Vec<ScreenTriangle>,
+    /// One plan per instance.
+    pub plans: Vec<DrawPlan>,
+    /// Time of each geometry stage, over all draws.
+    pub times: GeometryTimes,
+    /// Vertices transformed.
+    pub vertices: usize,
+    /// Triangles of the scene that came in.
+    pub triangles_in: usize,
+    /// Triangles after clipping.
+    pub triangles_clipped: usize,
+}
+
+/// Wall-clock time per geometry stage.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GeometryTimes {
+    /// Planning and transforming.
+    pub transform: Duration,
+    /// Clipping.
+    pub clip: Duration,
+    /// Projection, snapping.
+    pub project: Duration,
+    /// Facing, edge setup.
+    pub cull: Duration,
+}
+
+/// How far [`draw`] goes with each covered sample. Stopping early is for timing the stages apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Until {
+    /// Only find covered samples.
+    Coverage,
+    /// Also test and store depth.
+    Depth,
+    /// Everything.
+    Shade,
+}
+
+/// Runs the geometry stages over all instances for a picture of this size.
+pub fn prepare<O: Observer>(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    viewport: Viewport,
+    observer: &mut O,
+) -> Geometry {
+    let mut geometry = Geometry::default();
+    for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
+        prepare_draw(scene, camera, settings, viewport, (index, instance, first), &mut geometry, observer);
+    }
+    geometry
+}
+
+fn prepare_draw<O: Observer>(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    viewport: Viewport,
+    (index, instance, first): (usize, &Instance, TriangleId),
+    out: &mut Geometry,
+    observer: &mut O,
+) {
+    let mesh = scene.library.mesh(instance.mesh);
+    out.triangles_in += mesh.triangles.len();
+
+    let start = Instant::now();
+    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.reversed());
+    let inside = containment(mesh.bounds(), matrices.clip_from_model);
+    let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
+    out.plans.push(plan);
+    if !plan.runs(Part::Vertices) {
+        for offset in 0..mesh.triangles.len() as u32 {
+            observer.rejected(TriangleId(first.0 + offset), observe::Fate::Outside);
+        }
+        out.times.transform += start.elapsed();
+        return;
+    }
+    let vertices = transform(mesh, &matrices, settings, &plan);
+    out.vertices += vertices.len();
+    let transformed = Instant::now();
+
+    let widening = clip::guard_band_widening(viewport.width, viewport.height);
+    let clipped = clip::clip(&vertices, &mesh.triangles, first, plan.runs(Part::Clipping), widening, observer);
+    out.triangles_clipped += clipped.len();
+    let clipping_done = Instant::now();
+
+    let projected: Vec<(TriangleId, [ScreenVertex; 3])> = clipped.iter().map(|t| (t.id, viewport.project(t))).collect();
+    let projected_at = Instant::now();
+
+    for (id, corners) in projected {
+        let area = doubled_area(corners.each_ref().map(|v| (v.x, v.y)));
+        match cull::cull(area, settings.culling) {
+            Some(fate) => observer.rejected(id, fate),
+            None => out.triangles.push(ScreenTriangle {
+                id,
+                instance: index as u32,
+                edges: EdgeFunctions::new(&corners, area, settings.fill_rule),
+                relative_inv_w: if plan.runs(Part::PerspectiveDivision) { relative_inv_w(&corners) } else { [1.0; 3] },
+                vertices: corners,
+            }),
+        }
+    }
+    out.times.transform += transformed - start;
+    out.times.clip += clipping_done - transformed;
+    out.times.project += projected_at - clipping_done;
+    out.times.cull += projected_at.elapsed();
+}
+
+/// What [`draw`] draws: which of the triangles, and within which rectangle.
+#[derive(Clone, Debug)]
+pub struct Extent {
+    /// Range of [`Geometry::triangles`].
+    pub triangles: Range<usize>,
+    /// Pixels outside are not visited.
+    pub scissor: Scissor,
+}
+
+impl Extent {
+    /// All triangles over the whole picture.
+    pub fn all(geometry: &Geometry, viewport: Viewport) -> Self {
+        Self { triangles: 0..geometry.triangles.len(), scissor: Scissor::full(viewport.width, viewport.height) }
+    }
+}
+
+/// Rasterizes, tests, interpolates and shades.
+pub fn draw<O: Observer>(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    extent: &Extent,
+    until: Until,
+    frame: &mut Framebuffer,
+    observer: &mut O,
+) {
+    let comparison = Comparison::of(settings);
+    let shaders: Vec<Shader<'_>> = scene
+        .instances
+        .iter()
+        .zip(&geometry.plans)
+        .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
+        .collect();
+    let Framebuffer { grid, origin, color, depth } = frame;
+    for triangle in &geometry.triangles[extent.triangles.clone()] {
+        let shader = &shaders[triangle.instance as usize];
+        let visited = raster::rasterize(&triangle.edges, *grid, extent.scissor, |sample| {
+            observer.covered(triangle, &sample);
+            let (column, row) = (sample.column - origin.0, sample.row - origin.1);
+            if until == Until::Coverage {
+                return;
+            }
+            let new = depth_at(triangle, &sample);
+            if let Some(buffer) = depth {
+                let stored = buffer.at(column, row);
+                let passed = comparison.passes(new, stored);
+                observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed });
+                if !passed {
+                    return;
+                }
+                buffer.set(column, row, new);
+            }
+            if until == Until::Depth {
+                return;
+            }
+            let fragment = interpolate(triangle, sample, new);
+            let rgba = shader.shade(&fragment, triangle.id);
+            color.set(column, row, rgba);
+            observer.shaded(triangle, &fragment, rgba);
+        });
+        observer.visited(visited);
+    }
+}

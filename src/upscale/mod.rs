@@ -50,16 +50,12 @@ pub struct Tap {
 /// All methods, in the order in which menus list them.
 pub const ALL: &[&dyn Upscaler] = &[&NATIVE];
 
-/// Finds a method by its [`Upscaler::id`].
-pub fn by_id(id: &str) -> Option<&'static dyn Upscaler> {
-    ALL.iter().copied().find(|u| u.id() == id)
-}
-
 /// The choice of a method and an enlargement: part of a recipe. Always one that exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "Choice", into = "Choice")]
 pub struct Upscaling {
-    method: &'static str,
+    /// Position in [`ALL`].
+    method: usize,
     scale: u32,
 }
 
@@ -72,29 +68,31 @@ struct Choice {
 }
 
 impl Upscaling {
-    /// Every pixel drawn.
-    pub const NATIVE: Self = Self { method: "native", scale: 1 };
+    /// Every pixel drawn: the first entry of [`ALL`].
+    pub const NATIVE: Self = Self { method: 0, scale: 1 };
 
     /// A method by its id with an enlargement per axis. The nearest enlargement that the method offers is taken.
     pub fn new(method: &str, scale: u32) -> Option<Self> {
-        let upscaler = by_id(method)?;
-        let scale = *upscaler.scales().iter().min_by_key(|s| s.abs_diff(scale))?;
-        Some(Self { method: upscaler.id(), scale })
+        let method = ALL.iter().position(|u| u.id() == method)?;
+        let scale = *ALL[method].scales().iter().min_by_key(|s| s.abs_diff(scale))?;
+        Some(Self { method, scale })
     }
 
     /// Every method with every enlargement.
     pub fn every() -> impl Iterator<Item = Self> {
-        ALL.iter().flat_map(|u| u.scales().iter().map(|scale| Self { method: u.id(), scale: *scale }))
+        ALL.iter()
+            .enumerate()
+            .flat_map(|(method, u)| u.scales().iter().map(move |scale| Self { method, scale: *scale }))
     }
 
     /// The method.
     pub fn upscaler(self) -> &'static dyn Upscaler {
-        by_id(self.method).unwrap_or(&NATIVE)
+        ALL[self.method]
     }
 
     /// Id of the method.
     pub fn method(self) -> &'static str {
-        self.method
+        self.upscaler().id()
     }
 
     /// Enlargement per axis.
@@ -129,6 +127,6 @@ impl TryFrom<Choice> for Upscaling {
 
 impl From<Upscaling> for Choice {
     fn from(upscaling: Upscaling) -> Self {
-        Self { method: upscaling.method.to_owned(), scale: upscaling.scale }
+        Self { method: upscaling.method().to_owned(), scale: upscaling.scale }
     }
 }

@@ -1,0 +1,289 @@
+//! The one entry for window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
+
+use std::time::{Duration, Instant};
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use thiserror::Error;
+
+use crate::image::{Image, Rgba8};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::observe::Observer;
+use crate::pipeline::settings::Settings;
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::{Extent, Geometry, Until, draw, prepare, wireframe};
+use crate::scene::{Camera, Scene};
+use crate::upscale::Upscaling;
+
+/// Everything that decides how a scene is drawn: plain data, edited by panels, parsed from the command line, swept by
+/// reports. Equal recipe and equal scene give an equal frame, bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Recipe {
+    /// The pipeline's decisions.
+    #[serde(flatten)]
+    pub pipeline: Settings,
+    /// Which pixels are drawn, and how the others are filled in.
+    pub upscaler: Upscaling,
+    /// Whether the edges of all drawn triangles are laid over the picture.
+    pub wireframe: bool,
+}
+
+impl Default for Recipe {
+    fn default() -> Self {
+        Self { pipeline: Settings::default(), upscaler: Upscaling::NATIVE, wireframe: false }
+    }
+}
+
+/// Why a `key=value` does not change a recipe.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum SetError {
+    /// There is no `=`.
+    #[error("`{0}` is not of the form key=value")]
+    NotAPair(String),
+    /// No such key.
+    #[error("there is no setting `{key}`; the settings are {known}")]
+    UnknownKey {
+        /// What was asked for.
+        key: String,
+        /// What there is.
+        known: String,
+    },
+    /// The key does not take this value.
+    #[error("{key}: {reason}")]
+    BadValue {
+        /// The setting.
+        key: String,
+        /// What it takes.
+        reason: String,
+    },
+}
+
+impl Recipe {
+    /// Changes one setting by its dotted key, as in `light.direction=0.4,0.7,0.6`. Keys and values may be written with
+    /// `-` or `_`. On error nothing changes.
+    pub fn set(&mut self, assignment: &str) -> Result<(), SetError> {
+        let (key, value) = assignment.split_once('=').ok_or_else(|| SetError::NotAPair(assignment.to_owned()))?;
+        let key = key.trim().replace('-', "_");
+        let mut tree = json(self);
+        let pointer = format!("/{}", key.replace('.', "/"));
+        let leaf = tree.pointer_mut(&pointer).filter(|leaf| !leaf.is_object()).ok_or_else(|| {
+            let known: Vec<_> = Self::keys().into_iter().map(|(key, _)| key).collect();
+            SetError::UnknownKey { key: key.clone(), known: known.join(", ") }
+        })?;
+        let bad = |reason: String| SetError::BadValue { key: key.clone(), reason };
+        *leaf = parse_like(leaf, value.trim()).map_err(bad)?;
+        let changed: Self = serde_json::from_value(tree).map_err(|e| bad(e.to_string()))?;
+        changed.check().map_err(bad)?;
+        if key == "upscaler.scale" && changed.upscaler.scale().to_string() != value.trim() {
+            let offered: Vec<_> = changed.upscaler.upscaler().scales().iter().map(u32::to_string).collect();
+            return Err(bad(format!("`{}` offers {}", changed.upscaler.method(), offered.join(", "))));
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// All dotted keys, each with the values that it takes, in words.
+    pub fn keys() -> Vec<(String, String)> {
+        let mut keys = Vec::new();
+        collect_keys(&json(&Self::default()), "", &mut keys);
+        keys
+    }
+
+    /// Ranges that types do not express.
+    fn check(&self) -> Result<(), String> {
+        let light = &self.pipeline.light;
+        if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
+            return Err("the direction must be finite and not zero".to_owned());
+        }
+        if !(0.0..=1.0).contains(&light.ambient) {
+            return Err(format!("the ambient share must lie in 0…1, not {}", light.ambient));
+        }
+        let checker = &self.pipeline.checker;
+        if !checker.squares.is_finite() || !checker.even.is_finite() || !checker.odd.is_finite() {
+            return Err("numbers must be finite".to_owned());
+        }
+        Ok(())
+    }
+}
+
+fn json(recipe: &Recipe) -> Value {
+    // A recipe holds nothing that JSON cannot: string keys, finite or null numbers, words.
+    serde_json::to_value(recipe).unwrap_or(Value::Null)
+}
+
+/// `text` as a JSON value of the same kind as `like`.
+fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
+    let number = |t: &str| {
+        t.trim().parse::<f32>().ok().filter(|n| n.is_finite()).ok_or_else(|| format!("`{t}` is not a number"))
+    };
+    match like {
+        Value::Bool(_) => match text {
+            "true" | "on" | "yes" => Ok(true.into()),
+            "false" | "off" | "no" => Ok(false.into()),
+            _ => Err(format!("`{text}` is neither true nor false")),
+        },
+        Value::Number(n) if n.is_u64() => {
+            text.parse::<u32>().map(Value::from).map_err(|_| format!("`{text}` is not a whole number"))
+        }
+        Value::Number(_) => number(text).map(Value::from),
+        Value::Array(items) => {
+            let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+            if numbers.len() == items.len() {
+                Ok(numbers.into())
+            } else {
+                Err(format!("{} numbers with commas between are needed, not `{text}`", items.len()))
+            }
+        }
+        _ => Ok(text.replace('_', "-").into()),
+    }
+}
+
+fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
+    let Value::Object(fields) = tree else {
+        keys.push((prefix.to_owned(), describe_values(prefix, tree)));
+        return;
+    };
+    for (name, value) in fields {
+        let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+        collect_keys(value, &key, keys);
+    }
+}
+
+/// What a key takes. For words, asked of the parser itself by giving it one that cannot exist.
+fn describe_values(key: &str, value: &Value) -> String {
+    match value {
+        Value::Bool(_) => "true, false".to_owned(),
+        Value::Number(n) if n.is_u64() => "whole number".to_owned(),
+        Value::Number(_) => "number".to_owned(),
+        Value::Array(items) => format!("{} numbers with commas between", items.len()),
+        _ => {
+            let complaint = Recipe::default().set(&format!("{key}=?")).err().map(|e| e.to_string()).unwrap_or_default();
+            let words: Vec<_> = complaint.split('`').skip(1).step_by(2).filter(|w| *w != "?").collect();
+            words.join(", ")
+        }
+    }
+}
+
+/// Wall-clock time of each part of a frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FrameTimes {
+    /// Plan to cull.
+    pub geometry: Duration,
+    /// Rasterize to shade.
+    pub pixels: Duration,
+    /// Filling in what was not drawn.
+    pub upscale: Duration,
+    /// Everything.
+    pub total: Duration,
+}
+
+/// A finished frame and what it was made from.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The full picture.
+    pub image: Image<Rgba8>,
+    /// What was really drawn.
+    pub drawn: Framebuffer,
+    /// The triangles that were rasterized, and the plans.
+    pub geometry: Geometry,
+    /// Size of the full picture.
+    pub viewport: Viewport,
+    /// Where the time went.
+    pub times: FrameTimes,
+}
+
+impl Frame {
+    /// Share of the picture's pixels that were drawn, in [0, 1].
+    pub fn drawn_share(&self) -> f64 {
+        let (width, height) = self.image.size();
+        self.drawn.grid.drawn_pixels(width, height) as f64 / (f64::from(width) * f64::from(height))
+    }
+}
+
+/// Draws one frame of `viewport`'s size. Cannot fail: a scene is always renderable.
+pub fn run<O: Observer>(
+    scene: &Scene,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    observer: &mut O,
+) -> Frame {
+    let start = Instant::now();
+    let Viewport { width, height } = viewport;
+    let settings = &recipe.pipeline;
+    let geometry = prepare(scene, camera, settings, viewport, observer);
+    let geometry_done = Instant::now();
+
+    let mut drawn = Framebuffer::new(recipe.upscaler.grid(), width, height, scene.background, settings);
+    draw(scene, &geometry, settings, &Extent::all(&geometry, viewport), Until::Shade, &mut drawn, observer);
+    let drawn_at = Instant::now();
+
+    let mut image = recipe.upscaler.upscaler().upscale(&drawn.color, recipe.upscaler.scale(), width, height);
+    let upscaled_at = Instant::now();
+    if recipe.wireframe {
+        wireframe::overlay(&geometry.triangles, &mut image);
+    }
+    let times = FrameTimes {
+        geometry: geometry_done - start,
+        pixels: drawn_at - geometry_done,
+        upscale: upscaled_at - drawn_at,
+        total: start.elapsed(),
+    };
+    Frame { image, drawn, geometry, viewport, times }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::{Culling, Shading};
+
+    #[test]
+    fn settings_are_reached_by_dotted_keys_in_either_case() {
+        let mut recipe = Recipe::default();
+        for assignment in [
+            "shading=gouraud",
+            "culling=none",
+            "color-space=bytes",
+            "light.direction=1,2,3",
+            "light.ambient=0.5",
+            "fill_rule=top_left",
+        ] {
+            recipe.set(assignment).unwrap();
+        }
+        assert_eq!(recipe.pipeline.shading, Shading::Gouraud);
+        assert_eq!(recipe.pipeline.culling, Culling::None);
+        assert_eq!(recipe.pipeline.light.direction, glam::Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(recipe.pipeline.light.ambient, 0.5);
+    }
+
+    #[test]
+    fn wrong_settings_are_named_and_change_nothing() {
+        let mut recipe = Recipe::default();
+        for (assignment, word) in [
+            ("shading", "key=value"),
+            ("shadign=gouraud", "fill_rule"),
+            ("shading=phong", "lambert"),
+            ("light=1", "light.direction"),
+            ("light.direction=1,2", "3 numbers"),
+            ("light.direction=0,0,0", "zero"),
+            ("light.ambient=2", "0…1"),
+            ("wireframe=maybe", "true"),
+            ("upscaler.method=dlss", "native"),
+            ("upscaler.scale=3", "offers"),
+        ] {
+            let message = recipe.set(assignment).unwrap_err().to_string();
+            assert!(message.contains(word), "{assignment}: {message}");
+        }
+        assert_eq!(recipe, Recipe::default());
+    }
+
+    #[test]
+    fn every_key_tells_its_values_and_recipes_survive_json() {
+        for (key, values) in Recipe::keys() {
+            assert!(!values.is_empty(), "{key}");
+        }
+        let text = serde_json::to_string(&Recipe::default()).unwrap();
+        assert_eq!(serde_json::from_str::<Recipe>(&text).unwrap(), Recipe::default());
+    }
+}

@@ -1,0 +1,76 @@
+//! Any quantity of a frame as a picture: who won each sample, with which weights, how often it was drawn.
+//!
+//! The frame is drawn once more with an observer that keeps these quantities; the frame itself pays nothing for them.
+
+use crate::chain::{Frame, Recipe};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::interpolate::{Fragment, affine_weights};
+use crate::pipeline::observe::Observer;
+use crate::pipeline::raster::Sample;
+use crate::pipeline::settings::{Choice, choice};
+use crate::pipeline::viewport::ScreenTriangle;
+use crate::pipeline::{Extent, Until, draw};
+use crate::scene::{Scene, TriangleId};
+
+choice! {
+    /// A quantity that can be shown instead of the colour.
+    Buffer {
+        Color = "color", "Colour", "The finished picture.";
+        Depth = "depth", "Depth", "What the depth buffer holds in the end.";
+        TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour each.";
+        Lambda = "lambda", "Weights λ", "Screen-space weights of the winner: λ0 red, λ1 green, λ2 blue.";
+        PerspectiveLambda = "perspective-lambda", "Weights λ′", "Weights of the winner that attributes are interpolated with (perspective-correct unless affine).";
+        Overdraw = "overdraw", "Overdraw", "How many triangles cover each sample, drawn or not.";
+        Shaded = "shaded", "Times shaded", "How often each sample was shaded: what the depth test could not save.";
+    }
+}
+
+/// All quantities of one frame, packed as its framebuffer is.
+#[derive(Clone, Debug)]
+pub struct Buffers {
+    /// Winner of each sample, or [`TriangleId::NONE`].
+    pub triangle: Image<TriangleId>,
+    /// Screen-space weights of the winner.
+    pub lambda: Image<[f32; 3]>,
+    /// Attribute weights of the winner.
+    pub perspective_lambda: Image<[f32; 3]>,
+    /// Triangles that cover each sample.
+    pub overdraw: Image<u32>,
+    /// How often each sample was shaded.
+    pub shaded: Image<u32>,
+}
+
+/// Draws the frame again and keeps everything.
+pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
+    let (width, height) = frame.drawn.color.size();
+    let mut buffers = Buffers {
+        triangle: Image::filled(width, height, TriangleId::NONE),
+        lambda: Image::filled(width, height, [0.0; 3]),
+        perspective_lambda: Image::filled(width, height, [0.0; 3]),
+        overdraw: Image::filled(width, height, 0),
+        shaded: Image::filled(width, height, 0),
+    };
+    let viewport = frame.viewport;
+    let mut again =
+        Framebuffer::new(frame.drawn.grid, viewport.width, viewport.height, scene.background, &recipe.pipeline);
+    let extent = Extent::all(&frame.geometry, viewport);
+    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut again, &mut buffers);
+    buffers
+}
+
+impl Observer for Buffers {
+    fn covered(&mut self, _triangle: &ScreenTriangle, sample: &Sample) {
+        let count = self.overdraw.at(sample.column, sample.row);
+        self.overdraw.set(sample.column, sample.row, count + 1);
+    }
+
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let (column, row) = (fragment.sample.column, fragment.sample.row);
+        self.triangle.set(column, row, triangle.id);
+        self.lambda.set(column, row, affine_weights(triangle, &fragment.sample));
+        self.perspective_lambda.set(column, row, fragment.weights);
+        let count = self.shaded.at(column, row);
+        self.shaded.set(column, row, count + 1);
+    }
+}

@@ -1,0 +1,17 @@
+//! Why a pixel looks as it does.
+//!
+//! Nothing is recorded while a frame is drawn. The inspector *replays*: it runs the same stages over the same geometry
+//! with a scissor of one pixel and an observer that writes everything down. What it shows is therefore the arithmetic
+//! that drew the pixel, bit for bit, and a test holds that for every pixel.
+
+pub mod buffers;
+
+pub mod pixel;
+
+pub mod stages;
+
+pub mod view;
+
+pub use buffers::{Buffer, capture};
+pub use pixel::{FragmentRecord, Outcome, PixelReport, inspect};
+pub use stages::Stage;

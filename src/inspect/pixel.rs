@@ -1,0 +1,352 @@
+//! The story of one pixel: every fragment that touched it, who won and why, and how the colour came about.
+
+use serde::Serialize;
+
+use crate::chain::{Frame, Recipe};
+use crate::image::Rgba8;
+use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
+use crate::pipeline::depth::{Comparison, depth_at};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
+use crate::pipeline::observe::{DepthOutcome, Observer};
+use crate::pipeline::raster::{Sample, Scissor};
+use crate::pipeline::sample::TexelTap;
+use crate::pipeline::shade::Shader;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::{Extent, Until, draw, wireframe};
+use crate::scene::{Scene, TriangleId};
+use crate::upscale::Tap;
+
+/// What became of a fragment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// It is what the pixel shows.
+    Visible,
+    /// It was written, and a later fragment replaced it.
+    Overwritten,
+    /// It lost the depth test.
+    DepthRejected,
+}
+
+/// One fragment: a triangle that covers the sample.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FragmentRecord {
+    /// Triangle of the scene.
+    pub triangle: TriangleId,
+    /// Name of the instance that it belongs to.
+    pub instance: String,
+    /// Position in the list of rasterized triangles.
+    pub submission: usize,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// Why, in one sentence with the numbers that decided.
+    pub reason: String,
+    /// Snapped corners in px.
+    pub corners_px: [[f32; 2]; 3],
+    /// Exact edge values in units of 1/2¹⁶ px².
+    pub edges: [i64; 3],
+    /// Doubled area in the same units.
+    pub doubled_area: i64,
+    /// Screen-space weights λ.
+    pub affine_weights: [f32; 3],
+    /// Weights that attributes are interpolated with.
+    pub attribute_weights: [f32; 3],
+    /// 1/w at the corners.
+    pub inv_w: [f32; 3],
+    /// Depth at the corners.
+    pub corner_depths: [f32; 3],
+    /// Depth of the fragment.
+    pub depth: f32,
+    /// What the depth buffer held before; `None` without a depth test.
+    pub stored_depth: Option<f32>,
+    /// Shading, if it came to that.
+    pub shading: Option<ShadingRecord>,
+}
+
+/// How a fragment got its colour.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ShadingRecord {
+    /// Texture coordinates, v down.
+    pub uv: [f32; 2],
+    /// Unit normal, world space.
+    pub normal: [f32; 3],
+    /// N·L.
+    pub cosine: f32,
+    /// The factor that light contributes.
+    pub light: f32,
+    /// Texels read, with their weights.
+    pub texels: Vec<TexelRecord>,
+    /// The colour that was written.
+    pub color: Rgba8,
+}
+
+/// One texel that was read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct TexelRecord {
+    /// Where, and its share.
+    #[serde(flatten)]
+    pub tap: TexelTap,
+    /// Its codes.
+    pub color: Rgba8,
+}
+
+/// A drawn pixel that an upscaler read.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SourceRecord {
+    /// Where in the full picture, and its share.
+    #[serde(flatten)]
+    pub tap: Tap,
+    /// Its replayed colour.
+    pub color: Rgba8,
+}
+
+/// Everything about one pixel.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PixelReport {
+    /// Column.
+    pub x: u32,
+    /// Row.
+    pub y: u32,
+    /// What happened, in one sentence.
+    pub verdict: String,
+    /// The colour that the replay arrives at.
+    pub color: Rgba8,
+    /// The pixel whose fragments are listed: this one if it was drawn, else the drawn one with the largest share.
+    pub drawn_at: [u32; 2],
+    /// Every fragment there, in submission order.
+    pub fragments: Vec<FragmentRecord>,
+    /// What the depth buffer holds in the end.
+    pub final_depth: Option<f32>,
+    /// The drawn pixels that this one was made of; one with weight 1 if it was drawn itself.
+    pub sources: Vec<SourceRecord>,
+    /// The triangle whose edge the wireframe draws over this pixel.
+    pub wireframe: Option<TriangleId>,
+}
+
+impl PixelReport {
+    /// The fragment that the pixel shows.
+    pub fn visible(&self) -> Option<&FragmentRecord> {
+        self.fragments.iter().find(|f| f.outcome == Outcome::Visible)
+    }
+}
+
+/// Replays pixel (x, y) of a frame. `None` outside of the picture.
+pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
+    let Viewport { width, height } = frame.viewport;
+    if x >= width || y >= height {
+        return None;
+    }
+    let upscaler = recipe.upscaler.upscaler();
+    let taps = upscaler.taps(x, y, recipe.upscaler.scale(), width, height);
+    let sources: Vec<SourceRecord> =
+        taps.into_iter().map(|tap| source(scene, recipe, frame, tap)).collect::<Option<_>>()?;
+    let main = sources.iter().max_by(|a, b| a.tap.weight.total_cmp(&b.tap.weight))?.tap;
+    let drawn_at = if frame.drawn.grid.sample_at(x, y).is_some() { (x, y) } else { (main.x, main.y) };
+    let mut recorder = Recorder::new(scene, recipe, frame);
+    let (_, final_depth) = replay(scene, recipe, frame, drawn_at, &mut recorder)?;
+
+    let below = combine(&sources);
+    let wireframe =
+        recipe.wireframe.then(|| wireframe::crosses(&frame.geometry.triangles, (width, height), (x, y))).flatten();
+    let color = if wireframe.is_some() { wireframe::line_color(below) } else { below };
+    let mut report = PixelReport {
+        x,
+        y,
+        verdict: String::new(),
+        color,
+        drawn_at: drawn_at.into(),
+        fragments: recorder.finish(),
+        final_depth,
+        sources,
+        wireframe,
+    };
+    report.verdict = verdict(&report, frame.drawn.grid);
+    Some(report)
+}
+
+fn source(scene: &Scene, recipe: &Recipe, frame: &Frame, tap: Tap) -> Option<SourceRecord> {
+    let (color, _) = replay(scene, recipe, frame, (tap.x, tap.y), &mut ())?;
+    Some(SourceRecord { tap, color })
+}
+
+/// The weighted sum of source pixels, rounded half up and clamped: what every upscaler computes.
+fn combine(sources: &[SourceRecord]) -> Rgba8 {
+    std::array::from_fn(|channel| {
+        let sum: f32 = sources.iter().map(|s| s.tap.weight * f32::from(s.color[channel])).sum();
+        (sum + 0.5).floor().clamp(0.0, 255.0) as u8
+    })
+}
+
+/// Draws the sample of one drawn pixel alone: its colour and its stored depth.
+fn replay<O: Observer>(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    (x, y): (u32, u32),
+    observer: &mut O,
+) -> Option<(Rgba8, Option<f32>)> {
+    let grid = frame.drawn.grid;
+    let sample = grid.sample_at(x, y)?;
+    let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
+    let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
+    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut one, observer);
+    Some((one.color.at(0, 0), one.depth.map(|d| d.at(0, 0))))
+}
+
+/// Writes down every fragment of a replay.
+struct Recorder<'a> {
+    scene: &'a Scene,
+    shaders: Vec<Shader<'a>>,
+    frame: &'a Frame,
+    comparison: Comparison,
+    records: Vec<FragmentRecord>,
+}
+
+impl<'a> Recorder<'a> {
+    fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
+        let shaders = scene.instances.iter().zip(&frame.geometry.plans);
+        Self {
+            scene,
+            shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
+            frame,
+            comparison: Comparison::of(&recipe.pipeline),
+            records: Vec::new(),
+        }
+    }
+
+    /// The fragments with their outcomes: of those that were written, the last one is visible.
+    fn finish(mut self) -> Vec<FragmentRecord> {
+        let written: Vec<usize> =
+            (0..self.records.len()).filter(|i| self.records[*i].outcome != Outcome::DepthRejected).collect();
+        for pair in written.windows(2) {
+            let winner = (self.records[pair[1]].triangle, self.records[pair[1]].depth);
+            let loser = &mut self.records[pair[0]];
+            loser.outcome = Outcome::Overwritten;
+            loser.reason = format!("written, then replaced by triangle {} at depth {}", winner.0.0, winner.1);
+        }
+        self.records
+    }
+
+    fn submission(&self, triangle: &ScreenTriangle) -> usize {
+        let all = &self.frame.geometry.triangles;
+        let first = all.partition_point(|t| t.id < triangle.id);
+        all[first..].iter().position(|t| t == triangle).map_or(first, |offset| first + offset)
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        let submission = self.submission(triangle);
+        self.records.push(FragmentRecord {
+            triangle: triangle.id,
+            instance: self.scene.instances[triangle.instance as usize].name.clone(),
+            submission,
+            outcome: Outcome::Visible,
+            reason: "written: there is no depth test".to_owned(),
+            corners_px: triangle.vertices.each_ref().map(|v| [to_pixels(v.x.into()), to_pixels(v.y.into())]),
+            edges: sample.edges,
+            doubled_area: triangle.edges.doubled_area(),
+            affine_weights: affine_weights(triangle, sample),
+            attribute_weights: attribute_weights(triangle, sample),
+            inv_w: triangle.vertices.each_ref().map(|v| v.inv_w),
+            corner_depths: triangle.vertices.each_ref().map(|v| v.depth),
+            depth: depth_at(triangle, sample),
+            stored_depth: None,
+            shading: None,
+        });
+    }
+
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+        let Some(record) = self.records.last_mut() else { return };
+        record.stored_depth = Some(outcome.stored);
+        let (new, stored, symbol) = (outcome.new, outcome.stored, self.comparison.symbol());
+        if outcome.passed {
+            record.reason = match self.comparison {
+                Comparison::Always => format!("written: the test lets everything pass ({new} over {stored})"),
+                _ => format!("written: {new} {symbol} {stored}"),
+            };
+        } else {
+            record.outcome = Outcome::DepthRejected;
+            record.reason = format!("lost the depth test: not {new} {symbol} {stored}");
+        }
+    }
+
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
+        let shader = &self.shaders[triangle.instance as usize];
+        if let Some(record) = self.records.last_mut() {
+            record.shading = Some(shading_record(shader, fragment, color));
+        }
+    }
+}
+
+fn shading_record(shader: &Shader<'_>, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
+    let texels = shader.texture_for(fragment).map_or_else(Vec::new, |texture| {
+        let (taps, count) = shader.sampler().taps(texture.size(), fragment.uv);
+        taps[..count].iter().map(|tap| TexelRecord { tap: *tap, color: texture.at(tap.x, tap.y) }).collect()
+    });
+    ShadingRecord {
+        uv: fragment.uv.into(),
+        normal: shader.unit_normal(fragment).into(),
+        cosine: shader.cosine(fragment),
+        light: shader.light(fragment),
+        texels,
+        color,
+    }
+}
+
+/// What happened at a pixel, in one sentence.
+fn verdict(report: &PixelReport, grid: SampleGrid) -> String {
+    let story = fragment_verdict(&report.fragments);
+    if let Some(triangle) = report.wireframe {
+        return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
+    }
+    if grid.sample_at(report.x, report.y).is_some() {
+        return story;
+    }
+    let [x, y] = report.drawn_at;
+    let count = report.sources.len();
+    let made_of =
+        if count == 1 { "copied from one drawn pixel".to_owned() } else { format!("mixed from {count} drawn pixels") };
+    format!("Not drawn: {made_of}. The weightiest, ({x}, {y}): {story}")
+}
+
+fn fragment_verdict(fragments: &[FragmentRecord]) -> String {
+    let Some(winner) = fragments.iter().find(|f| f.outcome == Outcome::Visible) else {
+        return match fragments.len() {
+            0 => "Background: no triangle covers this pixel's centre.".to_owned(),
+            1 => "Background: the one triangle here lost the depth test.".to_owned(),
+            n => format!("Background: all {n} triangles here lost the depth test."),
+        };
+    };
+    let name = format!("triangle {} of “{}”", winner.triangle.0, winner.instance);
+    let rivals = fragments.len() - 1;
+    let closest =
+        fragments.iter().filter(|f| !std::ptr::eq(*f, winner)).map(|f| ulps_apart(f.depth, winner.depth)).min();
+    match (rivals, closest, winner.stored_depth) {
+        (0, _, _) => format!("Won by {name}, the only one here."),
+        (_, _, None) => format!("Won by {name}, drawn last of {} (no depth test).", rivals + 1),
+        (_, Some(0), Some(_)) => {
+            format!("Depth tie: {name} and another triangle have the very same depth; drawing order decides.")
+        }
+        (_, Some(ulps), Some(_)) if ulps <= Z_FIGHT_ULPS => {
+            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest steps a float can make.")
+        }
+        (1, _, _) => format!("Won by {name} against one other."),
+        (_, _, _) => format!("Won by {name} against {rivals} others."),
+    }
+}
+
+/// Depths this close differ by no more than rounding: three values of three roundings each.
+const Z_FIGHT_ULPS: u32 = 8;
+
+/// How many floats lie between two depths in [0, 1].
+fn ulps_apart(a: f32, b: f32) -> u32 {
+    a.to_bits().abs_diff(b.to_bits())
+}
+
+/// Where the sample of a full-picture pixel lies, in px.
+pub fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
+    [x, y].map(|c| to_pixels(i64::from(c) * SUBPIXELS + HALF_PIXEL))
+}

@@ -1,0 +1,251 @@
+//! Clipping in homogeneous space, before the division by w: a triangle that reaches behind the eye would otherwise be
+//! mirrored, and no test on pixels could mend that.
+//!
+//! Sutherland and Hodgman's polygon clipping (CACM 17(1), 1974), plane by plane, and only against planes that a
+//! triangle really crosses. Left, right, top and bottom are widened to a guard band: what is merely off screen is the
+//! rasterizer's business (it clamps to the picture), and only coordinates too large for exact edge functions are cut.
+//!
+//! A cut is always computed from the inside vertex towards the outside one, so two triangles that share an edge get
+//! bit-identical new vertices and stay watertight.
+
+use glam::{Vec3, Vec4};
+
+use super::observe::{Fate, Observer};
+use super::vertex::ClipVertex;
+use crate::scene::TriangleId;
+
+/// Half the width of the guard band in pixels: screen coordinates stay within ±2¹⁵ px of the picture's centre. f32 still
+/// resolves 1/256 px there, and edge functions of such coordinates need 49 bits of an i64.
+pub const GUARD_BAND_PX: f32 = 32_768.0;
+
+/// A side of the view frustum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// z ≥ 0.
+    Near,
+    /// z ≤ w.
+    Far,
+    /// x ≥ −w.
+    Left,
+    /// x ≤ w.
+    Right,
+    /// y ≥ −w.
+    Bottom,
+    /// y ≤ w.
+    Top,
+}
+
+impl Plane {
+    /// All planes, in the order of clipping: depth first, so that w > 0 when the sides are cut.
+    pub const ALL: [Self; 6] = [Self::Near, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
+
+    /// Signed distance in units of clip space, ≥ 0 inside. The four sides are moved out by the factor `widening`.
+    #[inline]
+    pub fn distance(self, p: Vec4, widening: f32) -> f32 {
+        match self {
+            Self::Near => p.z,
+            Self::Far => p.w - p.z,
+            Self::Left => p.w * widening + p.x,
+            Self::Right => p.w * widening - p.x,
+            Self::Bottom => p.w * widening + p.y,
+            Self::Top => p.w * widening - p.y,
+        }
+    }
+}
+
+/// A triangle inside the guard band: whole, or a piece of one that was cut.
+#[derive(Clone, Copy, Debug)]
+pub struct ClippedTriangle {
+    /// The triangle of the scene that it comes from.
+    pub id: TriangleId,
+    /// Its corners.
+    pub vertices: [ClipVertex; 3],
+}
+
+/// How far the sides are moved out, as a factor of w, for a picture of `width` × `height` px.
+pub fn guard_band_widening(width: u32, height: u32) -> f32 {
+    (2.0 * GUARD_BAND_PX / width.max(height) as f32).max(1.0)
+}
+
+/// Clips all triangles of a draw; `first` is the identifier of the first one.
+///
+/// With `needed` false (the whole object is inside) nothing is tested. Output order is input order.
+pub fn clip<O: Observer>(
+    vertices: &[ClipVertex],
+    triangles: &[[u32; 3]],
+    first: TriangleId,
+    needed: bool,
+    widening: f32,
+    observer: &mut O,
+) -> Vec<ClippedTriangle> {
+    let mut out = Vec::with_capacity(triangles.len());
+    let mut polygon = Polygon::default();
+    for (index, corners) in triangles.iter().enumerate() {
+        let id = TriangleId(first.0 + index as u32);
+        let mut triangle = corners.map(|c| vertices[c as usize]);
+        for (corner, vertex) in triangle.iter_mut().enumerate() {
+            vertex.varyings.source_weights = Vec3::AXES[corner];
+        }
+        if !needed {
+            out.push(ClippedTriangle { id, vertices: triangle });
+            continue;
+        }
+        match polygon.clip(&triangle, widening) {
+            Err(fate) => observer.rejected(id, fate),
+            Ok(Cut::Whole) => out.push(ClippedTriangle { id, vertices: triangle }),
+            Ok(Cut::Pieces) => {
+                observer.clipped(id, polygon.vertices.len() - 2);
+                out.extend(polygon.fan().map(|vertices| ClippedTriangle { id, vertices }));
+            }
+        }
+    }
+    out
+}
+
+/// What clipping made of a triangle that is still there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cut {
+    /// It crosses no plane.
+    Whole,
+    /// It was cut; the polygon holds what is left.
+    Pieces,
+}
+
+/// The polygon that is being clipped, with memory kept from triangle to triangle.
+#[derive(Clone, Debug, Default)]
+pub struct Polygon {
+    vertices: Vec<ClipVertex>,
+    next: Vec<ClipVertex>,
+}
+
+impl Polygon {
+    /// Clips one triangle.
+    pub fn clip(&mut self, triangle: &[ClipVertex; 3], widening: f32) -> Result<Cut, Fate> {
+        if !triangle.iter().all(|v| v.position.is_finite()) {
+            return Err(Fate::NotFinite);
+        }
+        let all_beyond = |plane: &Plane| triangle.iter().all(|v| plane.distance(v.position, 1.0) < 0.0);
+        if Plane::ALL.iter().any(all_beyond) {
+            return Err(Fate::Outside);
+        }
+        let crosses = |plane: &Plane| triangle.iter().any(|v| plane.distance(v.position, widening) < 0.0);
+        if !Plane::ALL.iter().any(crosses) {
+            return if triangle.iter().all(|v| v.position.w > 0.0) { Ok(Cut::Whole) } else { Err(Fate::ClippedAway) };
+        }
+        self.vertices.clear();
+        self.vertices.extend_from_slice(triangle);
+        for plane in Plane::ALL.into_iter().filter(crosses) {
+            self.cut(plane, widening);
+        }
+        let left = self.vertices.len() >= 3 && self.vertices.iter().all(|v| v.position.w > 0.0);
+        if left { Ok(Cut::Pieces) } else { Err(Fate::ClippedAway) }
+    }
+
+    /// The polygon's vertices, in the triangle's winding.
+    pub fn vertices(&self) -> &[ClipVertex] {
+        &self.vertices
+    }
+
+    /// The convex polygon as triangles around its first vertex.
+    fn fan(&self) -> impl Iterator<Item = [ClipVertex; 3]> {
+        let first = self.vertices[0];
+        self.vertices[1..].windows(2).map(move |pair| [first, pair[0], pair[1]])
+    }
+
+    fn cut(&mut self, plane: Plane, widening: f32) {
+        self.next.clear();
+        for (i, a) in self.vertices.iter().enumerate() {
+            let b = &self.vertices[(i + 1) % self.vertices.len()];
+            let (da, db) = (plane.distance(a.position, widening), plane.distance(b.position, widening));
+            if da >= 0.0 {
+                self.next.push(*a);
+            }
+            if da >= 0.0 && db < 0.0 {
+                self.next.push(crossing(a, b, da, db));
+            } else if da < 0.0 && db >= 0.0 {
+                self.next.push(crossing(b, a, db, da));
+            }
+        }
+        std::mem::swap(&mut self.vertices, &mut self.next);
+    }
+}
+
+/// The point where the edge from `inside` to `outside` meets the plane, given their distances.
+fn crossing(inside: &ClipVertex, outside: &ClipVertex, d_inside: f32, d_outside: f32) -> ClipVertex {
+    // In f64: distances of the largest magnitude must not overflow in the difference.
+    let t = (f64::from(d_inside) / (f64::from(d_inside) - f64::from(d_outside))) as f32;
+    let position =
+        inside.position.as_dvec4() + (outside.position.as_dvec4() - inside.position.as_dvec4()) * f64::from(t);
+    ClipVertex { position: position.as_vec4(), varyings: inside.varyings.lerp(&outside.varyings, t) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::vertex::Varyings;
+
+    fn vertex(x: f32, y: f32, z: f32, w: f32) -> ClipVertex {
+        ClipVertex { position: Vec4::new(x, y, z, w), varyings: Varyings::default() }
+    }
+
+    fn clip_one(triangle: [ClipVertex; 3]) -> (Result<Cut, Fate>, Vec<ClipVertex>) {
+        let mut polygon = Polygon::default();
+        let cut = polygon.clip(&triangle, 2.0);
+        (cut, polygon.vertices)
+    }
+
+    #[test]
+    fn inside_stays_whole_and_outside_goes() {
+        let inside = [vertex(0.0, 0.0, 0.5, 1.0), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)];
+        assert_eq!(clip_one(inside).0, Ok(Cut::Whole));
+        let beyond = inside.map(|v| vertex(v.position.x, v.position.y, -0.1, 1.0));
+        assert_eq!(clip_one(beyond).0, Err(Fate::Outside));
+    }
+
+    #[test]
+    fn one_vertex_behind_the_near_plane_leaves_a_quad_in_front() {
+        let (cut, left) =
+            clip_one([vertex(0.0, 0.0, 0.5, 1.0), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, -0.5, -0.1)]);
+        assert_eq!(cut, Ok(Cut::Pieces));
+        assert_eq!(left.len(), 4);
+        assert!(left.iter().all(|v| v.position.z >= -1e-7 && v.position.w > 0.0));
+    }
+
+    #[test]
+    fn a_shared_edge_is_cut_at_the_same_bits_from_both_sides() {
+        let (a, b) = (vertex(0.1, 0.2, 0.7, 1.1), vertex(-0.3, 0.9, -0.37, 0.6));
+        let (c, d) = (vertex(0.4, 0.4, 0.3, 1.0), vertex(-0.5, 0.1, 0.2, 1.3));
+        let on_plane = |vertices: Vec<ClipVertex>| -> Vec<[u32; 4]> {
+            vertices
+                .iter()
+                .filter(|v| v.position.z.abs() < 1e-6)
+                .map(|v| v.position.to_array().map(f32::to_bits))
+                .collect()
+        };
+        let (one, two) = (on_plane(clip_one([a, b, c]).1), on_plane(clip_one([b, a, d]).1));
+        assert!(one.iter().any(|p| two.contains(p)), "{one:?} {two:?}");
+    }
+
+    #[test]
+    fn nan_and_infinity_have_a_fate() {
+        for bad in [f32::NAN, f32::INFINITY] {
+            let triangle = [vertex(bad, 0.0, 0.5, 1.0), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)];
+            assert_eq!(clip_one(triangle).0, Err(Fate::NotFinite));
+        }
+    }
+
+    #[test]
+    fn the_largest_coordinates_come_out_within_the_guard_band() {
+        let (cut, left) =
+            clip_one([vertex(0.0, 0.0, 0.5, 1.0), vertex(3e38, 0.0, 0.5, 1.0), vertex(0.0, 3e38, 0.5, 1.0)]);
+        assert_eq!(cut, Ok(Cut::Pieces));
+        let widest = left.iter().map(|v| (v.position.x / v.position.w).abs().max((v.position.y / v.position.w).abs()));
+        assert!(widest.fold(0.0, f32::max) <= 2.0001);
+    }
+
+    #[test]
+    fn zero_w_never_survives() {
+        let triangle = [vertex(0.0, 0.0, 0.0, 0.0), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)];
+        assert_eq!(clip_one(triangle).0, Err(Fate::ClippedAway));
+    }
+}

@@ -1,0 +1,70 @@
+//! Weights of the three vertices at a sample, and attributes from them.
+//!
+//! Screen-space (affine) weights are the edge values over the doubled area. Perspective-correct weights are
+//! (λᵢ/wᵢ) / Σ(λⱼ/wⱼ) (Low, "Perspective-Correct Interpolation", 2002); here eᵢ·rᵢ / Σ eⱼ·rⱼ, where rᵢ is 1/wᵢ relative
+//! to the largest. With equal w every rᵢ is exactly 1, so leaving the division out changes no bit.
+//!
+//! All three weights are computed from their own edge and divided by their *sum*: none absorbs the error of the others.
+//! Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which returns a constant exactly.
+
+use glam::{Vec2, Vec3};
+
+use super::raster::Sample;
+use super::viewport::ScreenTriangle;
+
+/// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
+#[inline]
+pub fn affine_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
+    let inverse_area = 1.0 / triangle.edges.doubled_area() as f32;
+    sample.edges.map(|e| e as f32 * inverse_area)
+}
+
+/// Weights for attributes at a sample, divided by their sum.
+#[inline]
+pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
+    let [r0, r1, r2] = triangle.relative_inv_w;
+    let q = [sample.edges[0] as f32 * r0, sample.edges[1] as f32 * r1, sample.edges[2] as f32 * r2];
+    let inverse_sum = 1.0 / (q[0] + q[1] + q[2]);
+    q.map(|q| q * inverse_sum)
+}
+
+/// Everything that shading reads at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fragment {
+    /// The sample.
+    pub sample: Sample,
+    /// Depth as it is stored.
+    pub depth: f32,
+    /// Weights of the three corners for attributes.
+    pub weights: [f32; 3],
+    /// World-space normal, not normalised.
+    pub normal: Vec3,
+    /// Texture coordinates, v down.
+    pub uv: Vec2,
+    /// Vertex colour, in the numbers that light is computed in.
+    pub color: Vec3,
+    /// Light interpolated from the vertices (Gouraud only).
+    pub light: f32,
+    /// Weights of the corners of the triangle before clipping.
+    pub source_weights: Vec3,
+}
+
+/// Interpolates the attributes of a covered sample.
+#[inline]
+pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, depth: f32) -> Fragment {
+    let weights = attribute_weights(triangle, &sample);
+    let [_, p1, p2] = weights;
+    let [a, b, c] = triangle.vertices.each_ref().map(|v| &v.varyings);
+    Fragment {
+        sample,
+        depth,
+        weights,
+        normal: a.normal + (b.normal - a.normal) * p1 + (c.normal - a.normal) * p2,
+        uv: a.uv + (b.uv - a.uv) * p1 + (c.uv - a.uv) * p2,
+        color: a.color + (b.color - a.color) * p1 + (c.color - a.color) * p2,
+        light: a.light + (b.light - a.light) * p1 + (c.light - a.light) * p2,
+        source_weights: a.source_weights
+            + (b.source_weights - a.source_weights) * p1
+            + (c.source_weights - a.source_weights) * p2,
+    }
+}

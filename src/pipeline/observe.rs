@@ -1,0 +1,134 @@
+//! Watching the pipeline without slowing it down.
+//!
+//! Stages are generic over an [`Observer`] whose hooks do nothing by default; `()` is the one that watches nothing, and
+//! its hooks vanish when the stage is compiled for it. Nothing in a loop asks at run time whether anybody is watching.
+//! What can be had by calling a stage again (matrices, clipped polygons) has no hook: the inspector calls the stage.
+
+use serde::Serialize;
+
+use super::interpolate::Fragment;
+use super::raster::Sample;
+use super::viewport::ScreenTriangle;
+use crate::image::Rgba8;
+use crate::scene::TriangleId;
+
+/// Why a triangle never reached the rasterizer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fate {
+    /// All three vertices lie beyond the same plane of the view frustum.
+    Outside,
+    /// A vertex became NaN or infinite.
+    NotFinite,
+    /// Clipping left nothing.
+    ClippedAway,
+    /// Its snapped corners lie on one line.
+    ZeroArea,
+    /// It turns its back, and back faces are culled.
+    BackFacing,
+    /// It faces the viewer, and front faces are culled.
+    FrontFacing,
+}
+
+impl Fate {
+    /// All fates, in the order in which the stages deal them out.
+    pub const ALL: [Self; 6] =
+        [Self::Outside, Self::NotFinite, Self::ClippedAway, Self::ZeroArea, Self::BackFacing, Self::FrontFacing];
+
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Outside => "outside the view",
+            Self::NotFinite => "not finite",
+            Self::ClippedAway => "clipped away",
+            Self::ZeroArea => "zero area",
+            Self::BackFacing => "back-facing",
+            Self::FrontFacing => "front-facing",
+        }
+    }
+}
+
+/// One comparison with the depth buffer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthOutcome {
+    /// Depth of the fragment.
+    pub new: f32,
+    /// What the buffer held.
+    pub stored: f32,
+    /// Whether the fragment goes on.
+    pub passed: bool,
+}
+
+/// Hooks along the pipeline, all empty by default.
+pub trait Observer {
+    /// A triangle of the scene ended before the rasterizer.
+    fn rejected(&mut self, _id: TriangleId, _fate: Fate) {}
+
+    /// A triangle crossed a plane and was cut into `pieces` triangles.
+    fn clipped(&mut self, _id: TriangleId, _pieces: usize) {}
+
+    /// The rasterizer looked at `samples` samples for one triangle.
+    fn visited(&mut self, _samples: u64) {}
+
+    /// A sample lies inside a triangle.
+    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {}
+
+    /// A covered sample was compared with the depth buffer.
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, _outcome: DepthOutcome) {}
+
+    /// A fragment was shaded and written.
+    fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {}
+}
+
+/// Watches nothing, at no cost.
+impl Observer for () {}
+
+/// Counts what happens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counters {
+    /// Triangles by fate, in the order of [`Fate::ALL`].
+    pub rejected: [u64; Fate::ALL.len()],
+    /// Triangles that crossed a plane.
+    pub clipped: u64,
+    /// Samples that the rasterizer looked at.
+    pub visited: u64,
+    /// Samples inside a triangle, over all triangles.
+    pub covered: u64,
+    /// Covered samples that passed the depth test.
+    pub passed: u64,
+    /// Fragments shaded and written.
+    pub shaded: u64,
+}
+
+impl Counters {
+    /// Triangles that met `fate`.
+    pub fn fate(&self, fate: Fate) -> u64 {
+        Fate::ALL.iter().zip(self.rejected).find(|(f, _)| **f == fate).map_or(0, |(_, n)| n)
+    }
+}
+
+impl Observer for Counters {
+    fn rejected(&mut self, _id: TriangleId, fate: Fate) {
+        self.rejected[fate as usize] += 1;
+    }
+
+    fn clipped(&mut self, _id: TriangleId, _pieces: usize) {
+        self.clipped += 1;
+    }
+
+    fn visited(&mut self, samples: u64) {
+        self.visited += samples;
+    }
+
+    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {
+        self.covered += 1;
+    }
+
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+        self.passed += u64::from(outcome.passed);
+    }
+
+    fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {
+        self.shaded += 1;
+    }
+}

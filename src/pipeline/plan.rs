@@ -1,0 +1,170 @@
+//! What a draw needs, and what is left out of it, each with its reason.
+//!
+//! A plan is made once per draw from mesh, material, view and settings; the stages read it instead of finding out per
+//! triangle or per pixel. Leaving a part out never changes the picture.
+
+use serde::Serialize;
+
+use super::settings::{DepthTest, Interpolation, Settings, Shading};
+use crate::scene::{Camera, Instance, Library, Projection};
+
+/// A part of the work that a draw may not need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Part {
+    /// Transforming vertices, and everything after.
+    Vertices,
+    /// Cutting at the planes of the frustum.
+    Clipping,
+    /// Telling front from back.
+    Culling,
+    /// Comparing with, and storing to, the depth buffer.
+    Depth,
+    /// Dividing weights by w.
+    PerspectiveDivision,
+    /// Setting up and interpolating texture coordinates.
+    TextureCoordinates,
+    /// Transforming and interpolating normals.
+    Normals,
+    /// Interpolating vertex colours.
+    VertexColors,
+    /// Reading texels.
+    Texels,
+    /// Computing light.
+    Light,
+}
+
+impl Part {
+    /// All parts, in the order of the stages.
+    pub const ALL: [Self; 10] = [
+        Self::Vertices,
+        Self::Clipping,
+        Self::Culling,
+        Self::Depth,
+        Self::PerspectiveDivision,
+        Self::TextureCoordinates,
+        Self::Normals,
+        Self::VertexColors,
+        Self::Texels,
+        Self::Light,
+    ];
+
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Vertices => "Vertices",
+            Self::Clipping => "Clipping",
+            Self::Culling => "Culling",
+            Self::Depth => "Depth buffer",
+            Self::PerspectiveDivision => "Perspective division",
+            Self::TextureCoordinates => "Texture coordinates",
+            Self::Normals => "Normals",
+            Self::VertexColors => "Vertex colours",
+            Self::Texels => "Texture reads",
+            Self::Light => "Light",
+        }
+    }
+}
+
+/// Whether a part runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Step {
+    /// It is needed.
+    Run,
+    /// It is not, because …
+    LeftOut(&'static str),
+}
+
+impl Step {
+    /// Runs if there is no reason against it.
+    fn unless(reason: Option<&'static str>) -> Self {
+        reason.map_or(Self::Run, Self::LeftOut)
+    }
+
+    /// Whether the part runs.
+    pub fn runs(self) -> bool {
+        self == Self::Run
+    }
+}
+
+/// Where the box around a mesh lies with respect to the frustum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Containment {
+    /// Wholly beyond one plane.
+    Outside,
+    /// Wholly inside all planes.
+    Inside,
+    /// Neither is certain.
+    Crossing,
+}
+
+/// The plan of one draw: a step for every [`Part`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct DrawPlan {
+    steps: [Step; Part::ALL.len()],
+}
+
+impl DrawPlan {
+    /// Decides for one instance.
+    pub fn new(
+        library: &Library,
+        instance: &Instance,
+        camera: &Camera,
+        settings: &Settings,
+        containment: Containment,
+    ) -> Self {
+        let outside = (containment == Containment::Outside).then_some("the whole object is outside the view");
+        let steps = Part::ALL.map(|part| {
+            Step::unless(outside.or_else(|| left_out(part, library, instance, camera, settings, containment)))
+        });
+        Self { steps }
+    }
+
+    /// The step of a part.
+    pub fn step(&self, part: Part) -> Step {
+        self.steps[part as usize]
+    }
+
+    /// Whether a part runs.
+    pub fn runs(&self, part: Part) -> bool {
+        self.step(part).runs()
+    }
+}
+
+/// The reason for which a draw that is not outside does without `part`.
+fn left_out(
+    part: Part,
+    library: &Library,
+    instance: &Instance,
+    camera: &Camera,
+    settings: &Settings,
+    containment: Containment,
+) -> Option<&'static str> {
+    let mesh = library.mesh(instance.mesh);
+    let material = library.material(instance.material);
+    let shading = settings.shading;
+    let reads_albedo = matches!(shading, Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel);
+    let lit = matches!(shading, Shading::Gouraud | Shading::Lambert | Shading::Cel);
+    let textured = material.texture.is_some() || (shading == Shading::Cel && material.dark_texture.is_some());
+    match part {
+        Part::Vertices => None,
+        Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
+        Part::Culling => (settings.culling == super::settings::Culling::None).then_some("culling is off"),
+        Part::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
+        Part::PerspectiveDivision if settings.interpolation == Interpolation::Affine => Some("interpolation is affine"),
+        Part::PerspectiveDivision => {
+            matches!(camera.projection, Projection::Orthographic { .. }).then_some("all w are equal: orthographic view")
+        }
+        Part::TextureCoordinates | Part::Texels if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
+        Part::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
+        Part::TextureCoordinates | Part::Texels if !reads_albedo => Some("this shading reads no texture"),
+        Part::TextureCoordinates | Part::Texels => (!textured).then_some("the material has no texture"),
+        Part::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
+        Part::VertexColors if mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
+        Part::VertexColors => {
+            (!reads_albedo && shading != Shading::VertexColor).then_some("this shading reads no vertex colour")
+        }
+        Part::Light => (!lit).then_some("this shading is unlit"),
+    }
+}

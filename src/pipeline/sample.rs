@@ -1,0 +1,167 @@
+//! Texture sampling: from texture coordinates to texels and their weights.
+//!
+//! A coordinate is first brought into [0, 1] by its addressing mode, so that neither 10³⁰ nor an infinity reaches the
+//! integers; NaN reads texel 0. Then x = u·width − 0.5, so that texel centres sit at half-integers, and neighbours beyond
+//! the border wrap (repeat) or stay (clamp, mirror).
+
+use glam::{Vec2, Vec3};
+use serde::Serialize;
+
+use super::settings::{Address, ColorSpace, Filter};
+use crate::image::color::decode_byte;
+use crate::image::{Image, Rgba8};
+
+/// One texel and its share in a sample.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct TexelTap {
+    /// Column.
+    pub x: u32,
+    /// Row, from the top.
+    pub y: u32,
+    /// Its share; the shares of a sample sum to one.
+    pub weight: f32,
+}
+
+/// How textures are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampler {
+    /// Between texels.
+    pub filter: Filter,
+    /// Outside of [0, 1].
+    pub address: Address,
+    /// In which numbers texels are mixed.
+    pub color_space: ColorSpace,
+}
+
+impl Sampler {
+    /// Colour at `uv` (v down): linear light or sRGB values by the sampler's colour space, in [0, 1].
+    #[inline]
+    pub fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
+        let (taps, count) = self.taps(texture.size(), uv);
+        let mut sum = self.texel(texture, &taps[0]) * taps[0].weight;
+        for tap in &taps[1..count] {
+            sum += self.texel(texture, tap) * tap.weight;
+        }
+        sum
+    }
+
+    /// The texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
+    #[inline]
+    pub fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
+        let (u, v) = (bring_into_unit(uv.x, self.address), bring_into_unit(uv.y, self.address));
+        let mut taps = [TexelTap::default(); 4];
+        match self.filter {
+            Filter::Point => {
+                let (x, y) = (nearest(u, width), nearest(v, height));
+                taps[0] = TexelTap { x, y, weight: 1.0 };
+                (taps, 1)
+            }
+            Filter::Bilinear => {
+                let ((x0, x1), tx) = neighbours(u, width, self.address);
+                let ((y0, y1), ty) = neighbours(v, height, self.address);
+                taps[0] = TexelTap { x: x0, y: y0, weight: (1.0 - tx) * (1.0 - ty) };
+                taps[1] = TexelTap { x: x1, y: y0, weight: tx * (1.0 - ty) };
+                taps[2] = TexelTap { x: x0, y: y1, weight: (1.0 - tx) * ty };
+                taps[3] = TexelTap { x: x1, y: y1, weight: tx * ty };
+                (taps, 4)
+            }
+        }
+    }
+
+    #[inline]
+    fn texel(self, texture: &Image<Rgba8>, tap: &TexelTap) -> Vec3 {
+        let [r, g, b, _] = texture.at(tap.x, tap.y);
+        match self.color_space {
+            ColorSpace::Linear => Vec3::new(decode_byte(r), decode_byte(g), decode_byte(b)),
+            ColorSpace::Bytes => Vec3::new(f32::from(r), f32::from(g), f32::from(b)) * (1.0 / 255.0),
+        }
+    }
+}
+
+/// The coordinate in [0, 1] that means the same under an addressing mode.
+#[inline]
+fn bring_into_unit(u: f32, address: Address) -> f32 {
+    let unit = match address {
+        Address::Clamp => u.clamp(0.0, 1.0),
+        Address::Repeat => u - u.floor(),
+        Address::Mirror => {
+            let period = u - 2.0 * (u * 0.5).floor();
+            if period > 1.0 { 2.0 - period } else { period }
+        }
+    };
+    // Infinity minus infinity is NaN; so is NaN itself.
+    if unit.is_nan() { 0.0 } else { unit }
+}
+
+#[inline]
+fn nearest(unit: f32, size: u32) -> u32 {
+    ((unit * size as f32) as u32).min(size - 1)
+}
+
+/// The two texels around a coordinate in [0, 1] and the weight of the second one.
+#[inline]
+fn neighbours(unit: f32, size: u32, address: Address) -> ((u32, u32), f32) {
+    let position = unit * size as f32 - 0.5;
+    let below = position.floor();
+    let weight = position - below;
+    let last = size as i32 - 1;
+    let (i0, i1) = (below as i32, below as i32 + 1);
+    let bring_inside = |i: i32| match address {
+        Address::Repeat if i < 0 => last,
+        Address::Repeat if i > last => 0,
+        _ => i.clamp(0, last),
+    };
+    ((bring_inside(i0) as u32, bring_inside(i1) as u32), weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::Choice as _;
+
+    fn ramp() -> Image<Rgba8> {
+        Image::from_fn(4, 1, |x, _| [x as u8 * 80, 0, 0, 255])
+    }
+
+    fn red(filter: Filter, address: Address, u: f32) -> f32 {
+        Sampler { filter, address, color_space: ColorSpace::Bytes }.sample(&ramp(), Vec2::new(u, 0.5)).x * 255.0
+    }
+
+    #[test]
+    fn texel_centres_read_the_texel_itself() {
+        for filter in Filter::ALL {
+            for address in Address::ALL {
+                for texel in 0..4 {
+                    let read = red(*filter, *address, (texel as f32 + 0.5) / 4.0);
+                    assert!((read - texel as f32 * 80.0).abs() < 1e-3, "{filter:?} {address:?} {texel}: {read}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn halfway_between_centres_is_the_mean() {
+        assert!((red(Filter::Bilinear, Address::Clamp, 0.25) - 40.0).abs() < 1e-3);
+        assert!((red(Filter::Bilinear, Address::Repeat, 0.0) - 120.0).abs() < 1e-3, "first and last texel meet");
+        assert!((red(Filter::Bilinear, Address::Mirror, 0.0) - 0.0).abs() < 1e-3, "the border meets itself");
+    }
+
+    #[test]
+    fn addressing_outside() {
+        assert_eq!(red(Filter::Point, Address::Clamp, 7.0).round(), 240.0);
+        assert_eq!(red(Filter::Point, Address::Repeat, -0.1).round(), 240.0);
+        assert_eq!(red(Filter::Point, Address::Mirror, -0.1).round(), 0.0);
+        assert_eq!(red(Filter::Point, Address::Mirror, 1.1).round(), 240.0);
+    }
+
+    #[test]
+    fn no_coordinate_is_too_hostile() {
+        for u in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, f32::MIN_POSITIVE, -1e-30] {
+            for filter in Filter::ALL {
+                for address in Address::ALL {
+                    assert!(red(*filter, *address, u).is_finite(), "{u} {filter:?} {address:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,224 @@
+//! Every decision of the pipeline as plain data: one enum per decision, each variant with the name and the one
+//! sentence that menus, tooltips and the command line show.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// A closed set of alternatives that a person picks from.
+pub trait Choice: Copy + PartialEq + 'static {
+    /// All alternatives, in the order in which menus list them.
+    const ALL: &'static [Self];
+
+    /// The word in files and on the command line; kebab case.
+    fn id(self) -> &'static str;
+
+    /// What a person calls it.
+    fn name(self) -> &'static str;
+
+    /// One sentence: what it does.
+    fn help(self) -> &'static str;
+}
+
+/// Declares an enum of alternatives with id, name and help, and its [`Choice`].
+macro_rules! choice {
+    ($(#[$meta:meta])* $enum:ident { $($variant:ident = $id:literal, $name:literal, $help:literal;)+ }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        pub enum $enum {
+            $(#[doc = $help] #[serde(rename = $id)] $variant,)+
+        }
+
+        impl Choice for $enum {
+            const ALL: &'static [Self] = &[$(Self::$variant),+];
+
+            fn id(self) -> &'static str {
+                match self { $(Self::$variant => $id),+ }
+            }
+
+            fn name(self) -> &'static str {
+                match self { $(Self::$variant => $name),+ }
+            }
+
+            fn help(self) -> &'static str {
+                match self { $(Self::$variant => $help),+ }
+            }
+        }
+    };
+}
+
+pub(crate) use choice;
+
+choice! {
+    /// Which triangles are dropped because of the side that they show.
+    Culling {
+        None = "none", "None", "Both sides are drawn.";
+        Back = "back", "Back", "Triangles that turn their back are dropped: in a closed body they are always hidden, and half the work is saved.";
+        Front = "front", "Front", "Triangles that face the viewer are dropped: one looks into bodies.";
+    }
+}
+
+choice! {
+    /// Who owns a pixel centre that lies exactly on an edge.
+    FillRule {
+        TopLeft = "top-left", "Top-left", "A centre on an edge belongs to the triangle whose top or left edge it is. Shared edges are drawn exactly once.";
+        TopRight = "top-right", "Top-right", "The mirror of top-left in x. Also draws shared edges exactly once.";
+        BottomLeft = "bottom-left", "Bottom-left", "The mirror of top-left in y, as an API with y up has it. Also draws shared edges exactly once.";
+        BottomRight = "bottom-right", "Bottom-right", "The mirror of top-left in x and y. Also draws shared edges exactly once.";
+        Inclusive = "inclusive", "Inclusive", "Every centre on an edge is drawn. Wrong on purpose: shared edges are drawn twice.";
+        Exclusive = "exclusive", "Exclusive", "No centre on an edge is drawn. Wrong on purpose: shared edges leave cracks.";
+    }
+}
+
+choice! {
+    /// When a fragment may replace what the depth buffer holds. Named for standard depth; reversed depth mirrors it.
+    DepthTest {
+        Off = "off", "Off", "The last triangle drawn wins (painter's order). No depth buffer is kept.";
+        Less = "less", "Less", "Nearer than what is stored wins; at equal depth the first one drawn stays.";
+        LessEqual = "less-equal", "Less or equal", "Nearer wins; at equal depth the last one drawn wins.";
+        Greater = "greater", "Greater", "Farther wins: one sees the back of the scene. The buffer starts at the near plane.";
+        Always = "always", "Always", "Every fragment is written, and so is its depth.";
+    }
+}
+
+choice! {
+    /// What the depth buffer stores.
+    DepthFormat {
+        F32 = "f32", "f32", "z/w as a float, 0 at the near plane and 1 at the far plane. Most of its precision crowds at the near plane.";
+        ReversedF32 = "reversed-f32", "Reversed f32", "z/w as a float, 1 near and 0 far: floats are finest where perspective is coarsest, so far surfaces fight less.";
+    }
+}
+
+choice! {
+    /// How attributes follow the screen.
+    Interpolation {
+        Affine = "affine", "Affine", "Attributes change linearly on the screen: cheap, and wrong in perspective (textures swim and kink).";
+        Perspective = "perspective", "Perspective-correct", "Attributes change linearly in space: weights are divided by w and normalised.";
+    }
+}
+
+choice! {
+    /// What colours a fragment.
+    Shading {
+        Texture = "texture", "Texture, unlit", "Texture × material colour, no light.";
+        VertexColor = "vertex-color", "Vertex colour", "The colours given at the vertices, interpolated, no light.";
+        Gouraud = "gouraud", "Gouraud", "Light is computed at the vertices and interpolated: cheap, and highlights depend on the mesh.";
+        Lambert = "lambert", "Lambert", "The normal is interpolated and light computed in every pixel.";
+        Cel = "cel", "Cel", "Two textures: the light one where N·L > 0.5, the dark one elsewhere.";
+        Checker = "checker", "Checker", "A chess pattern computed from the texture coordinates, no texture read.";
+        Normals = "normals", "Normals", "The unit normal as colour: x, y, z from −1…1 to 0…255.";
+        Uv = "uv", "Texture coordinates", "Fraction of u as red, of v as green.";
+        Barycentric = "barycentric", "Barycentric", "The weights λ0, λ1, λ2 as red, green, blue.";
+        Depth = "depth", "Depth", "The value that the depth buffer would store, as grey.";
+        TriangleId = "triangle-id", "Triangle id", "One colour per triangle, by hashing its number.";
+    }
+}
+
+choice! {
+    /// How a texture is read between texel centres.
+    Filter {
+        Point = "point", "Point", "The nearest texel: sharp squares near, glitter far.";
+        Bilinear = "bilinear", "Bilinear", "The four texels around, weighted by nearness: smooth near, still glitters far.";
+    }
+}
+
+choice! {
+    /// What texture coordinates outside of 0…1 mean.
+    Address {
+        Clamp = "clamp", "Clamp", "The border texel goes on for ever.";
+        Repeat = "repeat", "Repeat", "The texture is laid like tiles.";
+        Mirror = "mirror", "Mirror", "Like tiles, every second one mirrored: no seams.";
+    }
+}
+
+choice! {
+    /// In which numbers light is computed and textures are filtered.
+    ColorSpace {
+        Linear = "linear", "Linear light", "Codes are decoded to linear light first, as physics asks.";
+        Bytes = "bytes", "Bytes", "Directly on the 8-bit codes, as many simple renderers do: light falls off too dark.";
+    }
+}
+
+/// A directional light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Light {
+    /// Towards the light, world space; need not be of unit length.
+    pub direction: Vec3,
+    /// Share of light that reaches every surface, in [0, 1]; the rest goes by the cosine.
+    pub ambient: f32,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self { direction: Vec3::new(0.4, 0.7, 0.6), ambient: 0.2 }
+    }
+}
+
+/// The user's procedural pattern.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Checker {
+    /// Squares per unit of texture coordinate.
+    pub squares: f32,
+    /// sRGB values of the square at the origin.
+    pub even: Vec3,
+    /// sRGB values of the other square.
+    pub odd: Vec3,
+}
+
+impl Default for Checker {
+    fn default() -> Self {
+        Self { squares: 8.0, even: Vec3::splat(0.92), odd: Vec3::splat(0.12) }
+    }
+}
+
+/// All decisions from vertices to drawn pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Facing.
+    pub culling: Culling,
+    /// Ownership of edges.
+    pub fill_rule: FillRule,
+    /// Visibility.
+    pub depth_test: DepthTest,
+    /// Stored depth.
+    pub depth_format: DepthFormat,
+    /// Attributes.
+    pub interpolation: Interpolation,
+    /// Colour.
+    pub shading: Shading,
+    /// Pattern of [`Shading::Checker`].
+    pub checker: Checker,
+    /// Light of the lit shadings.
+    pub light: Light,
+    /// Texture filter.
+    pub filter: Filter,
+    /// Texture addressing.
+    pub address: Address,
+    /// Numbers that light is computed in.
+    pub color_space: ColorSpace,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            culling: Culling::Back,
+            fill_rule: FillRule::TopLeft,
+            depth_test: DepthTest::Less,
+            depth_format: DepthFormat::F32,
+            interpolation: Interpolation::Perspective,
+            shading: Shading::Lambert,
+            checker: Checker::default(),
+            light: Light::default(),
+            filter: Filter::Bilinear,
+            address: Address::Repeat,
+            color_space: ColorSpace::Linear,
+        }
+    }
+}
+
+impl Settings {
+    /// Whether depth is stored reversed.
+    pub fn reversed(&self) -> bool {
+        self.depth_format == DepthFormat::ReversedF32
+    }
+}

@@ -1,0 +1,166 @@
+//! Shading: from interpolated attributes to the colour of a fragment.
+//!
+//! Light is ambient + (1 − ambient)·max(0, N·L), with N normalised after interpolation and L of unit length. Cel shading
+//! takes the light texture where N·L > 0.5 (60° with unit vectors) and the dark one elsewhere. Colours are computed in
+//! linear light, or directly on the codes, by the colour space; the views of single quantities (normals, texture
+//! coordinates, weights …) are codes and know no light.
+
+use glam::Vec3;
+
+use super::interpolate::Fragment;
+use super::plan::{DrawPlan, Part};
+use super::sample::Sampler;
+use super::settings::{ColorSpace, Settings, Shading};
+use crate::image::color::{decode_rgb, encode_byte, quantize};
+use crate::image::{Image, Rgba8};
+use crate::math::unit_or;
+use crate::scene::{Instance, Library, TriangleId};
+
+/// N·L above which cel shading takes the light texture.
+pub const CEL_THRESHOLD: f32 = 0.5;
+
+/// What the light colour is multiplied with on the dark side of a material that has no dark texture.
+pub const CEL_DARK_FACTOR: f32 = 0.45;
+
+/// Light on a surface: ambient + (1 − ambient)·max(0, N·L) for unit vectors.
+#[inline]
+pub fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
+    ambient + (1.0 - ambient) * normal.dot(light_direction).max(0.0)
+}
+
+/// Everything that shading one draw needs: settings, light and the material's textures, looked up once.
+#[derive(Clone, Copy, Debug)]
+pub struct Shader<'a> {
+    settings: &'a Settings,
+    sampler: Sampler,
+    light_direction: Vec3,
+    /// Material colour × tint, in the numbers of the colour space.
+    diffuse: Vec3,
+    texture: Option<&'a Image<Rgba8>>,
+    dark_texture: Option<&'a Image<Rgba8>>,
+    has_vertex_colors: bool,
+}
+
+impl<'a> Shader<'a> {
+    /// For one instance.
+    pub fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
+        let material = library.material(instance.material);
+        let image = |id| library.texture(id).image();
+        let reads_texels = plan.runs(Part::Texels);
+        Self {
+            settings,
+            sampler: Sampler { filter: settings.filter, address: settings.address, color_space: settings.color_space },
+            light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
+            diffuse: to_working_space(material.diffuse * instance.tint, settings.color_space),
+            texture: material.texture.filter(|_| reads_texels).map(image),
+            dark_texture: material.dark_texture.filter(|_| reads_texels).map(image),
+            has_vertex_colors: plan.runs(Part::VertexColors),
+        }
+    }
+
+    /// The texture that is read for a fragment, if any.
+    pub fn texture_for(&self, fragment: &Fragment) -> Option<&'a Image<Rgba8>> {
+        if self.settings.shading == Shading::Cel && !self.is_lit(fragment) {
+            self.dark_texture.or(self.texture)
+        } else {
+            self.texture
+        }
+    }
+
+    /// How that texture is read.
+    pub fn sampler(&self) -> Sampler {
+        self.sampler
+    }
+
+    /// The unit normal of a fragment; +y where it has none.
+    #[inline]
+    pub fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
+        fragment.normal.try_normalize().unwrap_or(Vec3::Y)
+    }
+
+    /// N·L of a fragment, in [−1, 1].
+    #[inline]
+    pub fn cosine(&self, fragment: &Fragment) -> f32 {
+        self.unit_normal(fragment).dot(self.light_direction)
+    }
+
+    /// The factor that light multiplies a fragment's colour with; 1 for unlit shadings.
+    pub fn light(&self, fragment: &Fragment) -> f32 {
+        match self.settings.shading {
+            Shading::Gouraud => fragment.light,
+            Shading::Lambert => lambert(self.unit_normal(fragment), self.light_direction, self.settings.light.ambient),
+            Shading::Cel if self.dark_texture.is_none() && !self.is_lit(fragment) => CEL_DARK_FACTOR,
+            _ => 1.0,
+        }
+    }
+
+    /// Colour of a fragment of triangle `id`; opaque.
+    #[inline]
+    pub fn shade(&self, fragment: &Fragment, id: TriangleId) -> Rgba8 {
+        match self.settings.shading {
+            Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel => {
+                self.encode(self.albedo(fragment) * self.light(fragment))
+            }
+            Shading::VertexColor => self.encode(fragment.color),
+            Shading::Checker => quantized(self.checker(fragment)),
+            Shading::Normals => quantized(self.unit_normal(fragment) * 0.5 + 0.5),
+            Shading::Uv => quantized(Vec3::new(fragment.uv.x.rem_euclid(1.0), fragment.uv.y.rem_euclid(1.0), 0.0)),
+            Shading::Barycentric => quantized(fragment.source_weights),
+            Shading::Depth => quantized(Vec3::splat(fragment.depth)),
+            Shading::TriangleId => id_color(id),
+        }
+    }
+
+    /// Surface colour without light, in the numbers of the colour space.
+    #[inline]
+    fn albedo(&self, fragment: &Fragment) -> Vec3 {
+        let mut albedo = self.diffuse;
+        if self.has_vertex_colors {
+            albedo *= fragment.color;
+        }
+        match self.texture_for(fragment) {
+            Some(texture) => albedo * self.sampler.sample(texture, fragment.uv),
+            None => albedo,
+        }
+    }
+
+    #[inline]
+    fn is_lit(&self, fragment: &Fragment) -> bool {
+        self.cosine(fragment) > CEL_THRESHOLD
+    }
+
+    #[inline]
+    fn encode(&self, color: Vec3) -> Rgba8 {
+        match self.settings.color_space {
+            ColorSpace::Linear => [encode_byte(color.x), encode_byte(color.y), encode_byte(color.z), 255],
+            ColorSpace::Bytes => quantized(color),
+        }
+    }
+
+    fn checker(&self, fragment: &Fragment) -> Vec3 {
+        let checker = &self.settings.checker;
+        let square = (fragment.uv * checker.squares).floor();
+        if (square.x + square.y).rem_euclid(2.0) == 0.0 { checker.even } else { checker.odd }
+    }
+}
+
+/// sRGB values in the numbers that light is computed in.
+pub fn to_working_space(srgb: Vec3, space: ColorSpace) -> Vec3 {
+    match space {
+        ColorSpace::Linear => decode_rgb(srgb),
+        ColorSpace::Bytes => srgb,
+    }
+}
+
+fn quantized(color: Vec3) -> Rgba8 {
+    [quantize(color.x), quantize(color.y), quantize(color.z), 255]
+}
+
+/// A colour for a triangle's number: neighbours differ, and none is too dark to see.
+pub fn id_color(id: TriangleId) -> Rgba8 {
+    // Fibonacci hashing (Knuth, The Art of Computer Programming 3, 6.4): consecutive numbers spread far apart.
+    let hash = id.0.wrapping_add(1).wrapping_mul(0x9E37_79B9);
+    let [a, b, c, _] = (hash ^ hash >> 15).to_be_bytes();
+    let visible = |byte: u8| 64 + (u16::from(byte) * 191 / 255) as u8;
+    [visible(a), visible(b), visible(c), 255]
+}

@@ -1,0 +1,86 @@
+//! Projection to the screen: divide by w, scale to the picture, snap to the 1/256 px grid.
+//!
+//! From here on a triangle's shape is integers. The depth value and 1/w stay floats: they are attributes.
+
+use glam::Vec3;
+
+use super::clip::ClippedTriangle;
+use super::raster::EdgeFunctions;
+use super::vertex::Varyings;
+use crate::math::fixed::snap;
+use crate::scene::TriangleId;
+
+/// A corner on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenVertex {
+    /// Snapped, 24.8 fixed point, x right.
+    pub x: i32,
+    /// Snapped, 24.8 fixed point, y down.
+    pub y: i32,
+    /// z/w in [0, 1].
+    pub depth: f32,
+    /// 1/w > 0.
+    pub inv_w: f32,
+    /// Interpolated attributes.
+    pub varyings: Varyings,
+}
+
+/// A triangle on the screen, ready to be rasterized.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenTriangle {
+    /// The triangle of the scene that it comes from; several pieces may share it.
+    pub id: TriangleId,
+    /// The instance that it belongs to.
+    pub instance: u32,
+    /// Corners in the order of the mesh.
+    pub vertices: [ScreenVertex; 3],
+    /// Which samples are inside.
+    pub edges: EdgeFunctions,
+    /// 1/w of the corners relative to the largest: all 1 where perspective division is left out.
+    pub relative_inv_w: [f32; 3],
+}
+
+/// From clip space to pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Viewport {
+    /// Picture width in px.
+    pub width: u32,
+    /// Picture height in px.
+    pub height: u32,
+}
+
+impl Viewport {
+    /// Width over height.
+    pub fn aspect(self) -> f32 {
+        self.width as f32 / self.height as f32
+    }
+
+    /// Pixel position of a point in normalised device coordinates (y up) as f32, before snapping.
+    pub fn pixels_from_ndc(self, ndc: Vec3) -> (f32, f32) {
+        ((ndc.x * 0.5 + 0.5) * self.width as f32, (0.5 - ndc.y * 0.5) * self.height as f32)
+    }
+
+    /// Projects the corners of a clipped triangle.
+    pub fn project(self, triangle: &ClippedTriangle) -> [ScreenVertex; 3] {
+        triangle.vertices.map(|v| {
+            let inv_w = 1.0 / v.position.w;
+            let ndc = v.position.truncate() * inv_w;
+            let (x, y) = self.pixels_from_ndc(ndc);
+            ScreenVertex {
+                x: snap(x) as i32,
+                y: snap(y) as i32,
+                // Clipping leaves rounding errors of an ulp beyond the planes.
+                depth: ndc.z.clamp(0.0, 1.0),
+                inv_w,
+                varyings: v.varyings,
+            }
+        })
+    }
+}
+
+/// 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal.
+pub fn relative_inv_w(vertices: &[ScreenVertex; 3]) -> [f32; 3] {
+    let inv_w = vertices.map(|v| v.inv_w);
+    let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
+    inv_w.map(|i| i / largest)
+}
