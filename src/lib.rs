@@ -4,6 +4,8 @@ pub mod math;
 
 pub mod image;
 
+pub mod flat2d;
+
 pub mod scene;
 
 pub mod pipeline;

@@ -1,0 +1,188 @@
+//! Straight lines, pixel by pixel, and how to keep them inside a picture.
+//!
+//! [`midpoint_line`] joins two pixels in integers alone (Bresenham 1965, in the midpoint form of Pitteway 1967): one
+//! pixel per step of the longer axis, the one nearest to the true line. A decision variable D = 2·minor − major tells on
+//! which side of the line the midpoint between the two candidates lies; exactly on it the line stays on the row or
+//! column that it is on. Other octants differ only in the signs of the steps, so a mirrored line is the mirror image.
+//!
+//! [`clip_to`] cuts a line of real end points to the picture first, so that walking it costs no more than the picture is
+//! long however far away the end points are (Liang and Barsky 1984).
+
+use std::cmp::Ordering;
+
+/// The pixels from `p0` to `p1`, both included, in that order: max(|Δx|, |Δy|) + 1 of them. Any coordinates.
+pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> impl Iterator<Item = (i64, i64)> {
+    let (width, height) = (p0.0.abs_diff(p1.0), p0.1.abs_diff(p1.1));
+    let (step_x, step_y) = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));
+    let (straight_x, straight_y) = if width >= height { (step_x, 0) } else { (0, step_y) };
+    // Differences of any two i64 and their doubles fit i128.
+    let (major, minor) = (i128::from(width.max(height)), i128::from(width.min(height)));
+    let mut decision = 2 * minor - major;
+    std::iter::successors(Some(p0), move |&(x, y)| {
+        if (x, y) == p1 {
+            None
+        } else if decision > 0 {
+            decision += 2 * (minor - major);
+            Some((x + step_x, y + step_y))
+        } else {
+            decision += 2 * minor;
+            Some((x + straight_x, y + straight_y))
+        }
+    })
+}
+
+fn step_towards(from: i64, to: i64) -> i64 {
+    match to.cmp(&from) {
+        Ordering::Less => -1,
+        Ordering::Equal => 0,
+        Ordering::Greater => 1,
+    }
+}
+
+/// The part of the line from `p0` to `p1` inside the closed rectangle [0, `width`] × [0, `height`], in pixels.
+///
+/// Keeps the direction; an end that is inside comes back unchanged. `None` if the line misses the rectangle or an end
+/// is not finite. Pixels are half-open, so a caller that takes the floor caps it at the last column and row.
+pub fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<((f64, f64), (f64, f64))> {
+    if ![p0.0, p0.1, p1.0, p1.1].into_iter().all(f64::is_finite) {
+        return None;
+    }
+    let (width, height) = (f64::from(width), f64::from(height));
+    let (enter_x, leave_x) = stretch_inside(p0.0, p1.0, width)?;
+    let (enter_y, leave_y) = stretch_inside(p0.1, p1.1, height)?;
+    let (enter, leave) = (enter_x.max(enter_y), leave_x.min(leave_y));
+    // Weighted so that no difference of huge ends overflows; clamped as t and the products are rounded.
+    let at = |t: f64| {
+        let (x, y) = (p0.0 * (1.0 - t) + p1.0 * t, p0.1 * (1.0 - t) + p1.1 * t);
+        (x.clamp(0.0, width), y.clamp(0.0, height))
+    };
+    (enter <= leave).then(|| (at(enter), at(leave)))
+}
+
+/// Parameters t in [0, 1] at which a point going from `from` (t = 0) to `to` (t = 1) enters and leaves [0, `length`].
+fn stretch_inside(from: f64, to: f64, length: f64) -> Option<(f64, f64)> {
+    // Halves, so that the difference does not overflow.
+    let half_way = to / 2.0 - from / 2.0;
+    if half_way == 0.0 {
+        return (0.0..=length).contains(&from).then_some((0.0, 1.0));
+    }
+    let at_zero = -from / 2.0 / half_way;
+    let at_length = (length / 2.0 - from / 2.0) / half_way;
+    let (enter, leave) = (at_zero.min(at_length).max(0.0), at_zero.max(at_length).min(1.0));
+    (enter <= leave).then_some((enter, leave))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ends of lines from the origin in every direction.
+    fn ends() -> impl Iterator<Item = (i64, i64)> {
+        (-12..=12).flat_map(|x| (-12..=12).map(move |y| (x, y)))
+    }
+
+    fn line(p0: (i64, i64), p1: (i64, i64)) -> Vec<(i64, i64)> {
+        midpoint_line(p0, p1).collect()
+    }
+
+    #[test]
+    fn every_step_takes_the_pixel_nearest_to_the_true_line_and_stays_on_a_tie() {
+        for (x1, y1) in ends() {
+            let (width, height) = (x1.abs(), y1.abs());
+            let (major, minor) = (width.max(height), width.min(height));
+            let expected: Vec<_> = (0..=major)
+                .map(|i| {
+                    // Twice `major` times the distance from the true line; of two equal ones the first is nearer to p0.
+                    let across = (0..=minor).min_by_key(|k| (2 * (k * major - i * minor)).abs()).unwrap_or(0);
+                    let (x, y) = if width >= height { (i, across) } else { (across, i) };
+                    (x * x1.signum(), y * y1.signum())
+                })
+                .collect();
+            assert_eq!(line((0, 0), (x1, y1)), expected, "to ({x1}, {y1})");
+        }
+    }
+
+    #[test]
+    fn the_number_of_pixels_is_that_of_the_longer_axis_and_both_ends_are_there() {
+        for (x1, y1) in ends() {
+            let pixels = line((3, -5), (3 + x1, -5 + y1));
+            assert_eq!(pixels.len() as i64, x1.abs().max(y1.abs()) + 1);
+            assert_eq!((pixels.first(), pixels.last()), (Some(&(3, -5)), Some(&(3 + x1, -5 + y1))));
+        }
+    }
+
+    #[test]
+    fn a_mirrored_line_is_the_mirror_image() {
+        type Mirror = fn((i64, i64)) -> (i64, i64);
+        let mirrors: [Mirror; 3] = [|(x, y)| (-x, y), |(x, y)| (x, -y), |(x, y)| (y, x)];
+        for end in ends() {
+            for mirror in mirrors {
+                let expected: Vec<_> = midpoint_line((0, 0), end).map(mirror).collect();
+                assert_eq!(line((0, 0), mirror(end)), expected, "to {end:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_farthest_corners_can_be_joined() {
+        let mut pixels = midpoint_line((i64::MIN, i64::MAX), (i64::MAX, i64::MIN));
+        assert_eq!(pixels.nth(2), Some((i64::MIN + 2, i64::MAX - 2)));
+        let end = (i64::MAX, i64::MIN);
+        assert_eq!(line((i64::MAX - 2, i64::MIN), end), [(i64::MAX - 2, i64::MIN), (i64::MAX - 1, i64::MIN), end]);
+    }
+
+    #[test]
+    fn a_line_inside_is_left_alone_and_one_outside_is_nothing() {
+        let inside = ((0.1, 7.3), (9.7, 0.2));
+        assert_eq!(clip_to(inside.0, inside.1, 10, 8), Some(inside));
+        assert_eq!(clip_to((-5.0, 1.0), (-1.0, 7.0), 10, 8), None, "left of the picture");
+        assert_eq!(clip_to((-3.0, 2.0), (3.0, -3.0), 10, 8), None, "past a corner");
+        assert_eq!(clip_to((f64::NAN, 2.0), (3.0, 3.0), 10, 8), None);
+        assert_eq!(clip_to((0.0, 2.0), (f64::INFINITY, 3.0), 10, 8), None);
+    }
+
+    #[test]
+    fn a_line_is_cut_where_it_crosses_the_border() {
+        assert_eq!(clip_to((-4.0, 2.0), (16.0, 2.0), 10, 8), Some(((0.0, 2.0), (10.0, 2.0))));
+        assert_eq!(clip_to((5.0, 12.0), (5.0, -4.0), 10, 8), Some(((5.0, 8.0), (5.0, 0.0))), "direction is kept");
+        assert_eq!(clip_to((-2.0, 0.0), (6.0, 8.0), 10, 8), Some(((0.0, 2.0), (6.0, 8.0))), "slanted");
+        assert_eq!(clip_to((3.0, 8.0), (30.0, 8.0), 10, 8), Some(((3.0, 8.0), (10.0, 8.0))), "along the border");
+        assert_eq!(clip_to((4.0, 4.0), (4.0, 4.0), 10, 8), Some(((4.0, 4.0), (4.0, 4.0))), "a point");
+    }
+
+    #[test]
+    fn what_is_left_lies_in_the_rectangle_and_on_the_line() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let mut kept = 0;
+        for round in 0..20_000 {
+            // From picture-sized to far beyond what the difference of two ends can hold.
+            let reach = [20.0, 1e4, 1e9, 1e300, f64::MAX][round % 5];
+            let mut coordinate = || (random.f64() * 2.0 - 1.0) * reach;
+            let (p0, p1) = ((coordinate(), coordinate()), (coordinate(), coordinate()));
+            let Some((a, b)) = clip_to(p0, p1, 13, 9) else { continue };
+            kept += 1;
+            for (x, y) in [a, b] {
+                assert!((0.0..=13.0).contains(&x) && (0.0..=9.0).contains(&y), "{p0:?} {p1:?}: ({x}, {y})");
+                let (dx, dy) = (p1.0 - p0.0, p1.1 - p0.1);
+                let off = ((x - p0.0) * dy - (y - p0.1) * dx).abs() / dx.hypot(dy);
+                assert!(reach > 1e9 || off <= 1e-15 * reach, "{p0:?} {p1:?}: ({x}, {y}) is {off} px off");
+            }
+        }
+        assert!(kept > 500, "only {kept} lines met the picture");
+    }
+
+    #[test]
+    fn a_clipped_line_walks_no_pixel_outside() {
+        let mut random = fastrand::Rng::with_seed(6);
+        let pixel = |(x, y): (f64, f64)| ((x as i64).min(12), (y as i64).min(8));
+        for _ in 0..2_000 {
+            let mut coordinate = || random.f64() * 60.0 - 25.0;
+            let ends = ((coordinate(), coordinate()), (coordinate(), coordinate()));
+            for (x, y) in
+                clip_to(ends.0, ends.1, 13, 9).into_iter().flat_map(|(a, b)| midpoint_line(pixel(a), pixel(b)))
+            {
+                assert!((0..13).contains(&x) && (0..9).contains(&y), "{ends:?}: ({x}, {y})");
+            }
+        }
+    }
+}
