@@ -11,3 +11,5 @@ pub mod scene;
 pub mod pipeline;
 
 pub mod upscale;
+
+pub mod measure;
