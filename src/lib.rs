@@ -16,4 +16,6 @@ pub mod upscale;
 
 pub mod chain;
 
+pub mod measure;
+
 pub mod inspect;
