@@ -289,7 +289,8 @@ mod tests {
     #[test]
     fn ids_are_distinct_and_lead_back_to_their_method() {
         for upscaler in ALL {
-            assert_eq!(by_id(upscaler.id()).map(Upscaler::name), Some(upscaler.name()));
+            let choice = Upscaling::new(upscaler.id(), 1).map(Upscaling::method);
+            assert_eq!(choice, Some(upscaler.id()));
         }
     }
 }
