@@ -1,5 +1,7 @@
 //! Rasterscope: a software rendering pipeline that anyone can open up, stop at any stage, and question.
 
+mod disk;
+
 pub mod math;
 
 pub mod image;
