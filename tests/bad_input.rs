@@ -76,7 +76,9 @@ impl Row {
 fn load(model: &Path) -> Result<Result<Loaded, SceneError>, String> {
     let (sender, receiver) = mpsc::channel();
     let path = model.to_owned();
-    std::thread::spawn(move || sender.send(obj::load(&path)));
+    std::thread::spawn(move || {
+        let _ = sender.send(obj::load(&path));
+    });
     receiver.recv_timeout(LONGEST).map_err(|e| match e {
         mpsc::RecvTimeoutError::Timeout => format!("longer than {LONGEST:?}"),
         mpsc::RecvTimeoutError::Disconnected => "panicked".to_owned(),

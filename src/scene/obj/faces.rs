@@ -149,11 +149,12 @@ impl<'a> Reader<'a> {
             self.corners.iter_mut().for_each(|c| c.uv = NONE);
         }
         let outcome = self.triangulate();
-        if outcome != Outcome::NoArea {
+        if !self.local.is_empty() {
             self.store(has_uvs)?;
         }
         Ok(match outcome {
             Outcome::NoArea => Some("face without area; left out".to_owned()),
+            Outcome::TooLarge => Some("face with too many corners for one that is not convex; left out".to_owned()),
             Outcome::Crossing => Some("face that crosses itself; its triangles only come near it".to_owned()),
             Outcome::Whole if with_uv > 0 && !has_uvs => {
                 Some("face with texture coordinates at some corners only; drawn without them".to_owned())

@@ -61,7 +61,7 @@ pub struct Loaded {
 /// Loads a model with its materials and textures.
 ///
 /// Errors name the file and, where there is one, the line: unreadable or no OBJ text, a number that is none or not
-/// finite, an index of nothing, no face left to draw, or more than is read (512 MiB, 3 million vertices or triangles).
+/// finite, an index of nothing, no face left to draw, or more than is read (512 MiB, 2 million vertices or triangles).
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     let mut warnings = Warnings::default();
     let text = read_text(path, &mut warnings)?;

@@ -14,6 +14,9 @@ use glam::{DVec2, DVec3, Vec3};
 /// Corners from which a fan is tried: one may lie on a straight edge, where its fan would have a triangle without area.
 const FAN_APEXES: usize = 4;
 
+/// Most corners of a face whose ears are clipped: for outlines that cross themselves the time grows faster than they do.
+const MAX_EAR_CORNERS: usize = 1 << 16;
+
 /// Largest relative difference in area between a face and its triangles that counts as rounding.
 const AREA_TOLERANCE: f64 = 1e-6;
 
@@ -29,6 +32,8 @@ pub(super) enum Outcome {
     NoArea,
     /// It crosses itself; they cover roughly what it covers.
     Crossing,
+    /// There are none: it has too many corners for a face that is no fan.
+    TooLarge,
 }
 
 /// Height of a corner above the plane, relative to the root of the area, from which on a face is not flat.
@@ -63,6 +68,9 @@ impl Triangulator {
         if let Some(apex) = (0..count.min(FAN_APEXES)).find(|apex| self.is_fan(*apex, least)) {
             triangles.extend(fan(apex, count).map(|t| t.map(|corner| corner as u32)));
             return Outcome::Whole;
+        }
+        if count > MAX_EAR_CORNERS {
+            return Outcome::TooLarge;
         }
         let outcome = self.clip_ears(doubled_area, least, triangles);
         // What the ears leave out has no area on the plane, but may have one in space and leave a hole.
@@ -195,6 +203,12 @@ mod tests {
             .map(|(y, x)| Vec3::new(x, y, 0.0))
             .collect();
         assert_eq!(triangulate(&star).1, Outcome::Crossing);
+    }
+
+    #[test]
+    fn a_giant_polygon_that_is_no_fan_is_left_out_at_once() {
+        let zigzag = (0..200_000_u64).map(|i| [(i * 7919 % 10_007) as f32, (i * 104_729 % 10_009) as f32]);
+        assert_eq!(triangulate(&flat(&zigzag.collect::<Vec<_>>())), (vec![], Outcome::TooLarge));
     }
 
     #[test]
