@@ -9,3 +9,6 @@ pub mod scene;
 pub mod pipeline;
 
 pub mod upscale;
+
+#[cfg(feature = "ui")]
+pub mod ui;
