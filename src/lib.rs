@@ -21,3 +21,6 @@ pub mod chain;
 pub mod measure;
 
 pub mod inspect;
+
+#[cfg(feature = "ui")]
+pub mod ui;
