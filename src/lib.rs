@@ -2,6 +2,8 @@
 //!
 //! Modules stand in the order of the data flow; each imports only from those above it.
 
+mod disk;
+
 pub mod math;
 
 pub mod image;
