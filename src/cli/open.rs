@@ -13,7 +13,7 @@ use super::scene_args::View;
 /// What the window starts with.
 pub(crate) fn start(view: View) -> WindowStart {
     let View { source, scene, warnings, recipe, camera } = view;
-    WindowStart { source, scene, warnings, recipe, camera }
+    WindowStart { source, scene, warnings, recipe, camera, resume: false }
 }
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
