@@ -18,4 +18,9 @@ pub mod upscale;
 
 pub mod chain;
 
+pub mod measure;
+
 pub mod inspect;
+
+#[cfg(feature = "ui")]
+pub mod ui;

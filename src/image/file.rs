@@ -57,9 +57,9 @@ pub enum ImageFileError {
         /// Pixels.
         height: u32,
     },
-    /// The content is damaged.
-    #[error("{}: damaged {kind} file: {reason}", path.display())]
-    Damaged {
+    /// The content is damaged, or asks for more memory than is allowed.
+    #[error("{}: cannot decode this {kind} file: {reason}", path.display())]
+    Undecodable {
         /// The file.
         path: PathBuf,
         /// What it is, such as `PNG`.
@@ -82,16 +82,16 @@ pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
     let bytes = disk::read(path, MAX_FILE_BYTES)
         .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
     let (format, kind) = recognize(path, &bytes)?;
-    let damaged = |reason: String| ImageFileError::Damaged { path: path.to_owned(), kind, reason };
+    let undecodable = |reason: String| ImageFileError::Undecodable { path: path.to_owned(), kind, reason };
 
-    let (width, height) = reader(&bytes, format).into_dimensions().map_err(|e| damaged(e.to_string()))?;
+    let (width, height) = reader(&bytes, format).into_dimensions().map_err(|e| undecodable(e.to_string()))?;
     if width == 0 || height == 0 {
-        return Err(damaged("it has no pixels".to_owned()));
+        return Err(undecodable("it has no pixels".to_owned()));
     }
     if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(ImageFileError::TooManyPixels { path: path.to_owned(), width, height });
     }
-    let decoded = reader(&bytes, format).decode().map_err(|e| damaged(e.to_string()))?;
+    let decoded = reader(&bytes, format).decode().map_err(|e| undecodable(e.to_string()))?;
     Ok(to_rgba(decoded))
 }
 

@@ -24,6 +24,22 @@ impl SceneSource {
         }
     }
 
+    /// The name that [`SceneSource::named`] turns into this again, as long as no file is called like a built-in scene.
+    pub fn name(&self) -> PathBuf {
+        match self {
+            Self::Builtin(builtin) => builtin.id.into(),
+            Self::File(path) => path.clone(),
+        }
+    }
+
+    /// What a person calls it: a title, or the file's name.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Builtin(builtin) => builtin.title.to_owned(),
+            Self::File(path) => path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+        }
+    }
+
     /// Builds the scene, or loads it with warnings about what was left out. Only files fail; see [`obj::load`].
     pub fn load(&self) -> Result<Loaded, SceneError> {
         match self {

@@ -13,8 +13,8 @@ use super::warnings::Warnings;
 use crate::math::unit_or;
 use crate::scene::SceneError;
 
-/// Most entries of one list, and most triangles, so that loading stays near a gigabyte at worst.
-pub(super) const MAX_COUNT: usize = 3_000_000;
+/// Most entries of one list, and most triangles, so that loading stays below a gigabyte.
+pub(super) const MAX_COUNT: usize = 2_000_000;
 
 /// The lists, in file order.
 #[derive(Debug, Default)]

@@ -149,11 +149,12 @@ impl<'a> Reader<'a> {
             self.corners.iter_mut().for_each(|c| c.uv = NONE);
         }
         let outcome = self.triangulate();
-        if outcome != Outcome::NoArea {
+        if !self.local.is_empty() {
             self.store(has_uvs)?;
         }
         Ok(match outcome {
             Outcome::NoArea => Some("face without area; left out".to_owned()),
+            Outcome::TooLarge => Some("face with too many corners for one that is not convex; left out".to_owned()),
             Outcome::Crossing => Some("face that crosses itself; its triangles only come near it".to_owned()),
             Outcome::Whole if with_uv > 0 && !has_uvs => {
                 Some("face with texture coordinates at some corners only; drawn without them".to_owned())
@@ -203,12 +204,14 @@ impl<'a> Reader<'a> {
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&self, word: &str) -> Result<Corner, String> {
         let totals = [self.lists.positions.len(), self.lists.uvs.len(), self.lists.normals.len()];
+        if word.bytes().filter(|b| *b == b'/').count() > 2 {
+            return Err(format!("corner {} has more than three parts", quoted(word)));
+        }
         let mut places = [NONE; 3];
         for (which, index) in word.split('/').enumerate() {
-            if which >= 3 {
-                return Err(format!("corner {} has more than three parts", quoted(word)));
-            }
-            if which == 0 || !index.is_empty() {
+            // Some exporters number normals that they do not write; computed ones serve as well.
+            let is_nowhere = which > 0 && totals[which] == 0;
+            if which == 0 || !(index.is_empty() || is_nowhere) {
                 places[which] = place(index, KINDS[which], totals[which], self.seen[which])?;
             }
         }
@@ -243,7 +246,7 @@ mod tests {
     use super::super::attributes;
     use super::*;
 
-    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\n";
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n";
 
     fn faces(text: &str) -> Result<(Faces, Vec<String>), String> {
         let path = Path::new("a.obj");
@@ -270,11 +273,11 @@ mod tests {
             ("-5", "reaches back before"),
             ("1.5", "is not the number"),
             ("1/3", "texture coordinate \"3\" does not exist"),
-            ("1//1", "normal \"1\" does not exist"),
+            ("1//2", "normal \"2\" does not exist"),
             ("1/1/1/1", "more than three parts"),
         ] {
             let message = faces(&format!("{SQUARE}f {index} 2 3\n")).unwrap_err();
-            assert!(message.starts_with("a.obj:7: ") && message.contains(why), "{message}");
+            assert!(message.starts_with("a.obj:8: ") && message.contains(why), "{message}");
         }
     }
 
@@ -304,10 +307,10 @@ mod tests {
         assert_eq!(
             warnings,
             [
-                "a.obj:7: lines (`l`) are not drawn (2 times, here first)",
-                "a.obj:8: face without area; left out",
-                "a.obj:9: face with fewer than three corners; left out",
-                "a.obj:10: statement \"curv\" is not supported and left out",
+                "a.obj:8: lines (`l`) are not drawn (2 times, here first)",
+                "a.obj:9: face without area; left out",
+                "a.obj:10: face with fewer than three corners; left out",
+                "a.obj:11: statement \"curv\" is not supported and left out",
             ]
         );
     }

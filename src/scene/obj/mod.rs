@@ -29,7 +29,8 @@ use std::path::Path;
 
 use glam::{Mat4, Vec2, Vec3};
 
-use self::faces::Part;
+use self::attributes::quoted;
+use self::faces::{Faces, Part};
 use self::mtl::Descriptions;
 use self::textures::Textures;
 use self::warnings::Warnings;
@@ -60,7 +61,7 @@ pub struct Loaded {
 /// Loads a model with its materials and textures.
 ///
 /// Errors name the file and, where there is one, the line: unreadable or no OBJ text, a number that is none or not
-/// finite, an index of nothing, no face left to draw, or more than is read (512 MiB, 3 million vertices or triangles).
+/// finite, an index of nothing, no face left to draw, or more than is read (512 MiB, 2 million vertices or triangles).
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     let mut warnings = Warnings::default();
     let text = read_text(path, &mut warnings)?;
@@ -78,7 +79,7 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     drop(canonical);
 
     let descriptions = libraries::read(path, &faces.libraries, &mut warnings);
-    let scene = assemble(path, &faces.parts, meshes, &descriptions, &mut warnings)?;
+    let scene = assemble(path, &faces, meshes, &descriptions, &mut warnings)?;
     Ok(Loaded { scene, warnings: warnings.finish(path) })
 }
 
@@ -107,20 +108,26 @@ fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
 /// One mesh and one instance for each part, in shared materials.
 fn assemble(
     path: &Path,
-    parts: &[Part],
+    faces: &Faces,
     meshes: Vec<tobj::Mesh>,
     descriptions: &Descriptions,
     warnings: &mut Warnings,
 ) -> Result<Scene, SceneError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let scale = coordinate_scale(path, &meshes, warnings);
-    let mut materials = Materials { path, descriptions, known: HashMap::new(), textures: Textures::default() };
+    let mut materials = Materials {
+        path,
+        expects_descriptions: !faces.libraries.is_empty(),
+        descriptions,
+        known: HashMap::new(),
+        textures: Textures::default(),
+    };
     let mut library = Library::default();
-    let mut instances = Vec::with_capacity(parts.len());
-    for (part, mesh) in parts.iter().zip(meshes) {
+    let mut instances = Vec::with_capacity(faces.parts.len());
+    for (part, mesh) in faces.parts.iter().zip(meshes) {
         let part_name = if part.name.is_empty() { name.clone() } else { part.name.clone() };
         let data = mesh_data(part_name.clone(), &mesh, scale);
-        let material = materials.get(part, !data.colors.is_empty(), &mut library, warnings);
+        let material = materials.of(part, !data.colors.is_empty(), &mut library, warnings);
         let mesh =
             Mesh::new(data).map_err(|e| SceneError::NotAModel { path: path.to_owned(), reason: e.to_string() })?;
         instances.push(Instance {
@@ -130,6 +137,10 @@ fn assemble(
             world_from_model: Mat4::IDENTITY,
             tint: Vec3::ONE,
         });
+    }
+    // Materials that no face uses come last: they can be looked at, and must not take memory from those that are used.
+    for name in descriptions.keys() {
+        materials.get(Name::Described(name), &mut library, warnings);
     }
     let home = Camera::look_at(VIEW_DIRECTION, Vec3::ZERO);
     let mut scene = Scene { name, library, instances, background: BACKGROUND, home };
@@ -161,45 +172,61 @@ fn mesh_data(name: String, mesh: &tobj::Mesh, scale: f32) -> MeshData {
     }
 }
 
-/// The materials of a model, each made when it is first used.
+/// The materials of a model, each made when it is first asked for.
 struct Materials<'a> {
     path: &'a Path,
+    /// Whether the file names a library at all, so that a name without description is a fault.
+    expects_descriptions: bool,
     descriptions: &'a Descriptions,
-    /// By name; `None` is the default, once for parts with vertex colours and once for those without.
-    known: HashMap<(Option<&'a str>, bool), MaterialId>,
+    known: HashMap<Name<'a>, MaterialId>,
     textures: Textures,
 }
 
+/// What tells materials apart.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Name<'a> {
+    Described(&'a str),
+    DefaultUnderVertexColors,
+    Default,
+}
+
 impl<'a> Materials<'a> {
-    fn get(&mut self, part: &'a Part, has_colors: bool, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
-        let name = part.material.as_deref();
-        let described = name.and_then(|name| Some((name, self.descriptions.get(name)?)));
-        let key = (described.map(|(name, _)| name), described.is_none() && has_colors);
-        if let (None, Some(name)) = (described, name) {
-            let text = format!("material {} is not defined; the default is used", attributes::quoted(name));
+    /// The material of a part.
+    fn of(&mut self, part: &'a Part, has_colors: bool, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
+        let name = match &part.material {
+            Some(name) if self.descriptions.contains_key(name) => Name::Described(name),
+            _ if has_colors => Name::DefaultUnderVertexColors,
+            _ => Name::Default,
+        };
+        if let (Name::Default | Name::DefaultUnderVertexColors, Some(missing)) = (name, &part.material)
+            && self.expects_descriptions
+        {
+            let text = format!("material {} is not defined; the default is used", quoted(missing));
             warnings.add(self.path, Some(part.material_line), text);
         }
-        if let Some(id) = self.known.get(&key) {
+        self.get(name, library, warnings)
+    }
+
+    fn get(&mut self, name: Name<'a>, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
+        if let Some(id) = self.known.get(&name) {
             return *id;
         }
-        let material = match described {
-            Some((name, description)) => {
-                let texture = description
-                    .picture
-                    .as_ref()
-                    .and_then(|picture| self.textures.get(picture, self.path, library, warnings));
-                let unset = if texture.is_some() { Vec3::ONE } else { Material::default().diffuse };
-                Material {
-                    opacity: description.opacity,
-                    texture,
-                    ..Material::plain(name, description.diffuse.unwrap_or(unset))
-                }
-            }
-            None if has_colors => Material::plain("vertex colours", Vec3::ONE),
-            None => Material::default(),
+        let material = match name {
+            Name::Described(name) => self.described(name, library, warnings),
+            Name::DefaultUnderVertexColors => Material::plain("vertex colours", Vec3::ONE),
+            Name::Default => Material::default(),
         };
         let id = library.add_material(material);
-        self.known.insert(key, id);
+        self.known.insert(name, id);
         id
+    }
+
+    fn described(&mut self, name: &str, library: &mut Library, warnings: &mut Warnings) -> Material {
+        let description = &self.descriptions[name];
+        let picture = description.picture.as_ref();
+        let texture = picture.and_then(|picture| self.textures.get(picture, self.path, library, warnings));
+        let unset = if texture.is_some() { Vec3::ONE } else { Material::default().diffuse };
+        let plain = Material::plain(name, description.diffuse.unwrap_or(unset));
+        Material { opacity: description.opacity, texture, ..plain }
     }
 }

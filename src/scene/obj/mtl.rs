@@ -5,7 +5,7 @@
 //! What the pipeline does not shade (`Ks`, `illum`, bump maps …) is left out silently. A colour with one number is
 //! grey, as the format's description has it; `d` wins over `Tr`, its reverse.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -37,8 +37,8 @@ pub(super) struct Picture {
     pub(super) line: usize,
 }
 
-/// Materials by their names.
-pub(super) type Descriptions = HashMap<String, Description>;
+/// Materials by their names, in an order that does not change from run to run.
+pub(super) type Descriptions = BTreeMap<String, Description>;
 
 /// Adds the materials of one library's `text` to `known`. Of several with one name the last counts.
 pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warnings: &mut Warnings) {

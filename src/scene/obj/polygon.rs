@@ -4,7 +4,8 @@
 //! flat along its normal by Newell's method (Sutherland, Sproull and Schumacker, 1974), which also suits corners that
 //! do not quite lie in a plane. A fan is taken where every triangle of it has positive area, which is linear and
 //! keeps corners in the middle of an edge; else ears are clipped (Meisters, 1975; Held, 2001, by the crate `earcut`),
-//! so that concave faces keep their outline. Triangles without area are left out: they cover nothing.
+//! so that concave faces keep their outline. Triangles without area are left out: they cover nothing. A face so
+//! far from flat that its projection crosses itself becomes a plain fan, which at least leaves no hole.
 //! All in f64, where the products of f32 coordinates neither overflow nor vanish.
 
 use earcut::Earcut;
@@ -13,8 +14,14 @@ use glam::{DVec2, DVec3, Vec3};
 /// Corners from which a fan is tried: one may lie on a straight edge, where its fan would have a triangle without area.
 const FAN_APEXES: usize = 4;
 
+/// Most corners of a face whose ears are clipped: for outlines that cross themselves the time grows faster than they do.
+const MAX_EAR_CORNERS: usize = 1 << 16;
+
 /// Largest relative difference in area between a face and its triangles that counts as rounding.
 const AREA_TOLERANCE: f64 = 1e-6;
+
+/// Area relative to the face's, below which a triangle of it is rounding.
+const SLIVER: f64 = 1e-14;
 
 /// How well triangles stand for a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +32,19 @@ pub(super) enum Outcome {
     NoArea,
     /// It crosses itself; they cover roughly what it covers.
     Crossing,
+    /// There are none: it has too many corners for a face that is no fan.
+    TooLarge,
+}
+
+/// Height of a corner above the plane, relative to the root of the area, from which on a face is not flat.
+const FLATNESS: f64 = 1e-4;
+
+/// A face on its plane.
+struct Flat {
+    /// Twice its area; 0 if it has no normal.
+    doubled_area: f64,
+    /// Largest distance of a corner from the plane through the first.
+    height: f64,
 }
 
 /// Turns polygons into triangles and keeps its buffers between them.
@@ -39,52 +59,68 @@ impl Triangulator {
     /// Replaces `triangles` by those of the polygon with these corners, given as numbers of corners.
     pub(super) fn triangulate(&mut self, corners: &[Vec3], triangles: &mut Vec<[u32; 3]>) -> Outcome {
         triangles.clear();
-        let doubled_area = self.lay_flat(corners);
+        let Flat { doubled_area, height } = self.lay_flat(corners);
         if doubled_area <= 0.0 {
             return Outcome::NoArea;
         }
         let count = corners.len();
-        match (0..count.min(FAN_APEXES)).find(|apex| self.is_fan(*apex)) {
-            Some(apex) => triangles.extend(fan(apex, count).map(|t| t.map(|corner| corner as u32))),
-            None => return self.clip_ears(doubled_area, triangles),
+        let least = SLIVER * doubled_area;
+        if let Some(apex) = (0..count.min(FAN_APEXES)).find(|apex| self.is_fan(*apex, least)) {
+            triangles.extend(fan(apex, count).map(|t| t.map(|corner| corner as u32)));
+            return Outcome::Whole;
         }
-        Outcome::Whole
+        if count > MAX_EAR_CORNERS {
+            return Outcome::TooLarge;
+        }
+        let outcome = self.clip_ears(doubled_area, least, triangles);
+        // What the ears leave out has no area on the plane, but may have one in space and leave a hole.
+        if triangles.len() < count - 2 && height > FLATNESS * doubled_area.sqrt() {
+            let has_area = |[a, b, c]: &[usize; 3]| {
+                let [a, b, c] = [a, b, c].map(|corner| corners[*corner].as_dvec3());
+                (b - a).cross(c - a) != DVec3::ZERO
+            };
+            triangles.clear();
+            triangles.extend(fan(0, count).filter(has_area).map(|t| t.map(|corner| corner as u32)));
+            return Outcome::Whole;
+        }
+        outcome
     }
 
-    /// Projects the corners to the plane across the largest component of their normal, counter-clockwise; returns
-    /// twice the area there.
-    fn lay_flat(&mut self, corners: &[Vec3]) -> f64 {
+    /// Projects the corners along their normal, counter-clockwise.
+    ///
+    /// Along the normal and not along the nearest axis: corners that do not lie in a plane would fold over each other.
+    fn lay_flat(&mut self, corners: &[Vec3]) -> Flat {
         let origin = corners.first().map_or(DVec3::ZERO, |c| c.as_dvec3());
-        let relative = |i: usize| corners[i].as_dvec3() - origin;
-        let normal: DVec3 = (0..corners.len()).map(|i| relative(i).cross(relative((i + 1) % corners.len()))).sum();
-        let axis = normal.abs().max_position();
-        let (mut u, mut v) = ((axis + 1) % 3, (axis + 2) % 3);
-        if normal[axis] < 0.0 {
-            (u, v) = (v, u);
-        }
+        let relative = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
+        let normal: DVec3 = (0..corners.len()).map(|i| relative(i).cross(relative(i + 1))).sum();
+        let Some(unit) = (normal / normal.abs().max_element()).try_normalize() else {
+            return Flat { doubled_area: 0.0, height: 0.0 };
+        };
+        let (u, v) = unit.any_orthonormal_pair();
         self.flat.clear();
-        self.flat.extend((0..corners.len()).map(|i| DVec2::new(relative(i)[u], relative(i)[v])));
-        normal[axis].abs()
+        self.flat.extend((0..corners.len()).map(|i| DVec2::new(relative(i).dot(u), relative(i).dot(v))));
+        let height = (0..corners.len()).map(|i| relative(i).dot(unit).abs()).fold(0.0, f64::max);
+        Flat { doubled_area: normal.dot(unit), height }
     }
 
     fn doubled_area(&self, [a, b, c]: [usize; 3]) -> f64 {
         (self.flat[b] - self.flat[a]).perp_dot(self.flat[c] - self.flat[a])
     }
 
-    /// Whether all triangles of the fan from `apex` turn as the polygon does.
-    fn is_fan(&self, apex: usize) -> bool {
-        fan(apex, self.flat.len()).all(|triangle| self.doubled_area(triangle) > 0.0)
+    /// Whether all triangles of the fan from `apex` turn as the polygon does, with more than `least` doubled area.
+    fn is_fan(&self, apex: usize, least: f64) -> bool {
+        fan(apex, self.flat.len()).all(|triangle| self.doubled_area(triangle) > least)
     }
 
-    fn clip_ears(&mut self, doubled_area: f64, triangles: &mut Vec<[u32; 3]>) -> Outcome {
+    fn clip_ears(&mut self, doubled_area: f64, least: f64, triangles: &mut Vec<[u32; 3]>) -> Outcome {
         self.earcut.earcut(self.flat.iter().map(DVec2::to_array), &[], &mut self.ears);
         let mut covered = 0.0;
         for &[a, b, c] in self.ears.as_chunks::<3>().0 {
             let area = self.doubled_area([a, b, c].map(|corner| corner as usize));
             covered += area.abs();
-            if area > 0.0 {
+            if area > least {
                 triangles.push([a, b, c]);
-            } else if area < 0.0 {
+            } else if area < -least {
                 triangles.push([a, c, b]);
             }
         }
@@ -167,6 +203,12 @@ mod tests {
             .map(|(y, x)| Vec3::new(x, y, 0.0))
             .collect();
         assert_eq!(triangulate(&star).1, Outcome::Crossing);
+    }
+
+    #[test]
+    fn a_giant_polygon_that_is_no_fan_is_left_out_at_once() {
+        let zigzag = (0..200_000_u64).map(|i| [(i * 7919 % 10_007) as f32, (i * 104_729 % 10_009) as f32]);
+        assert_eq!(triangulate(&flat(&zigzag.collect::<Vec<_>>())), (vec![], Outcome::TooLarge));
     }
 
     #[test]
