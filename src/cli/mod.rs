@@ -4,8 +4,6 @@
 //! that cannot be written; 3 no window where one was asked for.
 
 mod failure;
-#[cfg(feature = "ui")]
-mod open;
 mod output;
 mod parse;
 mod pixel;
@@ -15,6 +13,11 @@ mod scene_args;
 mod scenes;
 mod screenshot;
 mod window;
+#[cfg(feature = "ui")]
+mod workbench;
+#[cfg(not(feature = "ui"))]
+#[path = "workbench_absent.rs"]
+mod workbench;
 
 use std::process::ExitCode;
 

@@ -49,14 +49,15 @@ fn set_help() -> String {
 
 /// What the shared options ask for.
 #[derive(Clone, Debug)]
+#[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the workbench needs all of it"))]
 pub(crate) struct View {
-    #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window opens the scene again"))]
     pub(crate) source: SceneSource,
     pub(crate) scene: Arc<Scene>,
-    #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window shows them again"))]
     pub(crate) warnings: Vec<Warning>,
     pub(crate) recipe: Recipe,
     pub(crate) camera: Camera,
+    /// Whether nothing particular was asked for.
+    pub(crate) is_default: bool,
 }
 
 impl SceneArgs {
@@ -69,7 +70,14 @@ impl SceneArgs {
         for warning in &warnings {
             output::complain("warning", warning);
         }
-        Ok(View { recipe, camera: camera.unwrap_or(scene.home), source, scene: Arc::new(scene), warnings })
+        Ok(View {
+            recipe,
+            camera: camera.unwrap_or(scene.home),
+            source,
+            scene: Arc::new(scene),
+            warnings,
+            is_default: self.scene.is_none() && self.set.is_empty() && self.camera.is_none(),
+        })
     }
 
     fn recipe(&self) -> Result<Recipe, Failure> {

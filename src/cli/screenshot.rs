@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use rasterscope::image::file::write_png;
 use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
-use super::parse;
 use super::scene_args::{SceneArgs, View};
+use super::{output, parse, workbench};
 
 /// What `screenshot` takes.
 #[derive(Args, Debug)]
@@ -28,19 +29,19 @@ pub(crate) struct ScreenshotArgs {
 pub(crate) struct Look {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse::size)]
-    size: Viewport,
+    pub(crate) size: Viewport,
 
     /// Pixels per point, as on a screen of high density: 0.5 to 4
     #[arg(long, default_value = "1.0", value_parser = scale)]
-    scale: f32,
+    pub(crate) scale: f32,
 
     /// Colours of the workbench
     #[arg(long, default_value = "dark")]
-    theme: Theme,
+    pub(crate) theme: Theme,
 
     /// Column and row of the scene's pixel that is selected, so that the inspector tells about it
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
-    at: Option<(u32, u32)>,
+    pub(crate) at: Option<(u32, u32)>,
 }
 
 impl Default for Look {
@@ -51,7 +52,7 @@ impl Default for Look {
 
 /// Colours of the workbench.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum Theme {
+pub(crate) enum Theme {
     /// Light text on dark panels
     Dark,
     /// Dark text on light panels
@@ -69,29 +70,9 @@ pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
 }
 
 /// Draws the workbench and says in one line what was made.
-#[cfg(feature = "ui")]
 pub(crate) fn draw(view: View, look: &Look, path: &Path) -> Result<(), Failure> {
-    use rasterscope::image::file::write_png;
-    use rasterscope::ui::{self, ScreenshotRequest};
-
-    use super::{open, output};
-
-    let image = ui::screenshot(&ScreenshotRequest {
-        start: open::start(view),
-        size: look.size,
-        pixels_per_point: look.scale,
-        theme: match look.theme {
-            Theme::Dark => ui::Theme::Dark,
-            Theme::Light => ui::Theme::Light,
-        },
-        selected: look.at,
-    });
+    let image = workbench::draw(view, look).map_err(Failure::NoWindow)?;
     write_png(path, &image)?;
     let (width, height) = image.size();
     output::print(&format!("{}: the workbench, {width} × {height} px\n", output::display(path)))
-}
-
-#[cfg(not(feature = "ui"))]
-pub(crate) fn draw(_view: View, _look: &Look, _path: &Path) -> Result<(), Failure> {
-    Err(Failure::NoWindow(super::window::BUILT_WITHOUT.to_owned()))
 }

@@ -1,31 +1,46 @@
-//! Opening the window, with a reason in words where that fails.
+//! The workbench: opening its window, with a reason in words where that fails, and drawing it without one.
 //!
-//! Comes in: a view. Goes out: nothing when the window was closed, or one clause that says why there is none. Servers
-//! and libraries are found at run time, so each can be missing: no server named, a dead one, no Wayland although X is
-//! there, no library for the keyboard (which ends in a panic), no OpenGL.
+//! Servers and libraries are found at run time, so each can be missing: no server named, a dead one, no Wayland although
+//! X is there, no library for the keyboard (which ends in a panic), no OpenGL. The only file here that knows the window;
+//! `workbench_absent` stands in for it in builds without one.
 
 use std::panic::{self, AssertUnwindSafe};
 
-use rasterscope::ui::{WindowStart, run_window};
+use rasterscope::image::{Image, Rgba8};
+use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
 
 use super::scene_args::View;
-
-/// What the window starts with.
-pub(crate) fn start(view: View) -> WindowStart {
-    let View { source, scene, warnings, recipe, camera } = view;
-    WindowStart { source, scene, warnings, recipe, camera, resume: false }
-}
+use super::screenshot::{Look, Theme};
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
 pub(crate) fn open(view: View) -> Result<(), String> {
     if needs_display() && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET") && !is_set("DISPLAY") {
         return Err("no window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned());
     }
-    let outcome = without_library_panics(|| run_window(start(view)));
+    let outcome = without_library_panics(|| ui::run_window(start(view)));
     if outcome.is_err() {
         retry_on_x11();
     }
     outcome.map_err(|reason| format!("no window: {reason}"))
+}
+
+/// The whole workbench as a picture.
+pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
+    Ok(ui::screenshot(&ScreenshotRequest {
+        start: start(view),
+        size: look.size,
+        pixels_per_point: look.scale,
+        theme: match look.theme {
+            Theme::Dark => ui::Theme::Dark,
+            Theme::Light => ui::Theme::Light,
+        },
+        selected: look.at,
+    }))
+}
+
+fn start(view: View) -> WindowStart {
+    let View { source, scene, warnings, recipe, camera, is_default } = view;
+    WindowStart { source, scene, warnings, recipe, camera, resume: is_default }
 }
 
 /// Whether windows come from a server that is named in the environment.

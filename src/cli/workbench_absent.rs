@@ -1,0 +1,19 @@
+//! What stands for the workbench in builds without it (feature `ui` off): a sentence that says so.
+
+use rasterscope::image::{Image, Rgba8};
+
+use super::scene_args::View;
+use super::screenshot::Look;
+
+const BUILT_WITHOUT: &str = "this program was built without its workbench (feature `ui`); \
+    the commands render, pixel and scenes work";
+
+/// There is no window to open.
+pub(crate) fn open(_view: View) -> Result<(), String> {
+    Err(BUILT_WITHOUT.to_owned())
+}
+
+/// There is nothing to draw.
+pub(crate) fn draw(_view: View, _look: &Look) -> Result<Image<Rgba8>, String> {
+    Err(BUILT_WITHOUT.to_owned())
+}
