@@ -2,6 +2,8 @@
 //!
 //! Modules stand in the order of the data flow; each imports only from those above it.
 
+mod disk;
+
 pub mod math;
 
 pub mod image;
@@ -16,4 +18,9 @@ pub mod upscale;
 
 pub mod chain;
 
+pub mod measure;
+
 pub mod inspect;
+
+#[cfg(feature = "ui")]
+pub mod ui;

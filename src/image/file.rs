@@ -1,1 +1,225 @@
 //! Picture files: reading untrusted ones within limits, writing PNG.
+//!
+//! In: a path. Out: straight 8-bit RGBA of sRGB codes, or an error that names the file and the cause. What a file is
+//! follows from its content, not from its name, because wrong suffixes are common; only TGA has no signature and
+//! needs its suffix. Sizes are checked after the header and before anything is allocated, so a small file cannot ask
+//! for much memory. 16-bit channels are rounded to 8, grey becomes RGB, of an animation the first picture is taken;
+//! colour profiles and orientation tags are ignored, as a texture wants its texels as they are.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use image::codecs::png::PngEncoder;
+use image::{DynamicImage, ExtendedColorType, ImageEncoder as _, ImageFormat, ImageReader, Limits};
+use thiserror::Error;
+
+use super::{Image, Rgba8};
+use crate::disk;
+
+/// Largest picture file that is read, bytes.
+const MAX_FILE_BYTES: u64 = 256 << 20;
+
+/// Longest side of a picture that is read, pixels.
+const MAX_SIDE: u32 = 16_384;
+
+/// Most pixels of a picture that is read, 8192 × 8192: decoded and converted it stays well below a gigabyte.
+const MAX_PIXELS: u64 = 1 << 26;
+
+/// Most bytes that a decoder may ask for.
+const MAX_DECODER_BYTES: u64 = 256 << 20;
+
+/// Why a picture could not be read or written.
+#[derive(Debug, Error)]
+pub enum ImageFileError {
+    /// The file cannot be read.
+    #[error("{}: cannot read it: {source}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The content is no picture of a supported kind.
+    #[error("{}: not a picture that this program reads (PNG, JPEG, BMP, TGA, GIF); {hint}", path.display())]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// What it is instead.
+        hint: String,
+    },
+    /// More pixels than are read.
+    #[error("{}: {width} × {height} pixels are too many (at most {MAX_SIDE} a side and {MAX_PIXELS} in all)", path.display())]
+    TooManyPixels {
+        /// The file.
+        path: PathBuf,
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+    },
+    /// The content is damaged, or asks for more memory than is allowed.
+    #[error("{}: cannot decode this {kind} file: {reason}", path.display())]
+    Undecodable {
+        /// The file.
+        path: PathBuf,
+        /// What it is, such as `PNG`.
+        kind: &'static str,
+        /// What the decoder said.
+        reason: String,
+    },
+    /// The file cannot be written.
+    #[error("{}: cannot write it: {source}", path.display())]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// Reads a picture. Never empty, at most 16 384 pixels a side and 8192 × 8192 in all.
+pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
+    let bytes = disk::read(path, MAX_FILE_BYTES)
+        .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
+    let (format, kind) = recognize(path, &bytes)?;
+    let undecodable = |reason: String| ImageFileError::Undecodable { path: path.to_owned(), kind, reason };
+
+    let (width, height) = reader(&bytes, format).into_dimensions().map_err(|e| undecodable(e.to_string()))?;
+    if width == 0 || height == 0 {
+        return Err(undecodable("it has no pixels".to_owned()));
+    }
+    if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(ImageFileError::TooManyPixels { path: path.to_owned(), width, height });
+    }
+    let decoded = reader(&bytes, format).decode().map_err(|e| undecodable(e.to_string()))?;
+    Ok(to_rgba(decoded))
+}
+
+/// A decoder with limits.
+fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
+    let mut limits = Limits::default();
+    limits.max_image_width = None;
+    limits.max_image_height = None;
+    limits.max_alloc = Some(MAX_DECODER_BYTES);
+    reader.limits(limits);
+    reader
+}
+
+/// What the content is and what people call that, if it is supported.
+fn recognize(path: &Path, bytes: &[u8]) -> Result<(ImageFormat, &'static str), ImageFileError> {
+    let named_tga = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tga"));
+    let hint = match image::guess_format(bytes) {
+        Ok(ImageFormat::Png) => return Ok((ImageFormat::Png, "PNG")),
+        Ok(ImageFormat::Jpeg) => return Ok((ImageFormat::Jpeg, "JPEG")),
+        Ok(ImageFormat::Bmp) => return Ok((ImageFormat::Bmp, "BMP")),
+        Ok(ImageFormat::Gif) => return Ok((ImageFormat::Gif, "GIF")),
+        Ok(other) => format!("it looks like {other:?}"),
+        Err(_) if bytes.is_empty() => "it is empty".to_owned(),
+        Err(_) if named_tga => return Ok((ImageFormat::Tga, "TGA")),
+        Err(_) if bytes.iter().all(|b| b.is_ascii_graphic() || b.is_ascii_whitespace()) => {
+            "it looks like text".to_owned()
+        }
+        Err(_) => "its content is not known".to_owned(),
+    };
+    Err(ImageFileError::Unsupported { path: path.to_owned(), hint })
+}
+
+fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {
+    let rgba = decoded.into_rgba8();
+    let (width, height) = rgba.dimensions();
+    let pixels = rgba.into_raw().chunks_exact(4).map(|p| [p[0], p[1], p[2], p[3]]).collect();
+    Image::from_pixels(width, height, pixels)
+}
+
+/// Writes a PNG: RGB if every pixel is opaque, else RGBA. Replaces a file that is there; makes no folders.
+pub fn write_png(path: &Path, image: &Image<Rgba8>) -> Result<(), ImageFileError> {
+    encode_png(image)
+        .and_then(|bytes| std::fs::write(path, bytes))
+        .map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
+}
+
+/// The bytes of a PNG file: RGB if every pixel is opaque, else RGBA. Fails for a picture without pixels.
+pub fn encode_png(image: &Image<Rgba8>) -> std::io::Result<Vec<u8>> {
+    let (width, height) = image.size();
+    let mut file = Vec::new();
+    let encoder = PngEncoder::new(&mut file);
+    let written = if image.pixels().iter().all(|p| p[3] == 255) {
+        let rgb: Vec<u8> = image.pixels().iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        encoder.write_image(&rgb, width, height, ExtendedColorType::Rgb8)
+    } else {
+        encoder.write_image(image.as_bytes(), width, height, ExtendedColorType::Rgba8)
+    };
+    written.map(|()| file).map_err(std::io::Error::other)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(alpha: u8) -> Image<Rgba8> {
+        Image::from_fn(5, 3, |x, y| [x as u8 * 50, y as u8 * 100, 7, if x == 2 { alpha } else { 255 }])
+    }
+
+    fn written(name: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        (folder, path)
+    }
+
+    #[test]
+    fn a_written_picture_reads_back_unchanged() {
+        for alpha in [255, 0] {
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("picture.png");
+            write_png(&path, &picture(alpha)).unwrap();
+            assert_eq!(read(&path).unwrap(), picture(alpha));
+        }
+    }
+
+    #[test]
+    fn opaque_pictures_are_written_without_alpha() {
+        const COLOR_TYPE_OFFSET: usize = 25;
+        assert_eq!(encode_png(&picture(255)).unwrap()[COLOR_TYPE_OFFSET], 2, "RGB");
+        assert_eq!(encode_png(&picture(0)).unwrap()[COLOR_TYPE_OFFSET], 6, "RGBA");
+    }
+
+    #[test]
+    fn the_content_counts_and_not_the_name() {
+        let (_folder, path) = written("picture.jpg", &encode_png(&picture(255)).unwrap());
+        assert_eq!(read(&path).unwrap(), picture(255));
+    }
+
+    #[test]
+    fn other_content_is_named() {
+        for (bytes, hint) in [
+            (b"RIFF\x10\0\0\0WEBPVP8 ".as_slice(), "it looks like WebP"),
+            (b"".as_slice(), "it is empty"),
+            (b"newmtl red\nKd 1 0 0\n".as_slice(), "it looks like text"),
+        ] {
+            let (_folder, path) = written("picture.png", bytes);
+            let message = read(&path).unwrap_err().to_string();
+            assert!(message.contains("picture.png") && message.ends_with(hint), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_header_that_asks_for_too_much_is_refused_before_decoding() {
+        let mut bmp = b"BM\x3a\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0".to_vec();
+        bmp.extend(20_000_i32.to_le_bytes());
+        bmp.extend(20_000_i32.to_le_bytes());
+        bmp.extend(b"\x01\0\x18\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0");
+        let (_folder, path) = written("huge.bmp", &bmp);
+        assert!(matches!(read(&path), Err(ImageFileError::TooManyPixels { width: 20_000, height: 20_000, .. })));
+    }
+
+    #[test]
+    fn a_picture_cut_anywhere_is_an_error_or_a_picture_but_no_panic() {
+        let whole = encode_png(&picture(0)).unwrap();
+        for end in 0..whole.len() {
+            let (_folder, path) = written("cut.png", &whole[..end]);
+            let _ = read(&path).map_err(|e| assert!(e.to_string().contains("cut.png")));
+        }
+    }
+}

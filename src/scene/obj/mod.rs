@@ -1,1 +1,232 @@
-//! Wavefront OBJ and MTL.
+//! Wavefront OBJ and MTL (Alias|Wavefront, "Object Files", Advanced Visualizer manual, appendix B1).
+//!
+//! In: the path of a file that nobody vouches for. Out: a renderable [`Scene`] and what had to be left out, or an
+//! error with file and line. The way there:
+//!
+//! ```text
+//! bytes ── decode ──► text ── attributes ──► lists ─┐
+//!                       └──── faces ───────► parts ─┴─ normals ─ canonical ─ tobj ──► meshes
+//!                               └ libraries ─ mtl ─ tobj ─► materials ─ textures ──────┴─► scene
+//! ```
+//!
+//! tobj turns canonical text into arrays; everything it would get wrong, or could not say the line of, is settled
+//! before. Texture coordinates are flipped here, once: v runs down the picture afterwards. Errors are for what cannot
+//! be drawn as meant (an index of nothing, a number that is none), warnings for what the rest can do without.
+
+mod attributes;
+mod canonical;
+mod decode;
+mod faces;
+mod libraries;
+mod mtl;
+mod normals;
+mod polygon;
+mod textures;
+mod warnings;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{Mat4, Vec2, Vec3};
+
+use self::attributes::quoted;
+use self::faces::{Faces, Part};
+use self::mtl::Descriptions;
+use self::textures::Textures;
+use self::warnings::Warnings;
+use super::{Camera, Instance, Library, Material, MaterialId, Mesh, MeshData, Scene, SceneError, Warning};
+use crate::disk;
+
+/// Largest model file that is read, bytes.
+const MAX_BYTES: u64 = 512 << 20;
+
+/// Largest coordinate that is kept: a product of three such numbers, as in a determinant, is still finite in f32.
+const MAX_COORDINATE: f32 = 1e12;
+
+/// Where the first view is taken from: in front, a little to the right and above.
+const VIEW_DIRECTION: Vec3 = Vec3::new(0.55, 0.4, 1.0);
+
+/// Behind a model: dark enough for bright surfaces, bright enough for dark ones.
+const BACKGROUND: [u8; 3] = [38, 38, 38];
+
+/// A scene, and what was left out or repaired on the way.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// Sound, with at least one triangle.
+    pub scene: Scene,
+    /// In the order in which they were found; repetitions are counted, not repeated.
+    pub warnings: Vec<Warning>,
+}
+
+/// Loads a model with its materials and textures.
+///
+/// Errors name the file and, where there is one, the line: unreadable or no OBJ text, a number that is none or not
+/// finite, an index of nothing, no face left to draw, or more than is read (512 MiB, 2 million vertices or triangles).
+pub fn load(path: &Path) -> Result<Loaded, SceneError> {
+    let mut warnings = Warnings::default();
+    let text = read_text(path, &mut warnings)?;
+    let mut lists = attributes::read(path, &text, &mut warnings)?;
+    let mut faces = faces::read(path, &text, &lists, &mut warnings)?;
+    drop(text);
+    if faces.triangles.is_empty() {
+        return Err(nothing_to_draw(path, &warnings));
+    }
+    normals::fill(&lists.positions, &mut faces.triangles, &mut lists.normals);
+    let canonical = canonical::write(&lists, &faces);
+    faces.triangles = Vec::new();
+    drop(lists);
+    let meshes = canonical::parse(path, &canonical)?;
+    drop(canonical);
+
+    let descriptions = libraries::read(path, &faces.libraries, &mut warnings);
+    let scene = assemble(path, &faces, meshes, &descriptions, &mut warnings)?;
+    Ok(Loaded { scene, warnings: warnings.finish(path) })
+}
+
+fn read_text(path: &Path, warnings: &mut Warnings) -> Result<String, SceneError> {
+    let bytes =
+        disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    let decoded = decode::decode(bytes).map_err(|reason| SceneError::NotAModel { path: path.to_owned(), reason })?;
+    if decoded.padded {
+        let line = decode::lines(&decoded.text).count() + usize::from(decoded.text.ends_with(['\n', '\r']));
+        warnings.add(path, Some(line), "NUL bytes from here to the end; left out");
+    }
+    Ok(decoded.text)
+}
+
+/// The error for a file without faces: the first thing that was left out says best why.
+fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
+    match warnings.first_with_line() {
+        Some(Warning { line: Some(line), text, .. }) => {
+            let reason = format!("{text}; the file contains no face that can be drawn");
+            SceneError::Line { path: path.to_owned(), line: *line, reason }
+        }
+        _ => SceneError::NotAModel { path: path.to_owned(), reason: "it contains no faces".to_owned() },
+    }
+}
+
+/// One mesh and one instance for each part, in shared materials.
+fn assemble(
+    path: &Path,
+    faces: &Faces,
+    meshes: Vec<tobj::Mesh>,
+    descriptions: &Descriptions,
+    warnings: &mut Warnings,
+) -> Result<Scene, SceneError> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let scale = coordinate_scale(path, &meshes, warnings);
+    let mut materials = Materials {
+        path,
+        expects_descriptions: !faces.libraries.is_empty(),
+        descriptions,
+        known: HashMap::new(),
+        textures: Textures::default(),
+    };
+    let mut library = Library::default();
+    let mut instances = Vec::with_capacity(faces.parts.len());
+    for (part, mesh) in faces.parts.iter().zip(meshes) {
+        let part_name = if part.name.is_empty() { name.clone() } else { part.name.clone() };
+        let data = mesh_data(part_name.clone(), &mesh, scale);
+        let material = materials.of(part, !data.colors.is_empty(), &mut library, warnings);
+        let mesh =
+            Mesh::new(data).map_err(|e| SceneError::NotAModel { path: path.to_owned(), reason: e.to_string() })?;
+        instances.push(Instance {
+            name: part_name,
+            mesh: library.add_mesh(mesh),
+            material,
+            world_from_model: Mat4::IDENTITY,
+            tint: Vec3::ONE,
+        });
+    }
+    // Materials that no face uses come last: they can be looked at, and must not take memory from those that are used.
+    for name in descriptions.keys() {
+        materials.get(Name::Described(name), &mut library, warnings);
+    }
+    let home = Camera::look_at(VIEW_DIRECTION, Vec3::ZERO);
+    let mut scene = Scene { name, library, instances, background: BACKGROUND, home };
+    scene.home = Camera::fit(scene.bounds(), VIEW_DIRECTION);
+    Ok(scene)
+}
+
+/// What to multiply all coordinates with so that the arithmetic behind stays finite; 1 for any reasonable model.
+fn coordinate_scale(path: &Path, meshes: &[tobj::Mesh], warnings: &mut Warnings) -> f32 {
+    let largest = meshes.iter().flat_map(|m| &m.positions).fold(0.0_f32, |largest, x| largest.max(x.abs()));
+    if largest <= MAX_COORDINATE {
+        return 1.0;
+    }
+    warnings.add(path, None, format!("coordinates up to {largest:e} are scaled down to {MAX_COORDINATE:e}"));
+    MAX_COORDINATE / largest
+}
+
+fn mesh_data(name: String, mesh: &tobj::Mesh, scale: f32) -> MeshData {
+    let vectors = |flat: &[f32]| flat.as_chunks::<3>().0.iter().copied().map(Vec3::from_array).collect::<Vec<_>>();
+    let colors = vectors(&mesh.vertex_color);
+    let is_colored = colors.iter().any(|c| *c != Vec3::ONE);
+    MeshData {
+        name,
+        positions: vectors(&mesh.positions).into_iter().map(|p| p * scale).collect(),
+        normals: vectors(&mesh.normals),
+        uvs: mesh.texcoords.as_chunks::<2>().0.iter().map(|[u, v]| Vec2::new(*u, 1.0 - v)).collect(),
+        colors: if is_colored { colors } else { Vec::new() },
+        triangles: mesh.indices.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+/// The materials of a model, each made when it is first asked for.
+struct Materials<'a> {
+    path: &'a Path,
+    /// Whether the file names a library at all, so that a name without description is a fault.
+    expects_descriptions: bool,
+    descriptions: &'a Descriptions,
+    known: HashMap<Name<'a>, MaterialId>,
+    textures: Textures,
+}
+
+/// What tells materials apart.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+enum Name<'a> {
+    Described(&'a str),
+    DefaultUnderVertexColors,
+    Default,
+}
+
+impl<'a> Materials<'a> {
+    /// The material of a part.
+    fn of(&mut self, part: &'a Part, has_colors: bool, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
+        let name = match &part.material {
+            Some(name) if self.descriptions.contains_key(name) => Name::Described(name),
+            _ if has_colors => Name::DefaultUnderVertexColors,
+            _ => Name::Default,
+        };
+        if let (Name::Default | Name::DefaultUnderVertexColors, Some(missing)) = (name, &part.material)
+            && self.expects_descriptions
+        {
+            let text = format!("material {} is not defined; the default is used", quoted(missing));
+            warnings.add(self.path, Some(part.material_line), text);
+        }
+        self.get(name, library, warnings)
+    }
+
+    fn get(&mut self, name: Name<'a>, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
+        if let Some(id) = self.known.get(&name) {
+            return *id;
+        }
+        let material = match name {
+            Name::Described(name) => self.described(name, library, warnings),
+            Name::DefaultUnderVertexColors => Material::plain("vertex colours", Vec3::ONE),
+            Name::Default => Material::default(),
+        };
+        let id = library.add_material(material);
+        self.known.insert(name, id);
+        id
+    }
+
+    fn described(&mut self, name: &str, library: &mut Library, warnings: &mut Warnings) -> Material {
+        let description = &self.descriptions[name];
+        let picture = description.picture.as_ref();
+        let texture = picture.and_then(|picture| self.textures.get(picture, self.path, library, warnings));
+        let unset = if texture.is_some() { Vec3::ONE } else { Material::default().diffuse };
+        let plain = Material::plain(name, description.diffuse.unwrap_or(unset));
+        Material { opacity: description.opacity, texture, ..plain }
+    }
+}

@@ -1,0 +1,5 @@
+//! How wrong a picture is, and how long it took.
+
+pub mod error;
+
+pub mod timing;

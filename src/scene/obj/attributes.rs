@@ -1,0 +1,203 @@
+//! First pass: the numbered lists of an OBJ file (`v`, `vt`, `vn`).
+//!
+//! They are read before any face, because a face may refer to lines below it. Every number is a finite f32, or the
+//! line is an error. Coordinates are taken as written; the optional weight `w` concerns rational curves only and is
+//! left out.
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::decode::joined_lines;
+use super::warnings::Warnings;
+use crate::math::unit_or;
+use crate::scene::SceneError;
+
+/// Most entries of one list, and most triangles, so that loading stays below a gigabyte.
+pub(super) const MAX_COUNT: usize = 2_000_000;
+
+/// The lists, in file order.
+#[derive(Debug, Default)]
+pub(super) struct Attributes {
+    /// `v`.
+    pub(super) positions: Vec<Vec3>,
+    /// Colours behind the positions; empty if no vertex has one, else white for those without. In [0, 1].
+    pub(super) colors: Vec<Vec3>,
+    /// `vt`, v running up as in the file.
+    pub(super) uvs: Vec<Vec2>,
+    /// `vn` at unit length; zero where the file's has no length.
+    pub(super) normals: Vec<Vec3>,
+}
+
+/// Reads the lists out of a whole file.
+pub(super) fn read(path: &Path, text: &str, warnings: &mut Warnings) -> Result<Attributes, SceneError> {
+    let mut lists = Attributes::default();
+    for (line, statement) in joined_lines(text) {
+        let mut words = statement.split_whitespace();
+        let remark = match words.next() {
+            Some("v") => lists.vertex(words),
+            Some("vt") => lists.uv(words),
+            Some("vn") => lists.normal(words),
+            _ => continue,
+        };
+        match remark {
+            Ok(None) => {}
+            Ok(Some(remark)) => warnings.add(path, Some(line), remark),
+            Err(reason) => return Err(SceneError::Line { path: path.to_owned(), line, reason }),
+        }
+        if lists.positions.len().max(lists.uvs.len()).max(lists.normals.len()) > MAX_COUNT {
+            let reason = format!("more than {MAX_COUNT} vertices, the most that are read");
+            return Err(SceneError::Line { path: path.to_owned(), line, reason });
+        }
+    }
+    Ok(lists)
+}
+
+/// What a line gives: nothing more, a warning, or an error.
+type Remark = Result<Option<&'static str>, String>;
+
+impl Attributes {
+    /// `v x y z`, with a weight, a colour, or a colour with alpha behind it.
+    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Remark {
+        let words = Words::<7>::new(words);
+        let count = words.count;
+        if count < 3 {
+            return Err(format!("a vertex has three coordinates, this one has {count}"));
+        }
+        if !matches!(count, 3 | 4 | 6 | 7) {
+            return Err(
+                "behind its three coordinates a vertex may have a weight or a colour of three numbers".to_owned()
+            );
+        }
+        let position = Vec3::new(number(words.list[0])?, number(words.list[1])?, number(words.list[2])?);
+        self.positions.push(position);
+        if count < 6 {
+            if !self.colors.is_empty() {
+                self.colors.push(Vec3::ONE);
+            }
+            return Ok(None);
+        }
+        self.colors.resize(self.positions.len() - 1, Vec3::ONE);
+        let channel = |i: usize| number(words.list[i]);
+        let (color, remark) = match (channel(3), channel(4), channel(5)) {
+            (Ok(r), Ok(g), Ok(b)) => (Vec3::new(r, g, b), None),
+            _ => (Vec3::ONE, Some("vertex colour that is not three finite numbers; taken as white")),
+        };
+        let clamped = color.clamp(Vec3::ZERO, Vec3::ONE);
+        self.colors.push(clamped);
+        Ok(remark.or((clamped != color).then_some("vertex colour outside 0 to 1; clamped")))
+    }
+
+    /// `vt u`, `vt u v` or `vt u v w`; a missing v is 0, and w is for volumes.
+    fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Remark {
+        let words = Words::<3>::new(words);
+        if words.count == 0 || words.count > 3 {
+            return Err(format!("a texture coordinate has one to three numbers, this one has {}", words.count));
+        }
+        let v = if words.count > 1 { number(words.list[1])? } else { 0.0 };
+        self.uvs.push(Vec2::new(number(words.list[0])?, v));
+        Ok(None)
+    }
+
+    /// `vn x y z`.
+    fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Remark {
+        let words = Words::<3>::new(words);
+        if words.count != 3 {
+            return Err(format!("a normal has three components, this one has {}", words.count));
+        }
+        let given = Vec3::new(number(words.list[0])?, number(words.list[1])?, number(words.list[2])?);
+        self.normals.push(unit_or(given.as_dvec3(), Vec3::ZERO));
+        Ok((given == Vec3::ZERO).then_some("normal without length; computed from the faces instead"))
+    }
+}
+
+/// The words of a statement up to a comment: the first `N`, and how many there are.
+struct Words<'a, const N: usize> {
+    list: [&'a str; N],
+    count: usize,
+}
+
+impl<'a, const N: usize> Words<'a, N> {
+    fn new(words: impl Iterator<Item = &'a str>) -> Self {
+        let mut this = Self { list: [""; N], count: 0 };
+        for word in words.take_while(|word| !word.starts_with('#')) {
+            if let Some(place) = this.list.get_mut(this.count) {
+                *place = word;
+            }
+            this.count += 1;
+        }
+        this
+    }
+}
+
+/// A finite number, or what is wrong with it.
+pub(super) fn number(word: &str) -> Result<f32, String> {
+    match word.parse::<f32>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) if word.contains(|c: char| c.is_ascii_digit()) => Err(format!("{} is too large", quoted(word))),
+        Ok(_) => Err(format!("{} is not a finite number", quoted(word))),
+        Err(_) if word.replacen(',', ".", 1).parse::<f32>().is_ok() => {
+            Err(format!("{} is not a number: decimals are written with a point, not with a comma", quoted(word)))
+        }
+        Err(_) => Err(format!("{} is not a number", quoted(word))),
+    }
+}
+
+/// A word of the file as messages show it: escaped, and not longer than a message should be.
+pub(super) fn quoted(word: &str) -> String {
+    const LONGEST: usize = 40;
+    match word.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("{:?}…", &word[..end]),
+        None => format!("{word:?}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lists(text: &str) -> Attributes {
+        read(Path::new("a.obj"), text, &mut Warnings::default()).unwrap()
+    }
+
+    fn error(text: &str) -> String {
+        read(Path::new("a.obj"), text, &mut Warnings::default()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_number_format_of_c_is_read() {
+        let positions = lists("v 1 2. .5\nv +1 -2.e1 1E-2 # note\n").positions;
+        assert_eq!(positions, [Vec3::new(1.0, 2.0, 0.5), Vec3::new(1.0, -20.0, 0.01)]);
+    }
+
+    #[test]
+    fn bad_numbers_are_errors_that_say_why() {
+        for (number, why) in [
+            ("nan", "not a finite number"),
+            ("-inf", "not a finite number"),
+            ("1e300", "too large"),
+            ("0,5", "with a point"),
+            ("1.#IND", "not a number"),
+            ("3.1+e2", "not a number"),
+        ] {
+            let message = error(&format!("v 0 0 0\nv 0 {number} 0\n"));
+            assert!(message.starts_with("a.obj:2: ") && message.contains(why), "{message}");
+        }
+    }
+
+    #[test]
+    fn vertices_without_colour_among_coloured_ones_are_white() {
+        let colors = lists("v 0 0 0\nv 0 0 0 1 0 0\nv 0 0 0 1\nv 0 0 0 nan 0 0\nv 0 0 0 0 2 0 1\n").colors;
+        assert_eq!(colors, [Vec3::ONE, Vec3::X, Vec3::ONE, Vec3::ONE, Vec3::Y]);
+    }
+
+    #[test]
+    fn normals_are_units_however_long_they_are_written() {
+        assert_eq!(lists("vn 0 3e38 0\nvn 0 0 -1e-40\nvn 0 0 0\n").normals, [Vec3::Y, Vec3::NEG_Z, Vec3::ZERO]);
+    }
+
+    #[test]
+    fn a_long_word_is_cut_in_messages() {
+        assert!(error(&format!("v {} 0 0", "x".repeat(100_000))).len() < 120);
+    }
+}

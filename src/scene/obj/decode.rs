@@ -1,0 +1,167 @@
+//! From the bytes of a file that should be OBJ or MTL to text and its lines.
+//!
+//! Neither format names an encoding. A byte-order mark decides for UTF-8 or UTF-16; else the text is UTF-8 if it is
+//! valid, and Latin-1 if not, which is what older exporters write. Names in OBJ and MTL then agree even if the two
+//! files are encoded differently. Whatever is no text at all is recognised here, where the first bytes still tell
+//! what it is, so that the message can say so.
+
+use std::borrow::Cow;
+
+/// A text and what had to be cut off it.
+#[derive(Debug, PartialEq)]
+pub(super) struct Decoded {
+    /// Without byte-order mark and trailing NUL bytes; line ends as in the file.
+    pub(super) text: String,
+    /// Whether NUL bytes were cut off the end (a crashed writer, or a padded sector).
+    pub(super) padded: bool,
+}
+
+/// The text in `bytes`, or what they are instead.
+pub(super) fn decode(mut bytes: Vec<u8>) -> Result<Decoded, String> {
+    if let [0xFE, 0xFF, rest @ ..] = bytes.as_slice() {
+        return Ok(Decoded { text: from_utf16(rest, u16::from_be_bytes), padded: false });
+    }
+    if let [0xFF, 0xFE, rest @ ..] = bytes.as_slice() {
+        return Ok(Decoded { text: from_utf16(rest, u16::from_le_bytes), padded: false });
+    }
+    if let Some(other) = something_else(&bytes) {
+        return Err(other.to_owned());
+    }
+    if bytes.starts_with(b"\xEF\xBB\xBF") {
+        bytes.drain(..3);
+    }
+    let length = bytes.iter().rposition(|b| !matches!(*b, 0 | DOS_END)).map_or(0, |last| last + 1);
+    let padded = bytes[length..].contains(&0);
+    bytes.truncate(length);
+    if bytes.iter().any(|b| is_binary(*b)) {
+        return Err("this is binary data, not text".to_owned());
+    }
+    let text =
+        String::from_utf8(bytes).unwrap_or_else(|not_utf8| not_utf8.into_bytes().into_iter().map(char::from).collect());
+    Ok(Decoded { text, padded })
+}
+
+fn from_utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
+    let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+    char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+}
+
+/// Ends a text file of DOS.
+const DOS_END: u8 = 0x1A;
+
+/// Control characters that no text holds; tab, line ends, vertical tab and form feed may occur.
+fn is_binary(byte: u8) -> bool {
+    byte < 0x20 && !matches!(byte, b'\t' | b'\n' | b'\r' | 0x0B | 0x0C)
+}
+
+/// What the first bytes say that the file is, if not OBJ or MTL.
+fn something_else(bytes: &[u8]) -> Option<&'static str> {
+    const KNOWN: [(&[u8], &str); 14] = [
+        (b"\x89PNG", "this is a PNG picture"),
+        (b"\xFF\xD8\xFF", "this is a JPEG picture"),
+        (b"GIF8", "this is a GIF picture"),
+        (b"PK\x03\x04", "this is a ZIP archive; unpack it first"),
+        (b"\x1F\x8B", "this is gzip-compressed; unpack it first"),
+        (b"glTF", "this is a binary glTF model; export it as OBJ"),
+        (b"Kaydara FBX", "this is an FBX model; export it as OBJ"),
+        (b"BLENDER", "this is a Blender file; export it as OBJ"),
+        (b"ply", "this is a PLY model; export it as OBJ"),
+        (b"solid ", "this is an STL model; export it as OBJ"),
+        (b"OFF", "this is an OFF model; export it as OBJ"),
+        (b"version https://git-lfs", "this is a Git LFS pointer, not the model itself; fetch it with `git lfs pull`"),
+        (b"<", "this is a web page or XML, not a model; perhaps a download that failed"),
+        (b"{", "this is JSON; if it is a glTF model, export it as OBJ"),
+    ];
+    let start = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+    KNOWN.iter().find(|(signature, _)| start.starts_with(signature)).map(|(_, what)| *what)
+}
+
+/// The lines of `text` with their numbers from 1. Lines end with LF, CR LF or CR; a form feed is no line end.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        let end = rest.find(['\n', '\r']).unwrap_or(rest.len());
+        let (line, tail) = rest.split_at(end);
+        let tail_is_empty = tail.is_empty();
+        rest = tail.strip_prefix("\r\n").or_else(|| tail.get(1..)).unwrap_or("");
+        (!(line.is_empty() && tail_is_empty)).then_some(line)
+    })
+    .enumerate()
+    .map(|(index, line)| (index + 1, line))
+}
+
+/// Like [`lines`], with those joined that end with a backslash, under the number of the first. Comments are not
+/// continued: they may end with a path.
+pub(super) fn joined_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let mut lines = lines(text);
+    std::iter::from_fn(move || {
+        let (number, first) = lines.next()?;
+        let mut joined = Cow::Borrowed(first);
+        let is_comment = first.trim_start().starts_with('#');
+        while let Some(kept) = joined.trim_end().strip_suffix('\\').map(str::len).filter(|_| !is_comment) {
+            let next = lines.next().map_or("", |(_, line)| line);
+            let joined = joined.to_mut();
+            joined.truncate(kept);
+            joined.push(' ');
+            joined.push_str(next);
+        }
+        Some((number, joined))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn text(bytes: &[u8]) -> String {
+        decode(bytes.to_vec()).unwrap().text
+    }
+
+    #[test]
+    fn every_encoding_gives_the_same_text() {
+        let utf16 = |unit: fn(u16) -> [u8; 2]| "\u{feff}o Straße".encode_utf16().flat_map(unit).collect::<Vec<u8>>();
+        for bytes in [
+            "o Straße".as_bytes().to_vec(),
+            "\u{feff}o Straße".as_bytes().to_vec(),
+            b"o Stra\xDFe".to_vec(),
+            utf16(u16::to_le_bytes),
+            utf16(u16::to_be_bytes),
+        ] {
+            assert_eq!(text(&bytes), "o Straße");
+        }
+    }
+
+    #[test]
+    fn a_tail_of_nul_bytes_is_cut_and_noted_but_others_are_binary() {
+        assert_eq!(decode(b"v 0\n\0\0".to_vec()), Ok(Decoded { text: "v 0\n".to_owned(), padded: true }));
+        assert!(decode(b"v\0 0\n".to_vec()).unwrap_err().contains("binary"));
+    }
+
+    #[test]
+    fn line_ends_of_all_systems_count_alike() {
+        let expected = vec![(1, "a"), (2, ""), (3, "b")];
+        for text in ["a\n\nb", "a\r\n\r\nb\r\n", "a\r\rb\r"] {
+            assert_eq!(lines(text).collect::<Vec<_>>(), expected);
+        }
+    }
+
+    #[test]
+    fn continued_lines_keep_the_number_of_the_first() {
+        let joined: Vec<_> = joined_lines("f 1 \\\r\n2 \\\n3\n# C:\\\nv\nf \\").collect();
+        let expected = [(1, "f 1  2  3"), (4, "# C:\\"), (5, "v"), (6, "f  ")];
+        assert_eq!(joined.iter().map(|(n, l)| (*n, l.as_ref())).collect::<Vec<_>>(), expected);
+    }
+
+    #[test]
+    fn foreign_files_are_recognised() {
+        for (bytes, word) in [
+            (b"\x89PNG\r\n\x1a\n".as_slice(), "PNG"),
+            (b"\n <!DOCTYPE html>", "web page"),
+            (b"version https://git-lfs.github.com/spec/v1", "git lfs pull"),
+            (b"solid cube\n facet normal 0 0 1", "STL"),
+            (b"\x01\x02\x03", "binary"),
+        ] {
+            assert!(decode(bytes.to_vec()).unwrap_err().contains(word));
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! Second pass: faces and what they belong to (`f`, `o`, `g`, `usemtl`, `mtllib`).
+//!
+//! Faces become triangles that refer to the lists of the first pass by numbers from 0, and gather in [`Part`]s: all
+//! of one object in one material, with or without texture coordinates. What is no surface (points, lines, curves) is
+//! left out with a warning, and so are faces that cover nothing.
+
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+
+use glam::Vec3;
+
+use super::attributes::{Attributes, MAX_COUNT, quoted};
+use super::decode::joined_lines;
+use super::polygon::{Outcome, Triangulator};
+use super::warnings::Warnings;
+use crate::scene::SceneError;
+
+/// Stands for "no texture coordinate" and "no normal" in a [`Corner`].
+pub(super) const NONE: u32 = u32::MAX;
+
+/// Most parts of one file; each becomes a mesh of its own.
+const MAX_PARTS: usize = 1 << 16;
+
+/// A corner of a triangle: places in the lists, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Corner {
+    pub(super) position: u32,
+    pub(super) uv: u32,
+    pub(super) normal: u32,
+}
+
+/// Triangles that become one mesh: of one object, in one material, all with texture coordinates or all without.
+#[derive(Debug)]
+pub(super) struct Part {
+    /// Object or group; empty if the file names none.
+    pub(super) name: String,
+    /// As the file names it; `None` before the first `usemtl`.
+    pub(super) material: Option<String>,
+    /// Line of that `usemtl`.
+    pub(super) material_line: usize,
+    /// Its triangles, as ranges of [`Faces::triangles`].
+    pub(super) runs: Vec<Range<usize>>,
+}
+
+/// Everything of a file that is not a list of numbers.
+#[derive(Debug, Default)]
+pub(super) struct Faces {
+    /// In file order.
+    pub(super) triangles: Vec<[Corner; 3]>,
+    /// In order of first use; none is empty.
+    pub(super) parts: Vec<Part>,
+    /// What stands behind `mtllib`, and its line.
+    pub(super) libraries: Vec<(String, usize)>,
+}
+
+/// Reads the faces out of a whole file.
+pub(super) fn read(path: &Path, text: &str, lists: &Attributes, warnings: &mut Warnings) -> Result<Faces, SceneError> {
+    let mut reader = Reader::new(lists);
+    for (line, statement) in joined_lines(text) {
+        match reader.statement(line, statement.trim()) {
+            Ok(None) => {}
+            Ok(Some(remark)) => warnings.add(path, Some(line), remark),
+            Err(reason) => return Err(SceneError::Line { path: path.to_owned(), line, reason }),
+        }
+    }
+    Ok(reader.faces)
+}
+
+/// What a statement gives: nothing more, a warning, or an error.
+type Remark = Result<Option<String>, String>;
+
+struct Reader<'a> {
+    lists: &'a Attributes,
+    /// Lines so far of `v`, `vt` and `vn`, which relative indices count back from.
+    seen: [usize; 3],
+    faces: Faces,
+    name: String,
+    material: Option<String>,
+    material_line: usize,
+    /// Parts of the current object and material, without and with texture coordinates.
+    current: [Option<usize>; 2],
+    known: HashMap<(String, Option<String>, bool), usize>,
+    corners: Vec<Corner>,
+    outline: Vec<Vec3>,
+    local: Vec<[u32; 3]>,
+    triangulator: Triangulator,
+}
+
+impl<'a> Reader<'a> {
+    fn new(lists: &'a Attributes) -> Self {
+        Self {
+            lists,
+            seen: [0; 3],
+            faces: Faces::default(),
+            name: String::new(),
+            material: None,
+            material_line: 0,
+            current: [None; 2],
+            known: HashMap::new(),
+            corners: Vec::new(),
+            outline: Vec::new(),
+            local: Vec::new(),
+            triangulator: Triangulator::default(),
+        }
+    }
+
+    fn statement(&mut self, line: usize, statement: &str) -> Remark {
+        let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
+        match keyword {
+            "v" => self.seen[0] += 1,
+            "vt" => self.seen[1] += 1,
+            "vn" => self.seen[2] += 1,
+            "f" => return self.face(rest),
+            "o" | "g" => {
+                self.name = rest.trim().to_owned();
+                self.current = [None; 2];
+            }
+            "usemtl" => {
+                self.material = Some(rest.trim().to_owned());
+                self.material_line = line;
+                self.current = [None; 2];
+            }
+            "mtllib" => self.faces.libraries.push((rest.trim().to_owned(), line)),
+            // Smoothing groups and hints for display change nothing that is drawn here.
+            "" | "s" | "lod" | "mg" | "bevel" | "c_interp" | "d_interp" | "shadow_obj" | "trace_obj" => {}
+            comment if comment.starts_with('#') => {}
+            "p" => return Ok(Some("points (`p`) are not drawn".to_owned())),
+            "l" => return Ok(Some("lines (`l`) are not drawn".to_owned())),
+            other => return Ok(Some(format!("statement {} is not supported and left out", quoted(other)))),
+        }
+        Ok(None)
+    }
+
+    fn face(&mut self, rest: &str) -> Remark {
+        self.corners.clear();
+        for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
+            self.corners.push(self.corner(word)?);
+        }
+        if self.corners.len() < 3 {
+            return Ok(Some("face with fewer than three corners; left out".to_owned()));
+        }
+        if self.faces.triangles.len() + self.corners.len() > MAX_COUNT {
+            return Err(format!("more than {MAX_COUNT} triangles, the most that are read"));
+        }
+        let with_uv = self.corners.iter().filter(|c| c.uv != NONE).count();
+        let has_uvs = with_uv == self.corners.len();
+        if !has_uvs {
+            self.corners.iter_mut().for_each(|c| c.uv = NONE);
+        }
+        let outcome = self.triangulate();
+        if !self.local.is_empty() {
+            self.store(has_uvs)?;
+        }
+        Ok(match outcome {
+            Outcome::NoArea => Some("face without area; left out".to_owned()),
+            Outcome::TooLarge => Some("face with too many corners for one that is not convex; left out".to_owned()),
+            Outcome::Crossing => Some("face that crosses itself; its triangles only come near it".to_owned()),
+            Outcome::Whole if with_uv > 0 && !has_uvs => {
+                Some("face with texture coordinates at some corners only; drawn without them".to_owned())
+            }
+            Outcome::Whole => None,
+        })
+    }
+
+    fn triangulate(&mut self) -> Outcome {
+        self.outline.clear();
+        self.outline.extend(self.corners.iter().map(|c| self.lists.positions[c.position as usize]));
+        self.triangulator.triangulate(&self.outline, &mut self.local)
+    }
+
+    /// Puts the triangles of the current face where they belong.
+    fn store(&mut self, has_uvs: bool) -> Result<(), String> {
+        let part = self.part(has_uvs)?;
+        let start = self.faces.triangles.len();
+        self.faces.triangles.extend(self.local.iter().map(|t| t.map(|corner| self.corners[corner as usize])));
+        let end = self.faces.triangles.len();
+        let runs = &mut self.faces.parts[part].runs;
+        match runs.last_mut() {
+            Some(run) if run.end == start => run.end = end,
+            _ => runs.push(start..end),
+        }
+        Ok(())
+    }
+
+    /// Number of the part that faces go to now.
+    fn part(&mut self, has_uvs: bool) -> Result<usize, String> {
+        if let Some(part) = self.current[usize::from(has_uvs)] {
+            return Ok(part);
+        }
+        let new = self.faces.parts.len();
+        let part = *self.known.entry((self.name.clone(), self.material.clone(), has_uvs)).or_insert(new);
+        if part == new {
+            if new == MAX_PARTS {
+                return Err(format!("more than {MAX_PARTS} objects, the most that are read"));
+            }
+            let (name, material) = (self.name.clone(), self.material.clone());
+            self.faces.parts.push(Part { name, material, material_line: self.material_line, runs: Vec::new() });
+        }
+        self.current[usize::from(has_uvs)] = Some(part);
+        Ok(part)
+    }
+
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
+    fn corner(&self, word: &str) -> Result<Corner, String> {
+        let totals = [self.lists.positions.len(), self.lists.uvs.len(), self.lists.normals.len()];
+        if word.bytes().filter(|b| *b == b'/').count() > 2 {
+            return Err(format!("corner {} has more than three parts", quoted(word)));
+        }
+        let mut places = [NONE; 3];
+        for (which, index) in word.split('/').enumerate() {
+            // Some exporters number normals that they do not write; computed ones serve as well.
+            let is_nowhere = which > 0 && totals[which] == 0;
+            if which == 0 || !(index.is_empty() || is_nowhere) {
+                places[which] = place(index, KINDS[which], totals[which], self.seen[which])?;
+            }
+        }
+        let [position, uv, normal] = places;
+        let has_length = normal != NONE && self.lists.normals[normal as usize] != Vec3::ZERO;
+        Ok(Corner { position, uv, normal: if has_length { normal } else { NONE } })
+    }
+}
+
+const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+
+/// The place from 0 that an index means: from 1 on, or back from the last one of `seen` if negative.
+fn place(index: &str, kind: &str, total: usize, seen: usize) -> Result<u32, String> {
+    let digits = index.strip_prefix(['-', '+']).unwrap_or(index);
+    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return Err(format!("{} is not the number of a {kind}", quoted(index)));
+    }
+    // What overflows exists as little as what is merely too large.
+    let relative = index.starts_with('-');
+    let count = digits.parse::<usize>().unwrap_or(usize::MAX);
+    let place = if relative { seen.checked_sub(count) } else { count.checked_sub(1).filter(|p| *p < total) };
+    match place {
+        Some(place) if count > 0 => Ok(place as u32),
+        _ if count == 0 => Err(format!("{kind} 0: numbers start at 1")),
+        _ if relative => Err(format!("{kind} {} reaches back before the first of {seen}", quoted(index))),
+        _ => Err(format!("{kind} {} does not exist; the file has {total}", quoted(index))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::attributes;
+    use super::*;
+
+    const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n";
+
+    fn faces(text: &str) -> Result<(Faces, Vec<String>), String> {
+        let path = Path::new("a.obj");
+        let mut warnings = Warnings::default();
+        let lists = attributes::read(path, text, &mut warnings).unwrap();
+        let faces = read(path, text, &lists, &mut warnings).map_err(|e| e.to_string())?;
+        Ok((faces, warnings.finish(path).iter().map(ToString::to_string).collect()))
+    }
+
+    #[test]
+    fn indices_count_from_one_or_back_from_the_last_line() {
+        let (faces, _) = faces(&format!("f 1 2 3\n{SQUARE}f -4 -3 -2\n")).unwrap();
+        assert_eq!(faces.triangles[0], faces.triangles[1]);
+        assert_eq!(faces.triangles[0].map(|c| c.position), [0, 1, 2]);
+    }
+
+    #[test]
+    fn indices_of_nothing_are_errors_with_the_line() {
+        for (index, why) in [
+            ("0", "numbers start at 1"),
+            ("5", "does not exist; the file has 4"),
+            ("4294967297", "does not exist"),
+            ("18446744073709551617", "does not exist"),
+            ("-5", "reaches back before"),
+            ("1.5", "is not the number"),
+            ("1/3", "texture coordinate \"3\" does not exist"),
+            ("1//2", "normal \"2\" does not exist"),
+            ("1/1/1/1", "more than three parts"),
+        ] {
+            let message = faces(&format!("{SQUARE}f {index} 2 3\n")).unwrap_err();
+            assert!(message.starts_with("a.obj:8: ") && message.contains(why), "{message}");
+        }
+    }
+
+    #[test]
+    fn one_part_per_object_material_and_corner_form() {
+        let (faces, _) = faces(&format!(
+            "{SQUARE}usemtl a\nf 1 2 3\nf 1/1 2/1 3/2\nf 1 3 4\nusemtl b\nf 1 2 3\nusemtl a\nf 1 2 4\no x\nf 1 2 3\n"
+        ))
+        .unwrap();
+        let summary: Vec<_> = faces.parts.iter().map(|p| format!("{}:{:?}:{:?}", p.name, p.material, p.runs)).collect();
+        assert_eq!(
+            summary,
+            [
+                r#":Some("a"):[0..1, 2..3, 4..5]"#,
+                r#":Some("a"):[1..2]"#,
+                r#":Some("b"):[3..4]"#,
+                r#"x:Some("a"):[5..6]"#,
+            ]
+        );
+    }
+
+    #[test]
+    fn what_is_no_surface_is_left_out_with_one_warning_per_kind() {
+        let (faces, warnings) =
+            faces(&format!("{SQUARE}l 1 2 3\nf 1 1 2\nf 1 2\ncurv 0 1 1 2\nl 1 2\nf 1 2 3\n")).unwrap();
+        assert_eq!(faces.triangles.len(), 1);
+        assert_eq!(
+            warnings,
+            [
+                "a.obj:8: lines (`l`) are not drawn (2 times, here first)",
+                "a.obj:9: face without area; left out",
+                "a.obj:10: face with fewer than three corners; left out",
+                "a.obj:11: statement \"curv\" is not supported and left out",
+            ]
+        );
+    }
+
+    #[test]
+    fn a_face_with_mixed_corners_loses_its_texture_coordinates_and_not_their_places() {
+        let (faces, warnings) = faces(&format!("{SQUARE}f 1/1 2/2 3\n")).unwrap();
+        assert_eq!(faces.triangles[0].map(|c| (c.position, c.uv)), [(0, NONE), (1, NONE), (2, NONE)]);
+        assert!(warnings[0].contains("at some corners only"), "{warnings:?}");
+    }
+}

@@ -1,0 +1,81 @@
+//! What was left out or repaired, collected so that it stays readable.
+//!
+//! A broken exporter repeats its fault in every line. Equal texts about one file are therefore one warning, at the
+//! first line and with a count; and no more than [`MAX_KEPT`] are kept.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::{Path, PathBuf};
+
+use crate::scene::Warning;
+
+/// Most warnings that are kept; the rest is only counted.
+const MAX_KEPT: usize = 100;
+
+/// A collection of warnings in the order of their first occurrence.
+#[derive(Debug, Default)]
+pub(super) struct Warnings {
+    kept: Vec<(Warning, usize)>,
+    place: HashMap<(PathBuf, String), usize>,
+    dropped: usize,
+}
+
+impl Warnings {
+    /// Notes something about `line` of the file, or about all of it. `text` must not differ between repetitions.
+    pub(super) fn add(&mut self, path: &Path, line: Option<usize>, text: impl Into<String>) {
+        let text = text.into();
+        let kept = self.kept.len();
+        match self.place.entry((path.to_owned(), text)) {
+            Entry::Occupied(place) => self.kept[*place.get()].1 += 1,
+            Entry::Vacant(_) if kept == MAX_KEPT => self.dropped += 1,
+            Entry::Vacant(place) => {
+                self.kept.push((Warning { path: path.to_owned(), line, text: place.key().1.clone() }, 1));
+                place.insert(kept);
+            }
+        }
+    }
+
+    /// The first one that has a line.
+    pub(super) fn first_with_line(&self) -> Option<&Warning> {
+        self.kept.iter().map(|(warning, _)| warning).find(|w| w.line.is_some())
+    }
+
+    /// All of them; repeated ones say how often. `path` is the file that "and more" is said about.
+    pub(super) fn finish(self, path: &Path) -> Vec<Warning> {
+        let more = (self.dropped > 0).then(|| Warning::file(path, format!("and {} more warnings", self.dropped)));
+        let counted = |(mut warning, count): (Warning, usize)| {
+            if count > 1 {
+                warning.text.push_str(&format!(" ({count} times, here first)"));
+            }
+            warning
+        };
+        self.kept.into_iter().map(counted).chain(more).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repetitions_become_one_warning_with_a_count() {
+        let mut warnings = Warnings::default();
+        for line in [7, 8, 9] {
+            warnings.add(Path::new("a.obj"), Some(line), "odd");
+        }
+        warnings.add(Path::new("b.mtl"), Some(1), "odd");
+        let texts: Vec<_> = warnings.finish(Path::new("a.obj")).iter().map(ToString::to_string).collect();
+        assert_eq!(texts, ["a.obj:7: odd (3 times, here first)", "b.mtl:1: odd"]);
+    }
+
+    #[test]
+    fn a_flood_is_cut() {
+        let mut warnings = Warnings::default();
+        for line in 0..1000 {
+            warnings.add(Path::new("a.obj"), Some(line), format!("odd {line}"));
+        }
+        let all = warnings.finish(Path::new("a.obj"));
+        assert_eq!(all.len(), MAX_KEPT + 1);
+        assert_eq!(all[MAX_KEPT].text, "and 900 more warnings");
+    }
+}

@@ -1,0 +1,145 @@
+//! A user interface without a window: passes with a fixed time step and given events, and a picture of the last one.
+//!
+//! Screenshots and tests run through here. Nothing reads a clock or a display, so the same interface gives the same
+//! bytes every time. What is drawn is a closure over [`egui::Ui`], the root one of a window: an application whose
+//! `eframe::App::ui` calls `self.show(ui)` is drawn by `headless.pass(vec![], |ui| app.show(ui))`.
+
+use eframe::egui::{
+    self, Event, FullOutput, PlatformOutput, PointerButton, Pos2, RawInput, Rect, Vec2, ViewportId,
+    epaint::ClippedShape,
+};
+
+use super::{cpu_painter::CpuPainter, theme};
+use crate::image::{Image, Rgba8};
+
+/// Time from one pass to the next. Two of them finish any animation of the theme.
+pub const STEP_SECONDS: f64 = 0.1;
+
+/// The largest texture side that the toolkit may ask for, as on common graphics cards.
+const LARGEST_TEXTURE_SIDE: usize = 8192;
+
+/// An egui context with the theme installed, its painter, and the shapes of its last pass.
+pub struct Headless {
+    context: egui::Context,
+    painter: CpuPainter,
+    size_points: Vec2,
+    pixels_per_point: f32,
+    passes: u32,
+    shapes: Vec<ClippedShape>,
+}
+
+impl Headless {
+    /// A window of `size_points` (logical) at an interface scale of `pixels_per_point`.
+    pub fn new(size_points: Vec2, pixels_per_point: f32, theme: egui::Theme) -> Self {
+        let context = egui::Context::default();
+        theme::install(&context);
+        context.set_theme(theme);
+        Self { context, painter: CpuPainter::default(), size_points, pixels_per_point, passes: 0, shapes: Vec::new() }
+    }
+
+    /// The context, to set it up further.
+    pub fn context(&self) -> &egui::Context {
+        &self.context
+    }
+
+    /// Runs one pass with `events` as its input. Returns what it asks of the platform (cursor, clipboard,
+    /// accessibility tree).
+    pub fn pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
+        let input = self.input(events);
+        let FullOutput { platform_output, mut textures_delta, shapes, .. } = self.context.run_ui(input, ui);
+        self.painter.handle_delta(&mut textures_delta);
+        self.passes += 1;
+        self.shapes = shapes;
+        platform_output
+    }
+
+    /// Presses and releases the main mouse button at `position` (in points), and lets the interface answer.
+    pub fn click(&mut self, position: Pos2, mut ui: impl FnMut(&mut egui::Ui)) -> PlatformOutput {
+        let button = |pressed| Event::PointerButton {
+            pos: position,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: egui::Modifiers::NONE,
+        };
+        self.pass(vec![Event::PointerMoved(position)], &mut ui);
+        self.pass(vec![button(true)], &mut ui);
+        self.pass(vec![button(false)], &mut ui)
+    }
+
+    /// Paints the last pass: `size_points` × `pixels_per_point`, rounded to whole pixels.
+    pub fn picture(&self) -> Image<Rgba8> {
+        let size = (self.size_points * self.pixels_per_point).round();
+        let background = self.context.global_style().visuals.panel_fill;
+        self.painter.paint_shapes(&self.context, self.shapes.clone(), (size.x as u32, size.y as u32), background)
+    }
+
+    fn input(&self, events: Vec<Event>) -> RawInput {
+        let mut input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, self.size_points)),
+            max_texture_side: Some(LARGEST_TEXTURE_SIDE),
+            time: Some(f64::from(self.passes) * STEP_SECONDS),
+            predicted_dt: STEP_SECONDS as f32,
+            events,
+            ..RawInput::default()
+        };
+        input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(self.pixels_per_point);
+        input
+    }
+}
+
+/// Runs `ui` for `passes` passes without input, in the dark theme, and paints the last.
+pub fn run_headless(
+    size_points: Vec2,
+    pixels_per_point: f32,
+    passes: usize,
+    mut ui: impl FnMut(&mut egui::Ui),
+) -> Image<Rgba8> {
+    let mut headless = Headless::new(size_points, pixels_per_point, egui::Theme::Dark);
+    for _ in 0..passes {
+        headless.pass(Vec::new(), &mut ui);
+    }
+    headless.picture()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_same_interface_gives_the_same_picture_of_the_asked_size() {
+        let paint = || {
+            run_headless(Vec2::new(90.0, 33.0), 1.5, 3, |ui| {
+                ui.label("deterministic");
+            })
+        };
+        let picture = paint();
+        assert_eq!(picture.size(), (135, 50));
+        assert_eq!(picture, paint());
+        assert!(picture.pixels().iter().any(|pixel| *pixel != picture.at(0, 0)), "the label is visible");
+    }
+
+    #[test]
+    fn time_advances_by_one_step_per_pass() {
+        let mut headless = Headless::new(Vec2::splat(10.0), 1.0, egui::Theme::Light);
+        let mut times = Vec::new();
+        for _ in 0..3 {
+            headless.pass(Vec::new(), |ui| times.push(ui.input(|input| input.time)));
+        }
+        assert_eq!(times, [0.0, STEP_SECONDS, 2.0 * STEP_SECONDS]);
+    }
+
+    #[test]
+    fn a_click_reaches_the_widget_under_it() {
+        let mut headless = Headless::new(Vec2::new(100.0, 40.0), 1.0, egui::Theme::Dark);
+        let mut clicks = 0;
+        let mut ui = |ui: &mut egui::Ui| {
+            if ui.button("Press").clicked() {
+                clicks += 1;
+            }
+        };
+        headless.pass(Vec::new(), &mut ui);
+        headless.click(Pos2::new(12.0, 10.0), &mut ui);
+        headless.click(Pos2::new(90.0, 35.0), &mut ui);
+        assert_eq!(clicks, 1);
+    }
+}

@@ -1,0 +1,332 @@
+//! The look of the window in one table: colours, sizes, radii and fonts, for dark and for light.
+//!
+//! [`install`] applies it once to both styles of an egui context; panels then name tokens, never literals:
+//! `theme::tokens(ui).accent`, `theme::ROW_HEIGHT`. Neutrals carry no tint, because a hue around a picture falsifies
+//! it. Colours with a meaning are used for that meaning only, and never alone: an icon or a word stands beside them.
+//! `series` keeps its colours apart under protanopia and deuteranopia (a test simulates both).
+
+use std::sync::Arc;
+
+use eframe::egui::{
+    self, Align2, Atom, Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, FontTweak, Frame, Margin,
+    Painter, Pos2, Rect, Shadow, Stroke, Style, TextStyle, Ui, Vec2, Visuals,
+    epaint::FontColorTransferFunction,
+    style::{HandleShape, ScrollStyle, Selection, WidgetVisuals, Widgets},
+    vec2,
+};
+pub use lucide_icons::Icon;
+
+/// Space in points, on a grid of 4.
+pub mod space {
+    /// Between parts of one thing.
+    pub const XS: f32 = 4.0;
+    /// Between things.
+    pub const S: f32 = 8.0;
+    /// Inside panels.
+    pub const M: f32 = 12.0;
+    /// Between groups.
+    pub const L: f32 = 16.0;
+}
+
+/// Height of a row of a panel or a table, in points.
+pub const ROW_HEIGHT: f32 = 24.0;
+
+/// Height of buttons, fields and sliders, in points: a row less the gap to the next.
+pub const CONTROL_HEIGHT: f32 = ROW_HEIGHT - space::XS;
+
+/// Corner radius of controls, in points.
+pub const RADIUS: u8 = 4;
+
+/// Corner radius of windows, menus and tooltips, in points.
+pub const WINDOW_RADIUS: u8 = 8;
+
+/// Side of the square that an icon fills, in points.
+pub const ICON_SIZE: f32 = 14.0;
+
+/// Font sizes in points. `MONOSPACE` is one less than `BODY` because its letters are as high as those of `BODY`.
+pub mod font_size {
+    /// Notes, table headers, axis numbers.
+    pub const SMALL: f32 = 11.0;
+    /// Everything that is read.
+    pub const BODY: f32 = 13.0;
+    /// Numbers that change or line up.
+    pub const MONOSPACE: f32 = 12.0;
+    /// One per panel at most.
+    pub const TITLE: f32 = 16.0;
+}
+
+/// The colours of one theme.
+pub struct Tokens {
+    /// Around the picture, and darker than most of them: the picture is the brightest thing on screen.
+    pub canvas: Color32,
+    /// Inside text fields and plots: the far end of the neutrals.
+    pub field: Color32,
+    /// Panels, menus and windows.
+    pub panel: Color32,
+    /// Blocks that stand out from their panel: cards, table stripes, headers.
+    pub raised: Color32,
+    /// Buttons and sliders at rest.
+    pub control: Color32,
+    /// Buttons and sliders under the pointer.
+    pub control_hovered: Color32,
+    /// Lines between things, and edges of swatches.
+    pub border: Color32,
+    /// Labels, units, hints.
+    pub text_weak: Color32,
+    /// Text.
+    pub text: Color32,
+    /// Headings, and the value that matters.
+    pub text_strong: Color32,
+    /// Selection, focus and the picked pixel.
+    pub accent: Color32,
+    /// Behind what is selected; `text_strong` is readable on it.
+    pub accent_fill: Color32,
+    /// A test that was passed.
+    pub passed: Color32,
+    /// A fragment, or a claim, that was rejected.
+    pub rejected: Color32,
+    /// Something to look at.
+    pub warning: Color32,
+    /// Something that failed.
+    pub error: Color32,
+    /// The first of two compared things: label, tile frame, plot line, table.
+    pub a: Color32,
+    /// The second of two compared things.
+    pub b: Color32,
+    /// Lines of a plot, in the order to use them.
+    pub series: [Color32; 8],
+    shadow: Color32,
+}
+
+/// White text on dark grey.
+pub static DARK: Tokens = Tokens {
+    canvas: Color32::from_gray(0x12),
+    field: Color32::from_gray(0x12),
+    panel: Color32::from_gray(0x1C),
+    raised: Color32::from_gray(0x26),
+    control: Color32::from_gray(0x33),
+    control_hovered: Color32::from_gray(0x42),
+    border: Color32::from_gray(0x4A),
+    text_weak: Color32::from_gray(0x9C),
+    text: Color32::from_gray(0xD2),
+    text_strong: Color32::from_gray(0xFA),
+    accent: rgb(0x4C_A6FF),
+    accent_fill: rgb(0x1D_5590),
+    passed: rgb(0x4F_C48A),
+    rejected: rgb(0xF0_8A5D),
+    warning: rgb(0xE8_C547),
+    error: rgb(0xFF_6B6E),
+    a: rgb(0xA9_97FF),
+    b: rgb(0xF5_A142),
+    series: [
+        rgb(0xE4_9613),
+        rgb(0x6B_75F2),
+        rgb(0x11_C689),
+        rgb(0xEB_7ADE),
+        rgb(0xB4_F3F8),
+        rgb(0xC2_EE31),
+        rgb(0xED_232B),
+        rgb(0x80_8080),
+    ],
+    shadow: Color32::from_black_alpha(0x70),
+};
+
+/// Black text on light grey.
+pub static LIGHT: Tokens = Tokens {
+    canvas: Color32::from_gray(0xD0),
+    field: Color32::from_gray(0xFF),
+    panel: Color32::from_gray(0xF2),
+    raised: Color32::from_gray(0xE8),
+    control: Color32::from_gray(0xDC),
+    control_hovered: Color32::from_gray(0xCC),
+    border: Color32::from_gray(0xBC),
+    text_weak: Color32::from_gray(0x54),
+    text: Color32::from_gray(0x26),
+    text_strong: Color32::from_gray(0x00),
+    accent: rgb(0x0A_63CC),
+    accent_fill: rgb(0xAE_D2FA),
+    passed: rgb(0x0E_7040),
+    rejected: rgb(0xA8_450E),
+    warning: rgb(0x7A_5B00),
+    error: rgb(0xBE_1B28),
+    a: rgb(0x62_4BD8),
+    b: rgb(0x9A_5500),
+    series: [
+        rgb(0xBC_7D0F),
+        rgb(0x19_6BD9),
+        rgb(0x28_9E77),
+        rgb(0xC3_13A9),
+        rgb(0x09_0F6D),
+        rgb(0x48_250F),
+        rgb(0xBD_1D1E),
+        rgb(0x5F_5F5F),
+    ],
+    shadow: Color32::from_black_alpha(0x28),
+};
+
+const fn rgb(hex: u32) -> Color32 {
+    let [_, red, green, blue] = hex.to_be_bytes();
+    Color32::from_rgb(red, green, blue)
+}
+
+/// The colours of the theme that `ui` is drawn in.
+pub fn tokens(ui: &Ui) -> &'static Tokens {
+    of(ui.visuals().dark_mode)
+}
+
+fn of(dark_mode: bool) -> &'static Tokens {
+    if dark_mode { &DARK } else { &LIGHT }
+}
+
+/// Installs fonts and both styles. Call it once, when the window is made.
+pub fn install(context: &egui::Context) {
+    context.set_fonts(fonts());
+    for theme in [egui::Theme::Dark, egui::Theme::Light] {
+        context.set_style_of(theme, style(theme == egui::Theme::Dark));
+    }
+}
+
+/// The frame of a side, top or bottom panel.
+pub fn panel_frame(ui: &Ui) -> Frame {
+    Frame::new().fill(tokens(ui).panel).inner_margin(Margin::same(space::S as i8))
+}
+
+/// The frame around a picture: no margin, and the quietest colour.
+pub fn canvas_frame(ui: &Ui) -> Frame {
+    Frame::new().fill(tokens(ui).canvas)
+}
+
+/// The frame of a block that stands out from its panel.
+pub fn card_frame(ui: &Ui) -> Frame {
+    Frame::new().fill(tokens(ui).raised).corner_radius(RADIUS).inner_margin(Margin::same(space::S as i8))
+}
+
+/// An icon among the texts of a button, menu entry or chip, in their colour. It adds nothing to the accessible name.
+pub fn icon(icon: Icon) -> Atom<'static> {
+    Atom::paint(Vec2::splat(ICON_SIZE), move |ui, place| {
+        paint_icon(ui.painter(), place.rect.center(), icon, ICON_SIZE, place.fallback_text_color);
+    })
+}
+
+/// Paints an icon of `size` points, centred on `center`, snapped to whole pixels.
+pub fn paint_icon(painter: &Painter, center: Pos2, icon: Icon, size: f32, color: Color32) -> Rect {
+    // Hung by its top: a line of this font has a gap below, which centring the line would count in.
+    let top = center - vec2(0.0, size / 2.0);
+    painter.text(top, Align2::CENTER_TOP, icon.unicode(), FontId::new(size, icon_family()), color)
+}
+
+fn icon_family() -> FontFamily {
+    FontFamily::Name("icons".into())
+}
+
+/// The toolkit's fonts, and the icons in a family of their own: their code points are private and others use them too.
+/// The monospace font lends the proportional one its arrows and mathematical signs.
+fn fonts() -> FontDefinitions {
+    const ICON_FONT: &str = "lucide";
+    let mut fonts = FontDefinitions::default();
+    // Hinting would bend outlines that are drawn on a grid of their own.
+    let unhinted = FontTweak { hinting: Some(false), ..FontTweak::default() };
+    let icons = FontData::from_static(lucide_icons::LUCIDE_FONT_BYTES).tweak(unhinted);
+    fonts.font_data.insert(ICON_FONT.to_owned(), Arc::new(icons));
+    fonts.families.insert(icon_family(), vec![ICON_FONT.to_owned()]);
+    if let Some(proportional) = fonts.families.get_mut(&FontFamily::Proportional) {
+        proportional.insert(1, "Hack".to_owned());
+    }
+    fonts
+}
+
+fn style(dark_mode: bool) -> Style {
+    let tokens = of(dark_mode);
+    let mut style = Style {
+        text_styles: [
+            (TextStyle::Small, FontId::proportional(font_size::SMALL)),
+            (TextStyle::Body, FontId::proportional(font_size::BODY)),
+            (TextStyle::Button, FontId::proportional(font_size::BODY)),
+            (TextStyle::Heading, FontId::proportional(font_size::TITLE)),
+            (TextStyle::Monospace, FontId::monospace(font_size::MONOSPACE)),
+        ]
+        .into(),
+        drag_value_text_style: TextStyle::Monospace,
+        animation_time: 0.1,
+        visuals: visuals(dark_mode, tokens),
+        ..Style::default()
+    };
+    let spacing = &mut style.spacing;
+    spacing.item_spacing = vec2(space::S, space::XS);
+    spacing.button_padding = vec2(space::S, 2.0);
+    spacing.interact_size = vec2(60.0, CONTROL_HEIGHT);
+    spacing.icon_width = 16.0;
+    spacing.icon_width_inner = 8.0;
+    spacing.icon_spacing = 6.0;
+    spacing.indent = space::L;
+    spacing.slider_rail_height = 4.0;
+    spacing.combo_height = 12.0 * ROW_HEIGHT;
+    spacing.menu_margin = Margin::same(space::XS as i8);
+    spacing.window_margin = Margin::same(space::M as i8);
+    spacing.tooltip_width = 320.0;
+    spacing.scroll = ScrollStyle { bar_width: 8.0, ..ScrollStyle::thin() };
+    style.interaction.selectable_labels = false;
+    style.interaction.tooltip_delay = 0.4;
+    style
+}
+
+fn visuals(dark_mode: bool, tokens: &Tokens) -> Visuals {
+    let base = if dark_mode { Visuals::dark() } else { Visuals::light() };
+    let shadow = Shadow { offset: [0, 4], blur: 16, spread: 0, color: tokens.shadow };
+    let mut visuals = Visuals {
+        widgets: widgets(tokens),
+        selection: Selection { bg_fill: tokens.accent_fill, stroke: Stroke::new(1.0, tokens.text_strong) },
+        weak_text_color: Some(tokens.text_weak),
+        hyperlink_color: tokens.accent,
+        faint_bg_color: tokens.raised,
+        extreme_bg_color: tokens.field,
+        code_bg_color: tokens.raised,
+        warn_fg_color: tokens.warning,
+        error_fg_color: tokens.error,
+        window_fill: tokens.panel,
+        window_stroke: Stroke::new(1.0, tokens.border),
+        window_corner_radius: CornerRadius::same(WINDOW_RADIUS),
+        menu_corner_radius: CornerRadius::same(WINDOW_RADIUS),
+        window_shadow: shadow,
+        popup_shadow: shadow,
+        panel_fill: tokens.panel,
+        slider_trailing_fill: true,
+        handle_shape: HandleShape::Circle,
+        indent_has_left_vline: false,
+        ..base
+    };
+    visuals.text_cursor.stroke = Stroke::new(2.0, tokens.accent);
+    if !dark_mode {
+        visuals.text_options.color_transfer_function = FontColorTransferFunction::Gamma(LIGHT_TEXT_GAMMA);
+    }
+    visuals
+}
+
+/// Below 1 it thickens dark text, whose thin stems look washed out on a light ground.
+const LIGHT_TEXT_GAMMA: f32 = 0.7;
+
+/// How controls look at rest, under the pointer, and pressed or focused. Only colours change, so nothing moves.
+fn widgets(tokens: &Tokens) -> Widgets {
+    let state = |fill, line, text| WidgetVisuals {
+        bg_fill: fill,
+        weak_bg_fill: fill,
+        bg_stroke: line,
+        fg_stroke: Stroke::new(1.5, text),
+        corner_radius: CornerRadius::same(RADIUS),
+        expansion: 0.0,
+    };
+    let line = |color| Stroke::new(1.0, color);
+    Widgets {
+        noninteractive: WidgetVisuals {
+            fg_stroke: Stroke::new(1.0, tokens.text),
+            ..state(tokens.panel, line(tokens.border), tokens.text)
+        },
+        inactive: state(tokens.control, Stroke::NONE, tokens.text),
+        hovered: state(tokens.control_hovered, Stroke::NONE, tokens.text_strong),
+        active: state(tokens.control_hovered, line(tokens.accent), tokens.text_strong),
+        open: state(tokens.control_hovered, Stroke::NONE, tokens.text_strong),
+    }
+}
+
+#[cfg(test)]
+mod tests;

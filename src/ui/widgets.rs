@@ -1,0 +1,267 @@
+//! The small parts that panels are made of: rows, pickers, headers, chips, readouts.
+//!
+//! A panel is a column of rows as wide as the panel, one [`theme::ROW_HEIGHT`] apart: a label on the left, cut short
+//! where it must be, and a control or a number on the right, so that both line up down the panel. Every part has a
+//! name in the accessibility tree, which is also how tests find it: a control in a row is named by the row's label.
+
+use eframe::egui::{
+    self, Align, Button, Color32, ComboBox, Id, Label, Layout, Rect, Response, RichText, Role, Sense, Stroke,
+    StrokeKind, TextStyle, TextWrapMode, Ui, UiBuilder, Vec2, WidgetAtom, WidgetInfo, vec2,
+};
+
+use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
+
+/// Part of a row's width that its label gets.
+const LABEL_SHARE: f32 = 0.4;
+
+/// Least room on both sides of a name among joined buttons, in points.
+const SEGMENT_PADDING: f32 = space::XS;
+
+/// Seconds for which a copy button confirms that it has copied.
+const COPIED_SECONDS: f64 = 1.2;
+
+/// A row with a control: `label` on the left, the controls that `add_control` adds on the right.
+///
+/// Sliders and pickers fill the right column. Inputs without a name of their own are named `label` for accessibility.
+/// `tooltip` says in one sentence what the control does. Labels must differ within one parent.
+pub fn row<R>(ui: &mut Ui, label: &str, tooltip: &str, add_control: impl FnOnce(&mut Ui) -> R) -> R {
+    let (row, label_width) = allocate_row(ui, |width| (width * LABEL_SHARE).floor());
+    row_label(ui, Rect::from_min_size(row.min, vec2(label_width, row.height())), label, tooltip);
+    let right = row.with_min_x(row.left() + label_width);
+    let builder = UiBuilder::new().id_salt(label).max_rect(right).layout(Layout::left_to_right(Align::Center));
+    let mut control = ui.new_child(builder);
+    let spacing = control.spacing_mut();
+    spacing.combo_width = right.width();
+    spacing.slider_width = right.width() - spacing.interact_size.x - spacing.item_spacing.x;
+    control.name_inputs(label, add_control)
+}
+
+/// A row with a number: `label` on the left, `value` in monospace on the right, where numbers line up.
+///
+/// The value can be selected with the mouse. Returns its response, for a menu or another colour of hover.
+pub fn value_row(ui: &mut Ui, label: &str, value: &str, tooltip: &str) -> Response {
+    let text = RichText::new(value).text_style(TextStyle::Monospace);
+    let font = TextStyle::Monospace.resolve(ui.style());
+    let value_width = ui.painter().layout_no_wrap(value.to_owned(), font, Color32::WHITE).size().x;
+    let (row, label_width) = allocate_row(ui, |width| (width - value_width - space::S).max(0.0));
+    row_label(ui, Rect::from_min_size(row.min, vec2(label_width, row.height())), label, tooltip);
+    let right = row.with_min_x(row.left() + label_width);
+    let mut readout = ui.new_child(UiBuilder::new().max_rect(right).layout(Layout::right_to_left(Align::Center)));
+    readout.add(Label::new(text).selectable(true).truncate())
+}
+
+/// A row as wide as the panel, and the width of its left column, given the whole.
+fn allocate_row(ui: &mut Ui, label_width: impl FnOnce(f32) -> f32) -> (Rect, f32) {
+    let width = ui.available_width();
+    let (row, _) = ui.allocate_exact_size(vec2(width, CONTROL_HEIGHT), Sense::hover());
+    (row, label_width(width))
+}
+
+fn row_label(ui: &mut Ui, rect: Rect, label: &str, tooltip: &str) {
+    let mut column = ui.new_child(UiBuilder::new().max_rect(rect).layout(Layout::left_to_right(Align::Center)));
+    let text = RichText::new(label).color(tokens(ui).text_weak);
+    let shown = column.add(Label::new(text).truncate().show_tooltip_when_elided(false));
+    if !tooltip.is_empty() {
+        ui.ctx().accesskit_node_builder(shown.id, |node| node.set_description(tooltip));
+    }
+    ui.interact(rect, shown.id.with("hover"), Sense::hover()).on_hover_ui(|ui| {
+        ui.strong(label);
+        if !tooltip.is_empty() {
+            ui.label(tooltip);
+        }
+    });
+}
+
+/// Picks one of `options`, each (value, name, tooltip). True when the user changed `value`.
+///
+/// As wide as `ui.spacing().combo_width`, which fills the column in a [`row`]: joined buttons where all names fit,
+/// a drop-down list where they do not. Outside a row, wrap it in [`Ui::push_id`] and [`Ui::name_inputs`].
+pub fn choice<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)]) -> bool {
+    let before = *value;
+    let segment = vec2((ui.spacing().combo_width / options.len().max(1) as f32).floor(), CONTROL_HEIGHT);
+    if options.iter().all(|(_, name, _)| text_width(ui, name) + 2.0 * SEGMENT_PADDING <= segment.x) {
+        segments(ui, value, options, segment);
+    } else {
+        drop_down(ui, value, options);
+    }
+    *value != before
+}
+
+fn text_width(ui: &Ui, text: &str) -> f32 {
+    let font = TextStyle::Button.resolve(ui.style());
+    ui.painter().layout_no_wrap(text.to_owned(), font, Color32::WHITE).size().x
+}
+
+fn segments<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)], segment: Vec2) {
+    let size = vec2(segment.x * options.len() as f32, segment.y);
+    let (trough, _) = ui.allocate_exact_size(size, Sense::hover());
+    ui.painter().rect_filled(trough, theme::RADIUS, tokens(ui).control);
+    for (index, (option, name, tooltip)) in options.iter().enumerate() {
+        let min = trough.min + vec2(index as f32 * segment.x, 0.0);
+        let centered = UiBuilder::new()
+            .max_rect(Rect::from_min_size(min, segment))
+            .layout(Layout::centered_and_justified(egui::Direction::LeftToRight));
+        let button = Button::selectable(*value == *option, *name);
+        let mut place = ui.new_child(centered);
+        place.spacing_mut().button_padding.x = SEGMENT_PADDING;
+        if place.add(button).on_hover_text(*tooltip).clicked() {
+            *value = *option;
+        }
+    }
+}
+
+fn drop_down<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)]) {
+    let (shown, tooltip) =
+        options.iter().find(|option| option.0 == *value).map_or(("", ""), |option| (option.1, option.2));
+    let response = ComboBox::from_id_salt("choice")
+        .selected_text(shown)
+        .width(ui.spacing().combo_width)
+        .truncate()
+        .icon(|ui, rect, visuals, _open| {
+            theme::paint_icon(
+                ui.painter(),
+                rect.center(),
+                Icon::ChevronDown,
+                theme::ICON_SIZE,
+                visuals.fg_stroke.color,
+            );
+        })
+        .show_ui(ui, |ui| {
+            for (option, name, tooltip) in options {
+                ui.selectable_value(value, *option, *name).on_hover_text(*tooltip);
+            }
+        })
+        .response;
+    if !tooltip.is_empty() {
+        response.on_hover_ui(|ui| {
+            ui.label(tooltip);
+        });
+    }
+}
+
+/// The title of a group of rows, with room above it. `add_actions` adds small controls at the right end, from the right.
+pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui)) {
+    ui.add_space(space::S);
+    ui.horizontal(|ui| {
+        ui.set_min_height(CONTROL_HEIGHT);
+        ui.add(Label::new(RichText::new(title).strong()).truncate());
+        ui.with_layout(Layout::right_to_left(Align::Center), add_actions);
+    });
+}
+
+/// What stands where there is nothing yet: what would be here, and how to get it. Fills the space that is left.
+pub fn empty_state(ui: &mut Ui, icon: Icon, what: &str, how: &str) {
+    const ICON_POINTS: f32 = 28.0;
+    const CONTENT_POINTS: f32 = 84.0;
+    ui.vertical_centered(|ui| {
+        let height = ui.available_height();
+        if height.is_finite() {
+            ui.add_space(((height - CONTENT_POINTS) / 2.0).max(space::M));
+        }
+        let (place, _) = ui.allocate_exact_size(Vec2::splat(ICON_POINTS), Sense::hover());
+        theme::paint_icon(ui.painter(), place.center(), icon, ICON_POINTS, tokens(ui).border);
+        ui.add_space(space::XS);
+        ui.label(RichText::new(what).color(tokens(ui).text));
+        ui.label(RichText::new(how).color(tokens(ui).text_weak));
+    });
+}
+
+/// What a [`chip`] says, by its icon and its colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Status {
+    /// A test was passed.
+    Passed,
+    /// A fragment, or a claim, was rejected.
+    Rejected,
+    /// Something to look at.
+    Warning,
+    /// Something failed.
+    Error,
+    /// A fact that is neither good nor bad.
+    Neutral,
+}
+
+impl Status {
+    /// The icon that always stands beside the colour.
+    pub fn icon(self) -> Icon {
+        match self {
+            Self::Passed => Icon::CircleCheck,
+            Self::Rejected => Icon::CircleX,
+            Self::Warning => Icon::TriangleAlert,
+            Self::Error => Icon::OctagonAlert,
+            Self::Neutral => Icon::Info,
+        }
+    }
+
+    /// The colour of this meaning.
+    pub fn color(self, tokens: &theme::Tokens) -> Color32 {
+        match self {
+            Self::Passed => tokens.passed,
+            Self::Rejected => tokens.rejected,
+            Self::Warning => tokens.warning,
+            Self::Error => tokens.error,
+            Self::Neutral => tokens.text_weak,
+        }
+    }
+}
+
+/// A verdict: icon and word on a ground of the meaning's colour.
+pub fn chip(ui: &mut Ui, status: Status, word: &str, tooltip: &str) -> Response {
+    const GROUND_OPACITY: f32 = 0.16;
+    let color = status.color(tokens(ui));
+    let frame = egui::Frame::new()
+        .fill(color.gamma_multiply(GROUND_OPACITY))
+        .corner_radius(CONTROL_HEIGHT / 2.0)
+        .inner_margin(egui::Margin::symmetric(space::XS as i8 + 2, 1));
+    let text = RichText::new(word).color(tokens(ui).text_strong);
+    let response = WidgetAtom::new((theme::icon(status.icon()), text))
+        .gap(space::XS)
+        .frame(frame)
+        .fallback_text_color(color)
+        .min_size(vec2(0.0, CONTROL_HEIGHT))
+        .wrap_mode(TextWrapMode::Extend)
+        .sense(Sense::hover())
+        .show(ui)
+        .response;
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, word));
+    if tooltip.is_empty() { response } else { response.on_hover_text(tooltip) }
+}
+
+/// A square of a colour, named by its code in the accessibility tree: "#4CA6FF". Alpha is left out.
+pub fn swatch(ui: &mut Ui, color: Color32) -> Response {
+    let (place, response) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
+    ui.painter().rect(place, 2.0, color.to_opaque(), Stroke::new(1.0, tokens(ui).border), StrokeKind::Inside);
+    let [red, green, blue, _] = color.to_array();
+    let code = format!("#{red:02X}{green:02X}{blue:02X}");
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &code));
+    response.on_hover_text(code)
+}
+
+/// A square button with an icon only; `name` is its tooltip and its accessible name.
+pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+    let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(CONTROL_HEIGHT));
+    let padding = (CONTROL_HEIGHT - theme::ICON_SIZE) / 2.0;
+    ui.scope(|ui| {
+        ui.spacing_mut().button_padding = Vec2::splat(padding);
+        ui.add(button).on_hover_text(name)
+    })
+    .inner
+}
+
+/// A button that puts `text` on the clipboard and says for a moment that it did. `what` completes "Copy …".
+pub fn copy_button(ui: &mut Ui, what: &str, text: &str) -> Response {
+    let id = Id::unique(("copied", ui.next_auto_id()));
+    let now = ui.input(|input| input.time);
+    let copied_at: Option<f64> = ui.data(|data| data.get_temp(id));
+    let confirms = copied_at.is_some_and(|then| now - then < COPIED_SECONDS);
+    let response = icon_button(ui, if confirms { Icon::Check } else { Icon::Copy }, &format!("Copy {what}"));
+    if response.clicked() {
+        ui.copy_text(text.to_owned());
+        ui.data_mut(|data| data.insert_temp(id, now));
+        ui.request_repaint_after_secs(COPIED_SECONDS as f32);
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,339 @@
+//! Broken, hostile and merely unusual files: each is refused or loaded with a warning as its table row allows, and
+//! none panics, hangs, eats memory or gives silently wrong geometry.
+
+#![expect(clippy::print_stderr, reason = "a test that had nothing to read says so, and the table prints its count")]
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use glam::{Vec2, Vec3};
+use rasterscope::scene::obj::{self, Loaded};
+use rasterscope::scene::{Mesh, SceneError};
+
+const LONGEST: Duration = Duration::from_secs(10);
+
+/// One row of the table of samples.
+struct Row {
+    file: String,
+    /// `ERR`, `WARN` or `LOAD`.
+    allowed: Vec<String>,
+    why: String,
+}
+
+fn samples() -> Option<PathBuf> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
+    let folder = std::env::var_os("RASTERSCOPE_SAMPLES").map_or_else(|| PathBuf::from(default), PathBuf::from);
+    let found = folder.join("bad/INDEX.md").is_file();
+    if !found {
+        eprintln!("no samples at {}: only the inline cases were tested", folder.display());
+    }
+    found.then_some(folder)
+}
+
+fn rows(index: &str) -> Vec<Row> {
+    let cells = |line: &str| line.split('|').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+    index
+        .lines()
+        .filter(|line| line.starts_with("| obj/") || line.starts_with("| images"))
+        .map(cells)
+        .map(|cells| Row {
+            file: cells[1].clone(),
+            allowed: cells[3]
+                .split('/')
+                // In the words of the table: "showing a partial picture is also fine".
+                .chain(cells[4].contains("partial picture is also fine").then_some("LOAD"))
+                .map(str::to_owned)
+                .collect(),
+            why: cells[4].clone(),
+        })
+        .collect()
+}
+
+impl Row {
+    fn is_picture(&self) -> bool {
+        self.file.starts_with("images")
+    }
+
+    fn name(&self) -> &str {
+        self.file.rsplit('/').next().unwrap()
+    }
+
+    /// The model to load: the file itself, or the model around the picture.
+    fn model(&self, bad: &Path) -> PathBuf {
+        let file = bad.join(&self.file);
+        if self.is_picture() { file.with_file_name(format!("wrap/{}.obj", self.name())) } else { file }
+    }
+
+    /// The line that the table names.
+    fn line(&self) -> Option<usize> {
+        let (_, rest) = self.why.split_once("line ")?;
+        rest.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
+    }
+}
+
+/// Loads in a thread of its own, so that a panic or a hang is a finding.
+fn load(model: &Path) -> Result<Result<Loaded, SceneError>, String> {
+    let (sender, receiver) = mpsc::channel();
+    let path = model.to_owned();
+    std::thread::spawn(move || {
+        let _ = sender.send(obj::load(&path));
+    });
+    receiver.recv_timeout(LONGEST).map_err(|e| match e {
+        mpsc::RecvTimeoutError::Timeout => format!("longer than {LONGEST:?}"),
+        mpsc::RecvTimeoutError::Disconnected => "panicked".to_owned(),
+    })
+}
+
+fn check(row: &Row, bad: &Path) -> Result<&'static str, String> {
+    let outcome = load(&row.model(bad))?;
+    let (code, messages) = match &outcome {
+        Err(error) => ("ERR", vec![error.to_string()]),
+        Ok(loaded) if loaded.warnings.is_empty() => ("LOAD", vec![]),
+        Ok(loaded) => ("WARN", loaded.warnings.iter().map(ToString::to_string).collect()),
+    };
+    if !row.allowed.iter().any(|allowed| allowed == code) {
+        return Err(format!("{code} instead of {:?}: {messages:?}", row.allowed));
+    }
+    if code != "LOAD" {
+        let wanted = match row.line() {
+            Some(line) if !row.is_picture() => format!("{}:{line}:", row.name()),
+            _ if row.is_picture() || code == "ERR" => row.name().to_owned(),
+            _ => ": ".to_owned(),
+        };
+        if !messages.iter().any(|m| m.contains(&wanted)) {
+            return Err(format!("no message names {wanted}: {messages:?}"));
+        }
+    }
+    if messages.iter().any(|m| m.contains('\n') || m.len() > 600) {
+        return Err(format!("a message is not one clear line: {messages:?}"));
+    }
+    outcome.map_or(Ok(()), |loaded| sound(&loaded)).map(|()| code)
+}
+
+/// Everything in the scene is finite, normals have unit length, and there is something to draw.
+fn sound(loaded: &Loaded) -> Result<(), String> {
+    let scene = &loaded.scene;
+    if scene.triangle_count() == 0 {
+        return Err("an empty scene".to_owned());
+    }
+    for mesh in scene.library.meshes() {
+        if !mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4) {
+            return Err("a normal is no unit vector".to_owned());
+        }
+        let bounds = mesh.bounds();
+        if !((bounds.max - bounds.min).length_squared().is_finite() && mesh.uvs.iter().all(|t| t.is_finite())) {
+            return Err("extent or texture coordinates are not finite".to_owned());
+        }
+    }
+    let matrix = scene.home.clip_from_world(1.5, false);
+    if matrix.is_finite() { Ok(()) } else { Err("the first view is not finite".to_owned()) }
+}
+
+fn areas(mesh: &Mesh) -> f32 {
+    let corner = |i: u32| mesh.positions[i as usize];
+    let area = |[a, b, c]: &[u32; 3]| (corner(*b) - corner(*a)).cross(corner(*c) - corner(*a)).length() * 0.5;
+    mesh.triangles.iter().map(area).sum()
+}
+
+fn area(loaded: &Loaded) -> f32 {
+    loaded.scene.library.meshes().iter().map(areas).sum()
+}
+
+/// Peak of the resident memory of this process so far, bytes; `None` where the system does not tell.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}
+
+#[test]
+fn every_row_of_the_table_ends_as_it_allows() {
+    let Some(folder) = samples() else { return };
+    let bad = folder.join("bad");
+    let rows = rows(&std::fs::read_to_string(bad.join("INDEX.md")).unwrap());
+    let announced: usize = 106;
+    assert_eq!(rows.len(), announced, "rows of the table");
+    let results: Vec<_> = rows.iter().map(|row| (row, check(row, &bad))).collect();
+    let count = |code: &str| results.iter().filter(|(_, r)| r.as_ref().is_ok_and(|c| *c == code)).count();
+    let failures: Vec<_> =
+        results.iter().filter_map(|(row, r)| r.as_ref().err().map(|e| format!("{}: {e}", row.file))).collect();
+    eprintln!(
+        "{} of {} as allowed: {} refused, {} with warnings, {} silently",
+        rows.len() - failures.len(),
+        rows.len(),
+        count("ERR"),
+        count("WARN"),
+        count("LOAD"),
+    );
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
+    if let Some(peak) = peak_memory() {
+        eprintln!("peak memory {} MiB", peak >> 20);
+        assert!(peak < 1_000_000_000, "{peak} bytes at the peak");
+    }
+}
+
+#[test]
+fn samples_with_a_known_result_have_it() {
+    let Some(folder) = samples() else { return };
+    let sample = |name: &str| obj::load(&folder.join("bad/obj").join(name));
+    assert!((area(&sample("s49_concave_polygon.obj").unwrap()) - 10.0).abs() < 1e-4);
+
+    let lines = sample("s60_lines_are_not_faces.obj").unwrap();
+    assert_eq!((lines.scene.triangle_count(), area(&lines)), (1, 0.5));
+
+    assert!(matches!(sample("s04_index_over_u32.obj"), Err(SceneError::Line { line: 4, .. })));
+
+    let start = Instant::now();
+    let polygon = sample("s29_polygon_20k.obj").unwrap();
+    assert!(start.elapsed() < Duration::from_secs(2), "{:?}", start.elapsed());
+    assert!((area(&polygon) - std::f32::consts::PI).abs() < 1e-4);
+
+    let outside = sample("s25_mtllib_traversal.obj").unwrap();
+    let told = outside.warnings.iter().map(ToString::to_string).collect::<String>();
+    let secret = std::fs::read_to_string("/etc/os-release").unwrap_or_default();
+    assert!(secret.lines().filter(|line| !line.is_empty()).all(|line| !told.contains(line)), "{told}");
+}
+
+/// The texture coordinate that each position of the square sample has: itself, with v turned to run down.
+#[test]
+fn texture_coordinates_stay_at_their_corners() {
+    let Some(folder) = samples() else { return };
+    for (name, triangles_with_uv) in [("s39_mixed_corner_forms.obj", 0), ("s59_uv_starts_late.obj", 1)] {
+        let loaded = obj::load(&folder.join("bad/obj").join(name)).unwrap();
+        let with_uv: Vec<_> = loaded.scene.library.meshes().iter().filter(|m| !m.uvs.is_empty()).collect();
+        assert_eq!(with_uv.iter().map(|m| m.triangles.len()).sum::<usize>(), triangles_with_uv, "{name}");
+        for mesh in with_uv {
+            for (position, uv) in mesh.positions.iter().zip(&mesh.uvs) {
+                assert_eq!(*uv, Vec2::new(position.x, 1.0 - position.y), "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_cmyk_picture_has_the_colours_of_the_original() {
+    let Some(folder) = samples() else { return };
+    let read = |name: &str| rasterscope::image::file::read(&folder.join(name)).unwrap();
+    let (cmyk, original) = (read("bad/images-valid/s_cmyk.jpg"), read("images/chelsea.png"));
+    let mean = |image: &rasterscope::image::Image<[u8; 4]>, channel: usize| {
+        let sum: u64 = image.pixels().iter().map(|p| u64::from(p[channel])).sum();
+        sum as f32 / image.pixels().len() as f32
+    };
+    for channel in 0..3 {
+        let (got, wanted) = (mean(&cmyk, channel), mean(&original, channel));
+        assert!((got - wanted).abs() < 4.0, "channel {channel}: {got} instead of {wanted}");
+    }
+}
+
+/// Writes the files into a new folder and loads the first.
+fn load_texts(files: &[(&str, &str)]) -> Result<Loaded, String> {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    load(&folder.path().join(files[0].0)).unwrap().map_err(|e| e.to_string())
+}
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+const FACE: &str = "f 1 2 3\n";
+
+#[test]
+fn faults_in_the_model_are_errors_with_file_and_line() {
+    for (text, line, why) in [
+        ("v nan 0 0\n", ":1:", "finite"),
+        ("v 1e300 0 0\n", ":1:", "too large"),
+        ("v 0,5 0 0\n", ":1:", "point"),
+        ("v 0 0 0\nv 1 0\n", ":2:", "three coordinates"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ":4:", "does not exist"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4294967299\n", ":4:", "does not exist"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", ":4:", "start at 1"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf -1 -2 -9\n", ":4:", "reaches back"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 \\", ":4:", "fewer than three"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n", ":4:", "lines"),
+        ("", "", "no faces"),
+        ("<html>", "", "web page"),
+        ("version https://git-lfs.github.com/spec/v1\n", "", "git lfs"),
+    ] {
+        let message = load_texts(&[("a.obj", text)]).unwrap_err();
+        assert!(message.contains(&format!("a.obj{line}")) && message.contains(why), "{text:?}: {message}");
+    }
+}
+
+#[test]
+fn faults_in_materials_are_warnings_with_file_and_line() {
+    let model = format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}{FACE}");
+    for (library, place, why) in [
+        ("newmtl m\nKd abc 0 0\n", "a.mtl:2:", "not a number"),
+        ("newmtl m\nd 7\n", "a.mtl:2:", "clamped"),
+        ("newmtl m\nTr nan\n", "a.mtl:2:", "finite"),
+        ("Kd 1 0 0\nnewmtl m\n", "a.mtl:1:", "before any"),
+        ("newmtl other\n", "a.obj:2:", "\"m\" is not defined"),
+        ("newmtl m\nmap_Kd a.mtl\n", "a.mtl:2:", "looks like text"),
+        ("newmtl m\nmap_Kd nowhere.png\n", "a.mtl:2:", "nowhere.png"),
+        ("newmtl m\nmap_Kd .\n", "a.mtl:2:", "folder"),
+    ] {
+        let loaded = load_texts(&[("a.obj", &model), ("a.mtl", library)]).unwrap();
+        let told: Vec<_> = loaded.warnings.iter().map(ToString::to_string).collect();
+        assert!(told.iter().any(|w| w.contains(place) && w.contains(why)), "{library:?}: {told:?}");
+        assert_eq!(sound(&loaded), Ok(()));
+    }
+}
+
+#[test]
+fn libraries_outside_the_folder_or_without_end_are_not_read() {
+    for name in ["/dev/zero", "../a.mtl", "x/../../a.mtl", "..\\a.mtl", "C:\\a.mtl", ".", "nowhere.mtl", "a.obj"] {
+        let model = format!("mtllib {name}\n{TRIANGLE}{FACE}");
+        let loaded = load_texts(&[("a.obj", &model)]).unwrap();
+        assert!(!loaded.warnings.is_empty(), "{name}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn links_out_of_the_folder_and_pipes_are_not_read() {
+    let (inside, outside) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    std::fs::write(outside.path().join("a.mtl"), "newmtl m\n").unwrap();
+    std::os::unix::fs::symlink(outside.path().join("a.mtl"), inside.path().join("a.mtl")).unwrap();
+    let model = inside.path().join("a.obj");
+    std::fs::write(&model, format!("mtllib a.mtl\n{TRIANGLE}{FACE}")).unwrap();
+    let loaded = load(&model).unwrap().unwrap();
+    assert!(loaded.warnings[0].text.contains("outside"), "{}", loaded.warnings[0]);
+
+    let pipe = inside.path().join("pipe.obj");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    assert!(load(&pipe).unwrap().unwrap_err().to_string().contains("not a regular file"));
+}
+
+#[test]
+fn short_colours_opacities_and_texture_options_are_understood() {
+    let model = format!("mtllib  my lib.mtl\nusemtl m 1\n{TRIANGLE}{FACE}");
+    let library = "newmtl m 1\nKd 0.5 # grey\nTr 0.9\nd 0.25\nmap_Kd -blendu on -o 1 2 sub\\my picture.png -bm 2\n";
+    let loaded = load_texts(&[("a.obj", &model), ("my lib.mtl", library)]).unwrap();
+    let material = &loaded.scene.library.materials()[0];
+    assert_eq!((material.diffuse, material.opacity), (Vec3::splat(0.5), 0.25));
+    assert!(loaded.warnings.iter().any(|w| w.text.contains("sub/my picture.png: cannot")), "{:?}", loaded.warnings);
+}
+
+#[test]
+fn odd_but_sound_models_load_silently() {
+    for text in [
+        "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r".to_owned(),
+        format!("\u{feff}{TRIANGLE}{FACE}"),
+        format!("{FACE}{TRIANGLE}"),
+        format!("{TRIANGLE}f 1 2 \\\n3 # end"),
+        format!("{TRIANGLE}f 1// 2// 3//"),
+        format!("# {}\n{TRIANGLE}{FACE}", "x".repeat(100_000)),
+        format!("o\ng\n{TRIANGLE}s off\n{FACE}"),
+    ] {
+        let loaded = load_texts(&[("a.obj", &text)]).unwrap();
+        assert_eq!((loaded.scene.triangle_count(), loaded.warnings), (1, vec![]));
+    }
+}
+
+#[test]
+fn the_largest_coordinates_give_a_finite_scene() {
+    let loaded = load_texts(&[("a.obj", "v 3e38 0 0\nv -3e38 0 0\nv 0 3e38 0\nf 1 2 3\n")]).unwrap();
+    assert_eq!(sound(&loaded), Ok(()));
+    assert!(loaded.warnings[0].text.contains("scaled"), "{}", loaded.warnings[0]);
+}
