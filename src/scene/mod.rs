@@ -14,6 +14,8 @@ pub mod mesh;
 
 pub mod obj;
 
+pub mod source;
+
 pub mod texture;
 
 pub use camera::{Camera, Projection};
@@ -21,6 +23,7 @@ pub use error::{SceneError, Warning};
 pub use library::{Library, MaterialId, MeshId, TextureId};
 pub use material::Material;
 pub use mesh::{Mesh, MeshData};
+pub use source::SceneSource;
 pub use texture::Texture;
 
 use glam::{Mat4, Vec3};

@@ -1,8 +1,10 @@
 //! The window, and everything that may name its toolkit (egui).
 //!
-//! From the bottom up: [`theme`] holds every colour, size and font; [`mod@format`] turns every number into text; [`widgets`]
-//! are the small parts that panels are made of; [`cpu_painter`] turns a finished egui frame into a picture without a
-//! graphics card, and [`headless`] drives any user interface without a window system, for screenshots and tests.
+//! State flows one way: panels read the [`session`] and push [`command`]s, the [`app`] applies them, the [`worker`]
+//! renders the newest request on its own thread and hands back a view. From the bottom up: [`theme`] holds every colour,
+//! size and font; [`mod@format`] turns every number into text; [`widgets`] are the small parts that panels are made of;
+//! [`cpu_painter`] turns a finished egui frame into a picture without a graphics card, and [`headless`] drives any user
+//! interface without a window system, for screenshots and tests.
 
 pub mod cpu_painter;
 
@@ -13,3 +15,21 @@ pub mod theme;
 pub mod format;
 
 pub mod widgets;
+
+pub mod engine;
+
+pub mod worker;
+
+pub mod command;
+
+pub mod session;
+
+pub mod canvas;
+
+pub mod panels;
+
+pub mod app;
+
+mod start;
+
+pub use start::{ScreenshotRequest, Theme, WindowStart, run_window, screenshot};

@@ -1,0 +1,54 @@
+//! How a command ends when it cannot do what it was asked for: one sentence and an exit code.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use rasterscope::chain::SetError;
+use rasterscope::image::file::ImageFileError;
+use rasterscope::scene::SceneError;
+use thiserror::Error;
+
+/// Exit code for input that cannot be used and output that cannot be written.
+const BAD_INPUT: u8 = 2;
+
+/// Exit code where a window was asked for and there can be none.
+const NO_WINDOW: u8 = 3;
+
+/// Why a command gave up.
+#[derive(Debug, Error)]
+pub(crate) enum Failure {
+    /// The command line itself is wrong.
+    #[error("{0}")]
+    Usage(String),
+    /// A model cannot be loaded.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// Neither an id nor a file.
+    #[error("{}: there is no such file, and no such built-in scene ({known})", name.display())]
+    UnknownScene { name: PathBuf, known: String },
+    /// A `--set` that changes nothing.
+    #[error("--set {assignment}: {source}")]
+    Setting { assignment: String, source: SetError },
+    /// A view that cannot be used.
+    #[error("{place}: {reason}")]
+    Camera { place: String, reason: String },
+    /// `--at` names no pixel.
+    #[error("--at {x},{y}: the picture has columns 0 to {} and rows 0 to {}", width - 1, height - 1)]
+    OutsidePicture { x: u32, y: u32, width: u32, height: u32 },
+    /// A picture cannot be written.
+    #[error(transparent)]
+    Picture(#[from] ImageFileError),
+    /// Results cannot be written.
+    #[error("standard output: {0}")]
+    Output(std::io::Error),
+    /// There can be no window.
+    #[error("{0}")]
+    NoWindow(String),
+}
+
+impl Failure {
+    /// What the process ends with.
+    pub(crate) fn exit_code(&self) -> ExitCode {
+        ExitCode::from(if matches!(self, Self::NoWindow(_)) { NO_WINDOW } else { BAD_INPUT })
+    }
+}

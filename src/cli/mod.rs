@@ -1,0 +1,91 @@
+//! The command line: one file per subcommand, each a function from its options to results on standard output.
+//!
+//! Warnings and errors go to standard error, one line each. Exit codes: 0 done; 2 input that cannot be used or output
+//! that cannot be written; 3 no window where one was asked for.
+
+mod failure;
+#[cfg(feature = "ui")]
+mod open;
+mod output;
+mod parse;
+mod pixel;
+mod pixel_text;
+mod render;
+mod scene_args;
+mod scenes;
+mod screenshot;
+mod window;
+
+use std::process::ExitCode;
+
+use clap::error::ErrorKind;
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+use scene_args::SceneArgs;
+
+/// An interactive workbench for a software rendering pipeline
+///
+/// Without a command the window opens. Where there is no display, the whole workbench is drawn once into
+/// rasterscope.png instead.
+#[derive(Parser, Debug)]
+#[command(version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+
+    #[command(flatten)]
+    start: SceneArgs,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible";
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Open the window, and fail where that is impossible
+    Window(SceneArgs),
+    /// Draw one frame, or one of its buffers, into a PNG
+    Render(render::RenderArgs),
+    /// Tell why a pixel looks as it does: every fragment there, who won and why, down to the texels
+    Pixel(pixel::PixelArgs),
+    /// Draw the whole workbench into a PNG, without a window
+    Screenshot(screenshot::ScreenshotArgs),
+    /// List the built-in scenes
+    Scenes,
+}
+
+/// Runs the program with the arguments of the process.
+pub(crate) fn run() -> ExitCode {
+    let outcome = match Cli::try_parse() {
+        Ok(cli) => execute(&cli),
+        Err(error) => usage(&error),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            output::complain("error", &failure);
+            failure.exit_code()
+        }
+    }
+}
+
+fn execute(cli: &Cli) -> Result<(), Failure> {
+    match &cli.command {
+        None => window::run_or_draw(&cli.start),
+        Some(Command::Window(args)) => window::run(args),
+        Some(Command::Render(args)) => render::run(args),
+        Some(Command::Pixel(args)) => pixel::run(args),
+        Some(Command::Screenshot(args)) => screenshot::run(args),
+        Some(Command::Scenes) => scenes::run(),
+    }
+}
+
+/// Prints help that was asked for; all else is a failure, of which the first paragraph says what is wrong.
+fn usage(error: &clap::Error) -> Result<(), Failure> {
+    let text = error.render().to_string();
+    if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) {
+        return output::print(&text);
+    }
+    let first = text.split("\n\n").next().unwrap_or(&text);
+    Err(Failure::Usage(first.trim_start_matches("error: ").to_owned()))
+}

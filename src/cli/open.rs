@@ -1,0 +1,73 @@
+//! Opening the window, with a reason in words where that fails.
+//!
+//! Comes in: a view. Goes out: nothing when the window was closed, or one clause that says why there is none. Servers
+//! and libraries are found at run time, so each can be missing: no server named, a dead one, no Wayland although X is
+//! there, no library for the keyboard (which ends in a panic), no OpenGL.
+
+use std::panic::{self, AssertUnwindSafe};
+
+use rasterscope::ui::{WindowStart, run_window};
+
+use super::scene_args::View;
+
+/// What the window starts with.
+pub(crate) fn start(view: View) -> WindowStart {
+    let View { source, scene, warnings, recipe, camera } = view;
+    WindowStart { source, scene, warnings, recipe, camera, resume: false }
+}
+
+/// Opens the window and returns when it is closed, or at once with the reason why there is none.
+pub(crate) fn open(view: View) -> Result<(), String> {
+    if needs_display() && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET") && !is_set("DISPLAY") {
+        return Err("no window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned());
+    }
+    let outcome = without_library_panics(|| run_window(start(view)));
+    if outcome.is_err() {
+        retry_on_x11();
+    }
+    outcome.map_err(|reason| format!("no window: {reason}"))
+}
+
+/// Whether windows come from a server that is named in the environment.
+fn needs_display() -> bool {
+    cfg!(all(unix, not(target_os = "macos")))
+}
+
+fn is_set(variable: &str) -> bool {
+    std::env::var_os(variable).is_some_and(|value| !value.is_empty())
+}
+
+/// Where Wayland was tried in vain and there is an X server too, starts this program over without Wayland: a
+/// process can connect only once. Returns if there is nothing to retry.
+fn retry_on_x11() {
+    #[cfg(unix)]
+    if is_set("DISPLAY") && (is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET")) {
+        use std::os::unix::process::CommandExt as _;
+
+        let Ok(program) = std::env::current_exe() else { return };
+        let mut again = std::process::Command::new(program);
+        again.args(std::env::args_os().skip(1));
+        again.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        // Only returns if the program cannot be started; then the first reason stands.
+        let _ = again.exec();
+    }
+}
+
+/// Turns the panic that a missing keyboard library ends in into an error. All other panics go on.
+fn without_library_panics(f: impl FnOnce() -> Result<(), String>) -> Result<(), String> {
+    let default_hook = panic::take_hook();
+    panic::set_hook(Box::new(move |info| {
+        if missing_library(info.payload()).is_none() {
+            default_hook(info);
+        }
+    }));
+    panic::catch_unwind(AssertUnwindSafe(f)).unwrap_or_else(|payload| match missing_library(&*payload) {
+        Some(message) => Err(message),
+        None => panic::resume_unwind(payload),
+    })
+}
+
+fn missing_library(payload: &(dyn std::any::Any + Send)) -> Option<String> {
+    let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied())?;
+    text.contains("could not be loaded").then(|| text.trim_end_matches('.').to_owned())
+}

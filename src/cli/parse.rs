@@ -1,0 +1,60 @@
+//! From words of the command line to values.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use rasterscope::pipeline::settings::Choice;
+use rasterscope::pipeline::viewport::Viewport;
+
+/// Longest side of a picture, px: coordinates stay far within what the rasterizer's fixed point holds.
+const MAX_SIDE_PX: u32 = 16_384;
+
+/// Most pixels of a picture: enough for 8K (7680 × 4320); with every buffer kept, about 2 GB of memory.
+const MAX_PIXELS: u64 = 1 << 25;
+
+/// A size written as `1280x720`.
+pub(crate) fn size(text: &str) -> Result<Viewport, String> {
+    let (width, height) = pair(text, &['x', 'X', '×']).ok_or("a size is written like 1280x720")?;
+    let sides = 1..=MAX_SIDE_PX;
+    if !sides.contains(&width) || !sides.contains(&height) {
+        return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
+    }
+    if u64::from(width) * u64::from(height) > MAX_PIXELS {
+        return Err(format!("these are more than {MAX_PIXELS} pixels, the most that are drawn"));
+    }
+    Ok(Viewport { width, height })
+}
+
+/// A pixel written as `640,360`: column and row.
+pub(crate) fn pixel(text: &str) -> Result<(u32, u32), String> {
+    pair(text, &[',']).ok_or_else(|| "a pixel is written as column,row, like 640,360, counted from 0".to_owned())
+}
+
+fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
+    let (first, second) = text.split_once(separators)?;
+    Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
+}
+
+/// Parser for a closed set of alternatives, which help lists with what they do.
+pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
+    let values = C::ALL.iter().map(|choice| PossibleValue::new(choice.id()).help(choice.help()));
+    PossibleValuesParser::new(values)
+        .try_map(|id| C::ALL.iter().copied().find(|choice| choice.id() == id).ok_or("not one of the alternatives"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_within_bounds_are_taken() {
+        for (text, width, height) in [("1x1", 1, 1), ("1280X720", 1280, 720), ("16384×2048", 16_384, 2048)] {
+            assert_eq!(size(text), Ok(Viewport { width, height }));
+        }
+    }
+
+    #[test]
+    fn sizes_out_of_bounds_are_refused() {
+        for text in ["", "1280", "0x10", "10x0", "-1x5", "16385x1", "16384x16384", "1.5x2", "99999999999x1"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
+}

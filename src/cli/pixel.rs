@@ -1,0 +1,42 @@
+//! `rasterscope pixel`: why a pixel looks as it does, in words or as JSON.
+
+use clap::Args;
+use rasterscope::inspect::inspect;
+
+use super::failure::Failure;
+use super::pixel_text::describe;
+use super::scene_args::{Drawn, FrameArgs};
+use super::{output, parse};
+
+/// What `pixel` takes.
+#[derive(Args, Debug)]
+pub(crate) struct PixelArgs {
+    #[command(flatten)]
+    frame: FrameArgs,
+
+    /// Column and row of the pixel, counted from 0 at the top left
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
+    at: (u32, u32),
+
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// Draws, replays the pixel, and prints what happened there.
+pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
+    let (x, y) = args.at;
+    let size = args.frame.size();
+    let outside = || Failure::OutsidePicture { x, y, width: size.width, height: size.height };
+    if x >= size.width || y >= size.height {
+        return Err(outside());
+    }
+    let Drawn { scene, recipe, frame } = args.frame.draw()?;
+    let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
+    if args.json {
+        let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
+        output::print(&(json + "\n"))
+    } else {
+        output::print(&describe(&report))
+    }
+}

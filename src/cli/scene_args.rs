@@ -1,0 +1,141 @@
+//! What is drawn and how: the options that all commands share.
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+use rasterscope::chain::{Frame, Recipe, run};
+use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::scene::camera::CameraFile;
+use rasterscope::scene::obj::Loaded;
+use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin};
+
+use super::failure::Failure;
+use super::{output, parse};
+
+/// Largest camera file that is read, bytes; real ones have some hundred.
+const MAX_CAMERA_BYTES: u64 = 1 << 20;
+
+/// A scene, a view and a recipe.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct SceneArgs {
+    /// A built-in scene by its id (see `rasterscope scenes`) or the path of an OBJ file; the first built-in if omitted
+    scene: Option<PathBuf>,
+
+    /// Change one setting; may be given several times
+    #[arg(long, value_name = "KEY=VALUE", long_help = set_help())]
+    set: Vec<String>,
+
+    /// The view, from a JSON file
+    #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
+    camera: Option<PathBuf>,
+}
+
+const CAMERA_HELP: &str = "The view, from a JSON file such as\n\
+    {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \"near\": 0.1, \"far\": 100}\n\
+    in world space; `up` may be left out. Without a file the scene's own view is taken";
+
+/// The help of `--set`: every key, its values, and what it is if nothing is said.
+fn set_help() -> String {
+    let mut help = "Change one setting; may be given several times. Keys and their values:\n".to_owned();
+    for (key, values) in Recipe::keys() {
+        help.push_str(&format!("  {key}: {values}\n"));
+    }
+    help.push_str("Example: --set shading=gouraud --set light.direction=1,0.5,0");
+    help
+}
+
+/// What the shared options ask for.
+#[derive(Clone, Debug)]
+pub(crate) struct View {
+    #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window opens the scene again"))]
+    pub(crate) source: SceneSource,
+    pub(crate) scene: Arc<Scene>,
+    #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window shows them again"))]
+    pub(crate) warnings: Vec<Warning>,
+    pub(crate) recipe: Recipe,
+    pub(crate) camera: Camera,
+}
+
+impl SceneArgs {
+    /// Reads everything; warnings of the loader go to standard error.
+    pub(crate) fn view(&self) -> Result<View, Failure> {
+        let recipe = self.recipe()?;
+        let camera = self.camera.as_deref().map(read_camera).transpose()?;
+        let source = self.source()?;
+        let Loaded { scene, warnings } = source.load()?;
+        for warning in &warnings {
+            output::complain("warning", warning);
+        }
+        Ok(View { recipe, camera: camera.unwrap_or(scene.home), source, scene: Arc::new(scene), warnings })
+    }
+
+    fn recipe(&self) -> Result<Recipe, Failure> {
+        let mut recipe = Recipe::default();
+        for assignment in &self.set {
+            recipe.set(assignment).map_err(|source| Failure::Setting { assignment: assignment.clone(), source })?;
+        }
+        Ok(recipe)
+    }
+
+    fn source(&self) -> Result<SceneSource, Failure> {
+        let Some(name) = &self.scene else { return Ok(SceneSource::default()) };
+        let source = SceneSource::named(name.clone());
+        let is_bare_word = name.extension().is_none() && name.components().count() == 1;
+        if matches!(source, SceneSource::File(_)) && is_bare_word && !name.exists() {
+            let known: Vec<_> = builtin::ALL.iter().map(|b| b.id).collect();
+            return Err(Failure::UnknownScene { name: name.clone(), known: known.join(", ") });
+        }
+        Ok(source)
+    }
+}
+
+fn read_camera(path: &Path) -> Result<Camera, Failure> {
+    let failure = |place: String, reason: String| Failure::Camera { place, reason };
+    let file_name = path.display();
+    let mut text = String::new();
+    File::open(path)
+        .and_then(|file| file.take(MAX_CAMERA_BYTES).read_to_string(&mut text))
+        .map_err(|e| failure(file_name.to_string(), format!("cannot read it: {e}")))?;
+    let file: CameraFile = serde_json::from_str(&text).map_err(|e| {
+        let (line, column, reason) = (e.line(), e.column(), e.to_string());
+        let reason = reason.trim_end_matches(&format!(" at line {line} column {column}"));
+        failure(format!("{file_name}:{line}:{column}"), reason.to_owned())
+    })?;
+    Camera::try_from(file).map_err(|reason| failure(file_name.to_string(), reason))
+}
+
+/// A scene, a view, a recipe and a size: what gives one frame.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct FrameArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Width and height of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
+    size: Viewport,
+}
+
+/// A frame and what it was drawn from.
+#[derive(Clone, Debug)]
+pub(crate) struct Drawn {
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) recipe: Recipe,
+    pub(crate) frame: Frame,
+}
+
+impl FrameArgs {
+    /// The size asked for.
+    pub(crate) fn size(&self) -> Viewport {
+        self.size
+    }
+
+    /// Draws the frame.
+    pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
+        let View { scene, recipe, camera, .. } = self.scene.view()?;
+        let frame = run(&scene, &camera, &recipe, self.size, &mut ());
+        Ok(Drawn { scene, recipe, frame })
+    }
+}

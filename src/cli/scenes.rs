@@ -1,0 +1,16 @@
+//! `rasterscope scenes`: what needs no file.
+
+use rasterscope::scene::builtin;
+
+use super::failure::Failure;
+use super::output;
+
+/// Lists the built-in scenes.
+pub(crate) fn run() -> Result<(), Failure> {
+    let width = builtin::ALL.iter().map(|b| b.id.len()).max().unwrap_or(0);
+    let lines = builtin::ALL.iter().map(|b| {
+        let triangles = b.build().triangle_count();
+        format!("{:width$}  {triangles:>7} triangles  {}\n", b.id, b.summary)
+    });
+    output::print(&lines.collect::<String>())
+}

@@ -1,0 +1,78 @@
+//! Where a scene comes from: what a person names, and how it is made anew when asked for again.
+
+use std::path::PathBuf;
+
+use super::builtin::{self, Builtin};
+use super::obj::{self, Loaded};
+use super::{Scene, SceneError};
+
+/// A built-in scene or a model file.
+#[derive(Clone, Debug)]
+pub enum SceneSource {
+    /// Made by code.
+    Builtin(&'static Builtin),
+    /// A Wavefront OBJ file.
+    File(PathBuf),
+}
+
+impl SceneSource {
+    /// What `name` means: the id of a built-in scene, else a path. (`./chess` is the file.)
+    pub fn named(name: PathBuf) -> Self {
+        match name.to_str().and_then(builtin::by_id) {
+            Some(builtin) => Self::Builtin(builtin),
+            None => Self::File(name),
+        }
+    }
+
+    /// The name that [`SceneSource::named`] turns into this again, as long as no file is called like a built-in scene.
+    pub fn name(&self) -> PathBuf {
+        match self {
+            Self::Builtin(builtin) => builtin.id.into(),
+            Self::File(path) => path.clone(),
+        }
+    }
+
+    /// What a person calls it: a title, or the file's name.
+    pub fn title(&self) -> String {
+        match self {
+            Self::Builtin(builtin) => builtin.title.to_owned(),
+            Self::File(path) => path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+        }
+    }
+
+    /// Builds the scene, or loads it with warnings about what was left out. Only files fail; see [`obj::load`].
+    pub fn load(&self) -> Result<Loaded, SceneError> {
+        match self {
+            Self::Builtin(builtin) => Ok(Loaded::from(builtin.build())),
+            Self::File(path) => obj::load(path),
+        }
+    }
+}
+
+impl Default for SceneSource {
+    /// The first built-in scene.
+    fn default() -> Self {
+        Self::Builtin(&builtin::ALL[0])
+    }
+}
+
+impl From<Scene> for Loaded {
+    /// A scene with nothing to warn about.
+    fn from(scene: Scene) -> Self {
+        Self { scene, warnings: Vec::new() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_mean_built_in_scenes_and_all_else_is_a_path() {
+        for builtin in builtin::ALL {
+            assert!(matches!(SceneSource::named(builtin.id.into()), SceneSource::Builtin(b) if b.id == builtin.id));
+        }
+        let SceneSource::File(path) = SceneSource::named("./chess".into()) else { panic!("a path was given") };
+        assert!(SceneSource::File(path).load().is_err());
+    }
+}

@@ -1,0 +1,380 @@
+//! The window's top: lays the panels out, turns keys and dropped files into commands, applies commands, and talks to the
+//! renderer. It holds the session, the worker and what belongs to widgets only; every decision about the picture is in
+//! the session.
+
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
+
+use super::canvas::Canvas;
+use super::command::{BINDINGS, Command};
+use super::engine::{Request, Shown};
+use super::panels::bottom::Tab;
+use super::panels::dialogs::{Dialog, OpenDialog};
+use super::panels::inspector::Inspector;
+use super::panels::{bottom, menu, pipeline, transport};
+use super::session::{Level, Measuring, Session};
+use super::theme::{self, Icon, tokens};
+use super::widgets::icon_button;
+use super::worker::{Answer, Job, Worker};
+use crate::image::file::write_png;
+use crate::inspect::Buffer;
+use crate::scene::obj::Loaded;
+use crate::scene::{SceneError, SceneSource};
+
+/// A model is called slow, and its progress shown, after this time.
+const SLOW_LOAD: Duration = Duration::from_millis(300);
+
+/// A model that is being loaded on a thread of its own.
+struct Loading {
+    source: SceneSource,
+    result: Receiver<Result<Loaded, SceneError>>,
+    since: Instant,
+}
+
+/// The application.
+pub struct Workbench {
+    session: Session,
+    worker: Worker,
+    asked: Option<Request>,
+    loading: Option<Loading>,
+    canvas: Canvas,
+    inspector: Inspector,
+    dialog: Dialog,
+    tab: Tab,
+    /// Whether the theme is light, and the interface scale, as last drawn: saving has no context to ask.
+    look: (bool, f32),
+    /// Whether models are loaded while the window waits, as screenshots and tests want it.
+    waits: bool,
+}
+
+impl Workbench {
+    /// Draws by `worker`.
+    pub fn new(session: Session, worker: Worker) -> Self {
+        let waits = matches!(worker, Worker::Inline(_));
+        Self {
+            session,
+            worker,
+            asked: None,
+            loading: None,
+            canvas: Canvas::default(),
+            inspector: Inspector::default(),
+            dialog: Dialog::default(),
+            tab: Tab::default(),
+            look: (false, 1.0),
+            waits,
+        }
+    }
+
+    /// What the window knows.
+    pub fn session(&self) -> &Session {
+        &self.session
+    }
+
+    /// What the window knows, to be changed from outside of it.
+    pub fn session_mut(&mut self) -> &mut Session {
+        &mut self.session
+    }
+
+    /// One frame of the window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        self.listen();
+        let mut commands = Vec::new();
+        self.keys(ui, &mut commands);
+        dropped_files(ui, &mut commands);
+        self.layout(ui, &mut commands);
+        for command in commands {
+            self.run(ui, command);
+        }
+        if !ui.input(|i| i.pointer.any_down()) {
+            self.session.settle();
+        }
+        self.ask(ui);
+        self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
+    }
+
+    fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let frame = theme::panel_frame(ui);
+        Panel::top("menu").frame(frame).show(ui, |ui| menu::ui(ui, &self.session, commands));
+        if let Some(error) = self.session.error.clone() {
+            Panel::top("error").frame(frame.fill(tokens(ui).error.gamma_multiply(0.22))).show(ui, |ui| {
+                bar(ui, Icon::OctagonAlert, tokens(ui).error, &error, Command::CloseError, commands);
+            });
+        }
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(216.0).min_size(90.0).show(ui, |ui| {
+            bottom::ui(ui, &mut self.tab, &self.session, commands);
+        });
+        Panel::left("pipeline").frame(frame).resizable(true).default_size(292.0).min_size(230.0).show(ui, |ui| {
+            egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| pipeline::ui(ui, &self.session, commands));
+        });
+        Panel::right("inspector").frame(frame).resizable(true).default_size(316.0).min_size(250.0).show(ui, |ui| {
+            self.inspector.ui(ui, &self.session, self.canvas.hovered, commands);
+        });
+        CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| {
+            self.center(ui, commands);
+        });
+        self.dialog.ui(ui, &self.session, commands);
+    }
+
+    fn center(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let frame = theme::panel_frame(ui);
+        Panel::bottom("transport").frame(frame).exact_size(theme::ROW_HEIGHT + 12.0).show(ui, |ui| {
+            transport::ui(ui, &self.session, self.canvas.scale(), commands);
+        });
+        if let Some(path) = self.slow_load() {
+            Panel::top("loading").frame(frame).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    ui.spinner();
+                    ui.label(format!("Loading {} …", path.display()));
+                    if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
+                        commands.push(Command::CancelLoading);
+                    }
+                });
+            });
+            ui.request_repaint_after(Duration::from_millis(100));
+        } else if !self.session.hint_closed {
+            Panel::top("hint").frame(frame).show(ui, |ui| {
+                let hint = "Click a pixel and read its story at the right. Wheel enlarges, middle-drag turns the scene, ] shows the next stage, ? all keys.";
+                bar(ui, Icon::Lightbulb, tokens(ui).accent, hint, Command::CloseHint, commands);
+            });
+        }
+        CentralPanel::no_frame().show(ui, |ui| {
+            let size = ui.available_size() * ui.pixels_per_point();
+            self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
+            self.canvas.ui(ui, &self.session, commands);
+            self.drop_hint(ui);
+        });
+    }
+
+    fn drop_hint(&self, ui: &Ui) {
+        if ui.input(|i| !i.raw.hovered_files.is_empty()) {
+            let rect = ui.max_rect();
+            ui.painter().rect_filled(rect, 0.0, egui::Color32::from_black_alpha(170));
+            let font = egui::FontId::proportional(theme::font_size::TITLE);
+            ui.painter().text(rect.center(), egui::Align2::CENTER_CENTER, "Drop to open", font, egui::Color32::WHITE);
+        }
+    }
+
+    fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
+        if ui.egui_wants_keyboard_input() || self.dialog.is_open() {
+            return;
+        }
+        for binding in BINDINGS {
+            if ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
+                commands.push((binding.command)());
+            }
+        }
+        if ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, egui::Key::C)) {
+            commands.push(Command::SetPointerMode(self.session.pointer_mode.other()));
+        }
+    }
+
+    /// Takes what the renderer and the loader have ready.
+    fn listen(&mut self) {
+        while let Some(answer) = self.worker.poll() {
+            self.hear(answer);
+        }
+        if let Some(loading) = &self.loading
+            && let Ok(result) = loading.result.try_recv()
+        {
+            let source = loading.source.clone();
+            self.loading = None;
+            self.loaded(source, result);
+        }
+    }
+
+    fn hear(&mut self, answer: Answer) {
+        match answer {
+            Answer::View(view) => {
+                if view.fresh && view.request.triangle_limit.is_none() {
+                    let ms = view.frame.times.total.as_secs_f64() * 1e3;
+                    self.session.record_time(view.request.recipe.upscaler, ms);
+                }
+                self.session.view = Some(*view);
+            }
+            Answer::Stages(times) => self.session.stages = Some(times),
+            Answer::Sample { upscaling, milliseconds, progress } => {
+                self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
+                self.session.record_time(upscaling, milliseconds);
+            }
+            Answer::Measured => self.session.measuring = None,
+            Answer::Panicked(text) => {
+                let text = format!("Drawing stopped by an error of the program: {text}. The last good picture stays.");
+                self.session.report(Level::Error, text);
+            }
+        }
+    }
+
+    /// Sends a request if something has changed that it depends on.
+    fn ask(&mut self, ui: &Ui) {
+        self.session.pick_at_first();
+        let request = self.session.request();
+        let same = self.asked.as_ref().is_some_and(|asked| asked.same_view(&request));
+        if !same && self.session.canvas_px != (0, 0) {
+            self.asked = Some(request.clone());
+            self.worker.send(Job::Show(Box::new(request)));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
+    fn run(&mut self, ui: &Ui, command: Command) {
+        let Some(command) = self.session.apply(command) else { return };
+        match command {
+            Command::AskForFile => self.dialog = Dialog::Open(OpenDialog::default()),
+            Command::Open(path) => self.open(ui, SceneSource::File(path)),
+            Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
+            Command::CancelLoading => self.loading = None,
+            Command::Measure => self.measure(),
+            Command::CancelMeasure => {
+                self.session.measuring = None;
+                self.worker.send(Job::CancelMeasure);
+            }
+            Command::ZoomFit => self.canvas.fit(),
+            Command::ZoomOne => {
+                let viewport = self.session.viewport();
+                self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
+            }
+            Command::SavePicture => self.save_picture(),
+            Command::CopyPicture => self.copy_picture(ui),
+            Command::ToggleTheme => {
+                let dark = ui.visuals().dark_mode;
+                ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
+            }
+            Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
+            Command::ToggleKeys => self.dialog = Dialog::Keys,
+            Command::AskForPixel => self.dialog = Dialog::Pixel(String::new()),
+            Command::Escape => self.escape(),
+            _ => {}
+        }
+    }
+
+    fn escape(&mut self) {
+        if self.session.pick.take().is_none() {
+            self.session.shown = Shown::Buffer(Buffer::Color);
+            self.session.triangle_limit = None;
+        }
+    }
+
+    fn measure(&mut self) {
+        self.session.timings.clear();
+        self.session.measuring = Some(Measuring { progress: 0.0 });
+        self.tab = Tab::FrameTime;
+        let request = Request { triangle_limit: None, ..self.session.request() };
+        self.worker.send(Job::Measure(Box::new(request)));
+    }
+
+    fn open(&mut self, ui: &Ui, source: SceneSource) {
+        if self.waits {
+            let result = source.load();
+            self.loaded(source, result);
+            return;
+        }
+        let (sender, result) = channel();
+        let (context, wanted) = (ui.ctx().clone(), source.clone());
+        std::thread::spawn(move || {
+            // Nobody listens any more if loading was cancelled.
+            drop(sender.send(wanted.load()));
+            context.request_repaint();
+        });
+        self.loading = Some(Loading { source, result, since: Instant::now() });
+        ui.request_repaint_after(SLOW_LOAD);
+    }
+
+    fn loaded(&mut self, source: SceneSource, result: Result<Loaded, SceneError>) {
+        match result {
+            Ok(Loaded { scene, warnings }) => {
+                self.session.show_scene(scene, source);
+                self.canvas.fit();
+                self.warn(&warnings);
+            }
+            Err(error) => self.session.report(Level::Error, error.to_string()),
+        }
+    }
+
+    /// Writes the loader's warnings into the log.
+    pub fn warn(&mut self, warnings: &[crate::scene::Warning]) {
+        for warning in warnings {
+            self.session.report(Level::Warning, warning.to_string());
+        }
+        if !warnings.is_empty() {
+            self.tab = Tab::Log;
+        }
+    }
+
+    fn slow_load(&self) -> Option<&Path> {
+        let loading = self.loading.as_ref()?;
+        match &loading.source {
+            SceneSource::File(path) if loading.since.elapsed() >= SLOW_LOAD => Some(path),
+            _ => None,
+        }
+    }
+
+    fn save_picture(&mut self) {
+        let Some(view) = &self.session.view else { return };
+        let path = free_name(Path::new("."), "picture");
+        match write_png(&path, &view.picture) {
+            Ok(()) => {
+                let full = std::path::absolute(&path).unwrap_or(path);
+                self.session.report(Level::Info, format!("Saved the picture as {}", full.display()));
+                self.tab = Tab::Log;
+            }
+            Err(error) => self.session.report(Level::Error, error.to_string()),
+        }
+    }
+
+    fn copy_picture(&mut self, ui: &Ui) {
+        if let Some(view) = &self.session.view {
+            let (width, height) = view.picture.size();
+            let size = [width as usize, height as usize];
+            ui.ctx().copy_image(egui::ColorImage::from_rgba_premultiplied(size, view.picture.as_bytes()));
+            self.session.report(Level::Info, format!("Copied the picture, {width} × {height} px"));
+        }
+    }
+}
+
+impl eframe::App for Workbench {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        let preferences = self.session.preferences(self.look.0, self.look.1);
+        eframe::set_value(storage, eframe::APP_KEY, &preferences);
+    }
+}
+
+/// A line with an icon in its colour, and a button that closes it.
+fn bar(ui: &mut Ui, icon: Icon, color: egui::Color32, text: &str, close: Command, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(theme::ICON_SIZE), egui::Sense::hover());
+        theme::paint_icon(ui.painter(), rect.center(), icon, theme::ICON_SIZE, color);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if icon_button(ui, Icon::X, "Close this message").clicked() {
+                commands.push(close);
+            }
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate().selectable(true));
+            });
+        });
+    });
+}
+
+fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {
+    if let Some(file) = ui.input(|i| i.raw.dropped_files.last().cloned()) {
+        commands.push(Command::Open(file.path().to_owned()));
+    }
+}
+
+/// `stem`.png, or the first free `stem-2.png`, `stem-3.png` … in `folder`.
+fn free_name(folder: &Path, stem: &str) -> PathBuf {
+    let first = folder.join(format!("{stem}.png"));
+    if !first.exists() {
+        return first;
+    }
+    (2..).map(|n| folder.join(format!("{stem}-{n}.png"))).find(|p| !p.exists()).unwrap_or(first)
+}

@@ -1,0 +1,150 @@
+//! What a person can ask the window to do, and the keys that ask it.
+//!
+//! Widgets and keys push [`Command`]s; nothing is changed while a frame of the window is being laid out. The key map is
+//! one table: shortcuts, tooltips and the key sheet read it.
+
+use std::path::PathBuf;
+
+use eframe::egui::{Key, KeyboardShortcut, Modifiers};
+
+use super::engine::Shown;
+use super::session::{PictureSize, PointerMode};
+use crate::chain::Recipe;
+use crate::scene::Camera;
+
+/// An intent.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Command {
+    /// Ask for a model to open.
+    AskForFile,
+    /// Open a model.
+    Open(PathBuf),
+    /// Show a built-in scene, by id.
+    OpenBuiltin(String),
+    /// Stop waiting for a model.
+    CancelLoading,
+    /// Draw by this recipe.
+    SetRecipe(Recipe),
+    /// Draw by the default recipe.
+    ResetRecipe,
+    /// Look from here.
+    SetCamera(Camera),
+    /// Look from where the scene starts.
+    ResetCamera,
+    /// Move so that everything is seen.
+    FitCamera,
+    /// Make the picture this large.
+    SetSize(PictureSize),
+    /// Question this pixel, or none.
+    Pick(Option<(u32, u32)>),
+    /// Question the pixel so far to the right and down.
+    NudgePick(i64, i64),
+    /// Show this on the canvas.
+    Show(Shown),
+    /// Show a later or an earlier stage.
+    StepStage(i64),
+    /// Draw only the first triangles.
+    LimitTriangles(Option<usize>),
+    /// Draw more or fewer triangles.
+    StepTriangle(i64),
+    /// Change what the pointer does.
+    SetPointerMode(PointerMode),
+    /// Enlarge the picture to fit the canvas.
+    ZoomFit,
+    /// One picture pixel per screen pixel.
+    ZoomOne,
+    /// Time every upscaler.
+    Measure,
+    /// Stop timing.
+    CancelMeasure,
+    /// Forget all frame times.
+    ClearTimings,
+    /// Save the picture that the canvas shows.
+    SavePicture,
+    /// Put the picture on the clipboard.
+    CopyPicture,
+    /// Take back the last change of a setting.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// Close the error bar.
+    CloseError,
+    /// Close the first hint.
+    CloseHint,
+    /// Switch between dark and light.
+    ToggleTheme,
+    /// Make the whole interface larger or smaller.
+    SetScale(f32),
+    /// Show or hide the key sheet.
+    ToggleKeys,
+    /// Ask for a pixel to go to.
+    AskForPixel,
+    /// Drop what is selected, innermost first.
+    Escape,
+}
+
+/// A key, what it does, and the words for it.
+pub struct Binding {
+    /// The key.
+    pub key: Key,
+    /// With these held.
+    pub modifiers: Modifiers,
+    /// Makes the command.
+    pub command: fn() -> Command,
+    /// What it does.
+    pub what: &'static str,
+}
+
+const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'static str) -> Binding {
+    Binding { key, modifiers, command, what }
+}
+
+impl Binding {
+    /// As the toolkit writes it.
+    pub fn shortcut(&self) -> KeyboardShortcut {
+        KeyboardShortcut::new(self.modifiers, self.key)
+    }
+}
+
+/// The key map. Later entries of one key have fewer modifiers, so the first match is the right one.
+pub const BINDINGS: &[Binding] = &[
+    bind(Modifiers::COMMAND, Key::O, || Command::AskForFile, "Open a model"),
+    bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
+    bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
+    bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
+    bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last setting"),
+    bind(Modifiers::COMMAND, Key::G, || Command::AskForPixel, "Go to a pixel"),
+    bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas"),
+    bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "One picture pixel per screen pixel"),
+    bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Show the stage before"),
+    bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Show the stage after"),
+    bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "One triangle fewer"),
+    bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "One triangle more"),
+    bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Before the first triangle"),
+    bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "After the last triangle"),
+    bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Picked pixel 10 to the left"),
+    bind(Modifiers::SHIFT, Key::ArrowRight, || Command::NudgePick(10, 0), "Picked pixel 10 to the right"),
+    bind(Modifiers::SHIFT, Key::ArrowUp, || Command::NudgePick(0, -10), "Picked pixel 10 up"),
+    bind(Modifiers::SHIFT, Key::ArrowDown, || Command::NudgePick(0, 10), "Picked pixel 10 down"),
+    bind(Modifiers::NONE, Key::ArrowLeft, || Command::NudgePick(-1, 0), "Picked pixel to the left"),
+    bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Picked pixel to the right"),
+    bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Picked pixel up"),
+    bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Picked pixel down"),
+    bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
+    bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),
+    bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show the keys"),
+    bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show the keys"),
+    bind(Modifiers::NONE, Key::F1, || Command::ToggleKeys, "Show the keys"),
+];
+
+/// What the mouse does, for the key sheet.
+pub const MOUSE: &[(&str, &str)] = &[
+    ("Click", "Question the pixel; it stays picked"),
+    ("Right-drag", "Question pixels along the way"),
+    ("Wheel", "Enlarge the picture at the pointer"),
+    ("Drag", "Move the picture"),
+    ("Middle-drag", "Turn the scene around its target"),
+    ("Shift + middle-drag", "Shift the view"),
+    ("Ctrl + wheel", "Come closer, go away"),
+    ("C, then drag, wheel, W A S D Q E", "Camera mode: turn, come closer, fly"),
+];

@@ -1,0 +1,223 @@
+//! From what the window wants to see to what it shows: renders, captures and replays, and keeps what is still valid.
+//!
+//! A [`Request`] says everything; the engine compares it with the last one and does only what changed: a new pick replays
+//! one pixel, another buffer recolours, and only scene, view, recipe or size draw a frame. It has no thread and no clock
+//! of its own, so screenshots and tests call it directly; [`super::worker`] puts it on a thread.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::chain::{Frame, Recipe, run};
+use crate::image::{Image, Rgba8};
+use crate::inspect::buffers::{Buffer, Buffers, capture};
+use crate::inspect::view::{self, Range};
+use crate::inspect::{PixelReport, Stage, inspect, stages};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::observe::Counters;
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::{Extent, Until, draw};
+use crate::scene::{Camera, Scene};
+
+/// What the canvas shows of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// A quantity of the finished frame.
+    Buffer(Buffer),
+    /// The picture after a stage.
+    Stage(Stage),
+}
+
+/// Everything that decides what the window shows.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Scene; the same one as long as the pointer is the same.
+    pub scene: Arc<Scene>,
+    /// View.
+    pub camera: Camera,
+    /// Recipe.
+    pub recipe: Recipe,
+    /// Picture size.
+    pub viewport: Viewport,
+    /// What to show of the frame.
+    pub shown: Shown,
+    /// Only the first so many rasterized triangles, to see the frame come about.
+    pub triangle_limit: Option<usize>,
+    /// The questioned pixel.
+    pub pick: Option<(u32, u32)>,
+}
+
+impl Request {
+    /// Whether the answer to both is the same.
+    pub fn same_view(&self, other: &Self) -> bool {
+        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick
+    }
+
+    fn same_frame(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.scene, &other.scene)
+            && self.camera == other.camera
+            && self.recipe == other.recipe
+            && self.viewport == other.viewport
+            && self.triangle_limit == other.triangle_limit
+    }
+}
+
+/// The answer to a [`Request`].
+#[derive(Clone, Debug)]
+pub struct View {
+    /// What was asked.
+    pub request: Request,
+    /// The frame.
+    pub frame: Arc<Frame>,
+    /// What happened in it.
+    pub counters: Counters,
+    /// Triangles that are rasterized without a limit.
+    pub rasterized: usize,
+    /// The picture to show.
+    pub picture: Arc<Image<Rgba8>>,
+    /// Quantities of the frame, if a buffer that needs them is shown.
+    pub buffers: Option<Arc<Buffers>>,
+    /// Ends of the colour map, if one is used.
+    pub range: Option<Range>,
+    /// The story of the picked pixel.
+    pub report: Option<Arc<PixelReport>>,
+    /// Whether the frame was drawn for this answer, rather than kept from the last one.
+    pub fresh: bool,
+}
+
+/// Time of each stage of a frame. Rasterizing, depth and shading are told apart by drawing the frame three times, each
+/// time going one stage further, and taking differences.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StageTimes {
+    /// Plan and vertices.
+    pub transform: Duration,
+    /// Clipping.
+    pub clip: Duration,
+    /// Division and snapping.
+    pub project: Duration,
+    /// Facing and edge setup.
+    pub cull: Duration,
+    /// Finding covered samples.
+    pub rasterize: Duration,
+    /// Depth test and store.
+    pub depth: Duration,
+    /// Interpolating and shading.
+    pub shade: Duration,
+    /// Filling in.
+    pub upscale: Duration,
+}
+
+/// Renders requests.
+#[derive(Debug, Default)]
+pub struct Engine {
+    last: Option<View>,
+}
+
+impl Engine {
+    /// Answers a request, reusing what the last answer has in common.
+    pub fn answer(&mut self, request: Request) -> View {
+        let last = self.last.take().filter(|view| view.request.same_frame(&request));
+        let fresh = last.is_none();
+        let (rendered, kept_buffers, kept_picture) = match last {
+            Some(view) => {
+                let same_picture = (view.request.shown == request.shown).then_some(view.picture);
+                let rendered = Rendered { frame: view.frame, counters: view.counters, rasterized: view.rasterized };
+                (rendered, view.buffers, same_picture)
+            }
+            None => (render(&request), None, None),
+        };
+        let Rendered { frame, counters, rasterized } = rendered;
+        let buffers = needs_buffers(request.shown)
+            .then(|| kept_buffers.unwrap_or_else(|| Arc::new(capture(&request.scene, &request.recipe, &frame))));
+        let range = match request.shown {
+            Shown::Buffer(buffer) => view::range(buffer, &frame, buffers.as_deref()),
+            Shown::Stage(_) => None,
+        };
+        let picture = kept_picture.unwrap_or_else(|| Arc::new(picture(&request, &frame, buffers.as_deref(), range)));
+        let report =
+            request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
+        let view = View { request, frame, counters, rasterized, picture, buffers, range, report, fresh };
+        self.last = Some(view.clone());
+        view
+    }
+}
+
+fn needs_buffers(shown: Shown) -> bool {
+    !matches!(shown, Shown::Stage(_) | Shown::Buffer(Buffer::Color | Buffer::Depth))
+}
+
+/// What drawing gives.
+struct Rendered {
+    frame: Arc<Frame>,
+    counters: Counters,
+    rasterized: usize,
+}
+
+fn render(request: &Request) -> Rendered {
+    let Request { scene, camera, recipe, viewport, .. } = request;
+    let mut counters = Counters::default();
+    let mut frame = run(scene, camera, recipe, *viewport, &mut ());
+    let rasterized = frame.geometry.triangles.len();
+    if let Some(limit) = request.triangle_limit {
+        frame.geometry.triangles.truncate(limit);
+        redraw(scene, recipe, &mut frame);
+    }
+    count(request, &frame, &mut counters);
+    Rendered { frame: Arc::new(frame), counters, rasterized }
+}
+
+/// Draws a frame whose list of triangles has changed.
+fn redraw(scene: &Scene, recipe: &Recipe, frame: &mut Frame) {
+    let Viewport { width, height } = frame.viewport;
+    let mut drawn = Framebuffer::new(frame.drawn.grid, width, height, scene.background, &recipe.pipeline);
+    let extent = Extent::all(&frame.geometry, frame.viewport);
+    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut drawn, &mut ());
+    frame.image = recipe.upscaler.upscaler().upscale(&drawn.color, recipe.upscaler.scale(), width, height);
+    if recipe.wireframe {
+        crate::pipeline::wireframe::overlay(&frame.geometry.triangles, &mut frame.image);
+    }
+    frame.drawn = drawn;
+}
+
+/// Counts in a second pass, so that the timed one has no observer. Shading is skipped: it counts as the passed ones.
+fn count(request: &Request, frame: &Frame, counters: &mut Counters) {
+    let Request { scene, camera, recipe, viewport, .. } = request;
+    crate::pipeline::prepare(scene, camera, &recipe.pipeline, *viewport, counters);
+    let mut again =
+        Framebuffer::new(frame.drawn.grid, viewport.width, viewport.height, scene.background, &recipe.pipeline);
+    let extent = Extent::all(&frame.geometry, *viewport);
+    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Depth, &mut again, counters);
+    counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
+}
+
+fn picture(request: &Request, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
+    match request.shown {
+        Shown::Buffer(buffer) => view::picture(buffer, frame, buffers, range),
+        Shown::Stage(stage) => stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage),
+    }
+}
+
+/// Times every stage of a frame apart; costs about two more frames.
+pub fn stage_times(request: &Request, frame: &Frame) -> StageTimes {
+    let time_until = |until| {
+        let Viewport { width, height } = frame.viewport;
+        let settings = &request.recipe.pipeline;
+        let mut target = Framebuffer::new(frame.drawn.grid, width, height, request.scene.background, settings);
+        let extent = Extent::all(&frame.geometry, frame.viewport);
+        let start = Instant::now();
+        draw(&request.scene, &frame.geometry, settings, &extent, until, &mut target, &mut ());
+        std::hint::black_box(&target);
+        start.elapsed()
+    };
+    let [coverage, depth, shade] = [Until::Coverage, Until::Depth, Until::Shade].map(time_until);
+    let geometry = frame.geometry.times;
+    StageTimes {
+        transform: geometry.transform,
+        clip: geometry.clip,
+        project: geometry.project,
+        cull: geometry.cull,
+        rasterize: coverage,
+        depth: depth.saturating_sub(coverage),
+        shade: shade.saturating_sub(depth),
+        upscale: frame.times.upscale,
+    }
+}

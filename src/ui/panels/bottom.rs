@@ -1,0 +1,44 @@
+//! The tabs along the bottom.
+
+use eframe::egui::{ScrollArea, Ui};
+
+use super::{frame_times, log, plan};
+use crate::ui::command::Command;
+use crate::ui::session::Session;
+
+/// A tab.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tab {
+    /// Frame time of each upscaler.
+    #[default]
+    FrameTime,
+    /// What the scene needs and what is left out.
+    Plan,
+    /// Messages.
+    Log,
+}
+
+const TABS: [(Tab, &str, &str); 3] = [
+    (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
+    (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
+    (Tab::Log, "Log", "Everything that was reported"),
+];
+
+/// Draws the tabs and the chosen one.
+pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        for (value, name, help) in TABS {
+            ui.selectable_value(tab, value, name).on_hover_text(help);
+        }
+    });
+    ui.add_space(4.0);
+    match tab {
+        Tab::FrameTime => frame_times::ui(ui, session, commands),
+        Tab::Plan => {
+            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
+        }
+        Tab::Log => {
+            ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).show(ui, |ui| log::ui(ui, session));
+        }
+    }
+}

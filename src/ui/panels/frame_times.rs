@@ -1,0 +1,168 @@
+//! How long a frame takes with each upscaler: every measured frame as a point of its method's line, and a bar with median
+//! and spread. Measured on the scene, view and settings on screen, in rounds that time every method once, so that a change of
+//! the machine's speed hits all of them alike.
+
+use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
+use egui_plot::{Bar, BarChart, HoverPosition, Legend, Line, Plot, PlotPoints};
+
+use crate::measure::timing::{Summary, summarize};
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::empty_state;
+use crate::upscale::Upscaling;
+
+/// Width of the table, in points.
+const TABLE_POINTS: f32 = 320.0;
+
+/// A method with its figures.
+struct Series {
+    upscaling: Upscaling,
+    color: Color32,
+    times_ms: Vec<f64>,
+    summary: Summary,
+}
+
+/// Draws controls, plots and table.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    controls(ui, session, commands);
+    let series = collect(ui, session);
+    if series.is_empty() {
+        empty_state(
+            ui,
+            Icon::ChartLine,
+            "No frame was timed yet",
+            "“Measure all upscalers” times each of them on the present scene, view and size.",
+        );
+        return;
+    }
+    let height = ui.available_height();
+    ui.horizontal_top(|ui| {
+        let plots = (ui.available_width() - TABLE_POINTS - 24.0).max(200.0);
+        lines(ui, &series, egui::vec2((plots * 0.6).floor(), height));
+        bars(ui, &series, egui::vec2((plots * 0.4).floor(), height));
+        ScrollArea::vertical().id_salt("times table").show(ui, |ui| table(ui, &series, session, commands));
+    });
+}
+
+fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        if let Some(measuring) = session.measuring {
+            if ui.button("Cancel").on_hover_text("Stop timing; what was measured stays").clicked() {
+                commands.push(Command::CancelMeasure);
+            }
+            ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
+        } else {
+            let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
+            let help =
+                "Times every upscaler in interleaved rounds on the present scene, view and size; takes some seconds";
+            if ui.add(measure).on_hover_text(help).clicked() {
+                commands.push(Command::Measure);
+            }
+            let any = !session.timings.is_empty();
+            if ui.add_enabled(any, Button::new("Clear")).on_hover_text("Forget all frame times").clicked() {
+                commands.push(Command::ClearTimings);
+            }
+        }
+        let viewport = session.viewport();
+        let text = format!("{} · {} × {} px", session.scene.name, viewport.width, viewport.height);
+        ui.label(RichText::new(text).color(tokens(ui).text_weak));
+    });
+}
+
+fn collect(ui: &Ui, session: &Session) -> Vec<Series> {
+    let colors = tokens(ui).series;
+    Upscaling::every()
+        .enumerate()
+        .filter_map(|(index, upscaling)| {
+            let times_ms: Vec<f64> = session.timings.get(&upscaling)?.iter().copied().collect();
+            let summary = summarize(&times_ms)?;
+            Some(Series { upscaling, color: colors[index % colors.len()], times_ms, summary })
+        })
+        .collect()
+}
+
+fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
+    Plot::new("frame times")
+        .width(size.x)
+        .height(size.y)
+        .legend(Legend::default())
+        .x_axis_label("frame")
+        .y_axis_label("ms")
+        .include_y(0.0)
+        .allow_scroll(false)
+        .show(ui, |plot| {
+            for s in series {
+                let points: PlotPoints<'_> = s.times_ms.iter().enumerate().map(|(i, t)| [i as f64, *t]).collect();
+                plot.line(Line::new(s.upscaling.label(), points).color(s.color).width(1.5));
+            }
+        });
+}
+
+/// One bar per method up to its median, with a bracket from the 10th to the 90th percentile.
+fn bars(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
+    let names: Vec<String> = series.iter().map(|s| s.upscaling.label()).collect();
+    Plot::new("medians")
+        .width(size.x)
+        .height(size.y)
+        .y_axis_label("median ms, bracket p10–p90")
+        .show_x(false)
+        .include_y(0.0)
+        .include_x(-0.6)
+        .include_x(series.len() as f64 - 0.4)
+        .allow_scroll(false)
+        .show_axes([false, true])
+        .label_formatter(move |position| match position {
+            HoverPosition::NearDataPoint { plot_name, .. } => Some((*plot_name).to_owned()),
+            HoverPosition::Elsewhere { .. } => None,
+        })
+        .show(ui, |plot| {
+            for (index, (s, name)) in series.iter().zip(&names).enumerate() {
+                let x = index as f64;
+                let bar = Bar::new(x, s.summary.median).width(0.7).fill(s.color.gamma_multiply(0.55)).name(name);
+                plot.bar_chart(BarChart::new(name, vec![bar]).color(s.color));
+                plot.line(bracket(x, s));
+            }
+        });
+}
+
+fn bracket(x: f64, series: &Series) -> Line<'static> {
+    const HALF_WIDTH: f64 = 0.16;
+    let (low, high) = (series.summary.p10, series.summary.p90);
+    let points = vec![
+        [x - HALF_WIDTH, low],
+        [x + HALF_WIDTH, low],
+        [x, low],
+        [x, high],
+        [x - HALF_WIDTH, high],
+        [x + HALF_WIDTH, high],
+    ];
+    Line::new(series.upscaling.label(), PlotPoints::from(points)).color(series.color).width(1.5)
+}
+
+fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<Command>) {
+    Grid::new("times").num_columns(5).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
+        for heading in ["Upscaler", "n", "median", "p10", "p90"] {
+            ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
+        }
+        ui.end_row();
+        for s in series {
+            let chosen = session.state.recipe.upscaler == s.upscaling;
+            let name = RichText::new(s.upscaling.label()).color(s.color);
+            if ui.selectable_label(chosen, name).on_hover_text("Draw with this one").clicked() {
+                let recipe = crate::chain::Recipe { upscaler: s.upscaling, ..session.state.recipe };
+                commands.push(Command::SetRecipe(recipe));
+            }
+            let Summary { n, median, p10, p90, .. } = s.summary;
+            let figures = [n.to_string(), format::fixed(median, 2), format::fixed(p10, 2), format::fixed(p90, 2)];
+            for figure in figures {
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(RichText::new(figure).monospace().color(tokens(ui).text));
+                });
+            }
+            ui.end_row();
+        }
+    });
+    ui.label(RichText::new("times in ms").small().color(tokens(ui).text_weak));
+}

@@ -1,0 +1,315 @@
+//! The picked pixel at the right: what it shows and why, where the sample lies in its triangle, every fragment that touched
+//! it, and the numbers of the chosen one.
+
+use eframe::egui::{self, Align2, Color32, FontId, Label, Pos2, RichText, ScrollArea, Sense, Stroke, Ui, Vec2, vec2};
+
+use crate::image::Rgba8;
+use crate::inspect::pixel::{ShadingRecord, sample_position_px};
+use crate::inspect::{FragmentRecord, Outcome, PixelReport};
+use crate::scene::Scene;
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::widgets::{Status, chip, copy_button, empty_state, section_header, swatch, value_row};
+
+/// Which fragment of the list is explained; the visible one if none was chosen.
+#[derive(Default)]
+pub struct Inspector {
+    chosen: Option<usize>,
+    of_pixel: Option<(u32, u32)>,
+}
+
+impl Inspector {
+    /// Draws the panel.
+    pub fn ui(&mut self, ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
+        hover_line(ui, session, hovered);
+        ui.separator();
+        let report = session.view.as_ref().and_then(|view| view.report.as_deref());
+        let Some(report) = report else {
+            empty_state(
+                ui,
+                Icon::Crosshair,
+                "No pixel is picked",
+                "Click one in the picture: its whole story appears here.",
+            );
+            return;
+        };
+        if self.of_pixel != Some((report.x, report.y)) {
+            (self.of_pixel, self.chosen) = (Some((report.x, report.y)), None);
+        }
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            headline(ui, report, commands);
+            let explained = self.chosen.and_then(|i| report.fragments.get(i)).or_else(|| report.visible());
+            let explained = explained.or(report.fragments.first());
+            if let Some(fragment) = explained {
+                triangle_diagram(ui, fragment, report);
+                weights(ui, fragment);
+            }
+            self.fragments(ui, report);
+            sources(ui, report, commands);
+            if let Some(fragment) = explained {
+                numbers(ui, fragment, &session.scene);
+            }
+        });
+    }
+
+    fn fragments(&mut self, ui: &mut Ui, report: &PixelReport) {
+        section_header(ui, &format!("Fragments ({})", report.fragments.len()), |_| {});
+        if report.fragments.is_empty() {
+            ui.label(RichText::new("No triangle covers this pixel's centre.").color(tokens(ui).text_weak));
+        }
+        for (index, fragment) in report.fragments.iter().enumerate() {
+            let chosen = self.chosen.map_or(fragment.outcome == Outcome::Visible, |c| c == index);
+            if fragment_row(ui, fragment, chosen) {
+                self.chosen = Some(index);
+            }
+        }
+    }
+}
+
+fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
+    let color = hovered.and_then(|(x, y)| Some(((x, y), session.view.as_ref()?.frame.image.get(x, y)?)));
+    ui.horizontal(|ui| {
+        ui.set_height(theme::CONTROL_HEIGHT);
+        ui.label(RichText::new("Pointer").color(tokens(ui).text_weak));
+        if let Some(((x, y), rgba)) = color {
+            swatch(ui, to_color(rgba));
+            ui.label(RichText::new(format!("{x}, {y}   {}", codes(rgba))).monospace());
+        } else {
+            ui.label(RichText::new("–").monospace().color(tokens(ui).text_weak));
+        }
+    });
+}
+
+fn to_color([r, g, b, _]: Rgba8) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
+fn codes([r, g, b, _]: Rgba8) -> String {
+    format!("{r:>3} {g:>3} {b:>3}")
+}
+
+fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(Vec2::splat(28.0), Sense::hover());
+        ui.painter().rect_filled(rect, theme::RADIUS, to_color(report.color));
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            ui.label(RichText::new(format!("Pixel {}, {}", report.x, report.y)).strong());
+            ui.label(RichText::new(codes(report.color)).monospace().color(tokens(ui).text));
+        });
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            copy_button(
+                ui,
+                "everything about this pixel as JSON",
+                &serde_json::to_string_pretty(report).unwrap_or_default(),
+            );
+            if crate::ui::widgets::icon_button(ui, Icon::X, "Drop the pick  (Esc)").clicked() {
+                commands.push(Command::Pick(None));
+            }
+        });
+    });
+    ui.add(Label::new(RichText::new(&report.verdict).color(tokens(ui).text_strong)).wrap().selectable(true));
+    ui.add_space(theme::space::XS);
+}
+
+/// The triangle on the screen with the sample in it; sub-triangles in the colours of their weights.
+fn triangle_diagram(ui: &mut Ui, fragment: &FragmentRecord, report: &PixelReport) {
+    const HEIGHT: f32 = 132.0;
+    let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), HEIGHT), Sense::hover());
+    let frame = response.rect;
+    painter.rect_filled(frame, theme::RADIUS, tokens(ui).canvas);
+    let corners = fragment.corners_px.map(|[x, y]| vec2(x, y));
+    let [x, y] = sample_position_px(report.drawn_at[0], report.drawn_at[1]);
+    let low = corners[0].min(corners[1]).min(corners[2]);
+    let high = corners[0].max(corners[1]).max(corners[2]);
+    let inner = frame.shrink(22.0);
+    let extent = (high - low).max(Vec2::splat(1e-3));
+    let scale = (inner.width() / extent.x).min(inner.height() / extent.y);
+    let offset = inner.center() - (low + high) * 0.5 * scale;
+    let place = |p: Vec2| -> Pos2 { offset + p * scale };
+    let (sample, corners) = (place(vec2(x, y)), corners.map(place));
+    for (i, color) in WEIGHT_COLORS.into_iter().enumerate() {
+        let part = vec![corners[(i + 1) % 3], corners[(i + 2) % 3], sample];
+        painter.add(egui::Shape::convex_polygon(part, color.gamma_multiply(0.45), Stroke::NONE));
+    }
+    painter.add(egui::Shape::closed_line(corners.to_vec(), Stroke::new(1.0, tokens(ui).text)));
+    for (i, corner) in corners.into_iter().enumerate() {
+        painter.line_segment([sample, corner], Stroke::new(1.0, tokens(ui).text_weak.gamma_multiply(0.5)));
+        let outward = (corner - corners_center(&corners)).normalized() * 11.0;
+        painter.circle_filled(corner, 2.5, WEIGHT_COLORS[i]);
+        painter.text(
+            corner + outward,
+            Align2::CENTER_CENTER,
+            format!("v{i}"),
+            FontId::monospace(11.0),
+            tokens(ui).text,
+        );
+    }
+    painter.circle(sample, 3.5, tokens(ui).accent, Stroke::new(1.0, Color32::BLACK));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Barycentric diagram"));
+    response.on_hover_text("The triangle on the screen and the pixel's centre in it. The area opposite to a corner, over the whole area, is that corner's weight λ");
+}
+
+/// λ0, λ1, λ2 wherever they are drawn.
+const WEIGHT_COLORS: [Color32; 3] =
+    [Color32::from_rgb(0xE0, 0x5A, 0x5A), Color32::from_rgb(0x4F, 0xB0, 0x6A), Color32::from_rgb(0x5A, 0x86, 0xE8)];
+
+fn corners_center(corners: &[Pos2; 3]) -> Pos2 {
+    ((corners[0].to_vec2() + corners[1].to_vec2() + corners[2].to_vec2()) / 3.0).to_pos2()
+}
+
+fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
+    egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(92.0).show(ui, |ui| {
+        ui.label("");
+        for (heading, help) in [
+            ("λ on screen", "Area opposite to the corner over the whole area, on the screen"),
+            ("λ′ in space", "The weight that attributes are interpolated with: λ/w over the sum of all three, unless interpolation is affine"),
+        ] {
+            ui.label(RichText::new(heading).small().color(tokens(ui).text_weak)).on_hover_text(help);
+        }
+        ui.end_row();
+        for i in 0..3 {
+            ui.label(RichText::new(format!("λ{i}")).monospace().color(WEIGHT_COLORS[i]));
+            for value in [fragment.affine_weights[i], fragment.attribute_weights[i]] {
+                ui.label(RichText::new(format::f32_full(value)).monospace()).on_hover_text(format::bits(value));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// One fragment; true when clicked.
+fn fragment_row(ui: &mut Ui, fragment: &FragmentRecord, chosen: bool) -> bool {
+    let (status, word) = match fragment.outcome {
+        Outcome::Visible => (Status::Passed, "visible"),
+        Outcome::Overwritten => (Status::Neutral, "overwritten"),
+        Outcome::DepthRejected => (Status::Rejected, "rejected"),
+    };
+    let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
+    let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
+    let response = frame
+        .show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            ui.horizontal(|ui| {
+                chip(ui, status, word, "");
+                let title = format!("{} “{}”", fragment.triangle.0, fragment.instance);
+                ui.add(Label::new(RichText::new(title).strong()).truncate());
+            });
+            ui.add(Label::new(RichText::new(&fragment.reason).small().color(tokens(ui).text)).wrap());
+        })
+        .response
+        .interact(Sense::click());
+    response.widget_info(|| {
+        egui::WidgetInfo::selected(
+            egui::Role::Button,
+            true,
+            chosen,
+            format!("Fragment of triangle {}", fragment.triangle.0),
+        )
+    });
+    response.on_hover_text("Click to see its numbers").clicked()
+}
+
+fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+    let drawn_itself = report.sources.len() == 1 && report.drawn_at == [report.x, report.y];
+    if drawn_itself {
+        return;
+    }
+    section_header(ui, "Mixed from drawn pixels", |_| {});
+    for source in &report.sources {
+        ui.horizontal(|ui| {
+            swatch(ui, to_color(source.color));
+            let text = format!("{:>4}, {:<4}  {}", source.tap.x, source.tap.y, format::f32_full(source.tap.weight));
+            let label = ui.add(Label::new(RichText::new(text).monospace()).sense(Sense::click()));
+            if label.on_hover_text("Go to this pixel").clicked() {
+                commands.push(Command::Pick(Some((source.tap.x, source.tap.y))));
+            }
+        });
+    }
+    let sum: f32 = report.sources.iter().map(|s| s.tap.weight).sum();
+    value_row(ui, "Sum of weights", &format::f32_full(sum), "One, so that a flat area keeps its colour");
+}
+
+fn numbers(ui: &mut Ui, fragment: &FragmentRecord, scene: &Scene) {
+    section_header(ui, "Depth", |_| {});
+    float_row(ui, "Depth of the fragment", fragment.depth, "z/w, interpolated with λ on the screen");
+    match fragment.stored_depth {
+        Some(stored) => float_row(ui, "Stored before", stored, "What the depth buffer held when this fragment came"),
+        None => {
+            value_row(ui, "Stored before", "–", "There is no depth test, so nothing is stored");
+        }
+    }
+    section_header(ui, "Corners", |_| {});
+    corner_table(ui, fragment);
+    section_header(ui, "Edges", |_| {});
+    for (i, edge) in fragment.edges.into_iter().enumerate() {
+        value_row(
+            ui,
+            &format!("Opposite to v{i}"),
+            &edge.to_string(),
+            "Exact edge value in 1/65536 px²: at or above zero is inside; zero lies on the edge",
+        );
+    }
+    value_row(ui, "Doubled area", &fragment.doubled_area.to_string(), "The sum of the three edge values, exactly");
+    let triangle = format!("{} of {}", fragment.triangle.0, scene.triangle_count());
+    value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order");
+    value_row(
+        ui,
+        "Rasterized as",
+        &fragment.submission.to_string(),
+        "Its position among the triangles that are rasterized: the number for the triangle slider",
+    );
+    if let Some(shading) = &fragment.shading {
+        shading_numbers(ui, shading);
+    }
+}
+
+fn float_row(ui: &mut Ui, label: &str, value: f32, help: &str) {
+    value_row(ui, label, &format::f32_full(value), &format!("{help}. Bits: {}", format::bits(value)));
+}
+
+fn corner_table(ui: &mut Ui, fragment: &FragmentRecord) {
+    egui::Grid::new("corners").num_columns(5).spacing([8.0, 2.0]).show(ui, |ui| {
+        for heading in ["", "x px", "y px", "depth", "1/w"] {
+            ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
+        }
+        ui.end_row();
+        for i in 0..3 {
+            ui.label(RichText::new(format!("v{i}")).monospace().color(WEIGHT_COLORS[i]));
+            let [x, y] = fragment.corners_px[i];
+            let texts = [
+                format::fixed(f64::from(x), 3),
+                format::fixed(f64::from(y), 3),
+                format::fixed(f64::from(fragment.corner_depths[i]), 5),
+                format!("{:.3e}", fragment.inv_w[i]),
+            ];
+            for text in texts {
+                ui.label(RichText::new(text).monospace());
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
+    section_header(ui, "Shading", |_| {});
+    let [u, v] = shading.uv;
+    let [x, y, z] = shading.normal;
+    value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "u to the right, v down");
+    value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal, world space");
+    float_row(ui, "N·L", shading.cosine, "Cosine between normal and light");
+    float_row(ui, "Light", shading.light, "The factor that light multiplies the colour with");
+    for texel in &shading.texels {
+        ui.horizontal(|ui| {
+            swatch(ui, to_color(texel.color));
+            let text = format!("texel {:>4}, {:<4}  {}", texel.tap.x, texel.tap.y, format::f32_full(texel.tap.weight));
+            ui.label(RichText::new(text).monospace());
+        });
+    }
+    ui.horizontal(|ui| {
+        swatch(ui, to_color(shading.color));
+        ui.label(RichText::new(format!("written  {}", codes(shading.color))).monospace());
+    });
+}

@@ -1,0 +1,26 @@
+//! Everything that was reported, newest last.
+
+use eframe::egui::{Label, RichText, Ui};
+
+use crate::ui::session::{Level, Session};
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::{Status, empty_state};
+
+/// Draws the messages.
+pub fn ui(ui: &mut Ui, session: &Session) {
+    if session.log.is_empty() {
+        empty_state(ui, Icon::ScrollText, "No messages", "Warnings of loaded models and errors are kept here.");
+        return;
+    }
+    for line in &session.log {
+        let (status, word) = match line.level {
+            Level::Info => (Status::Neutral, "info"),
+            Level::Warning => (Status::Warning, "warning"),
+            Level::Error => (Status::Error, "error"),
+        };
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(format!("{word:7}")).monospace().color(status.color(tokens(ui))));
+            ui.add(Label::new(&line.text).wrap().selectable(true));
+        });
+    }
+}

@@ -1,0 +1,154 @@
+//! The menu bar, and the figures of the frame at its right end.
+
+use eframe::egui::{self, Button, Layout, MenuBar, RichText, Ui};
+
+use crate::chain::Recipe;
+use crate::inspect::Buffer;
+use crate::pipeline::settings::Choice as _;
+use crate::scene::builtin;
+use crate::ui::command::{BINDINGS, Command};
+use crate::ui::engine::Shown;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::icon_button;
+
+/// Interface scales to choose from.
+const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
+
+/// Draws the bar.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file(ui, session, commands));
+        ui.menu_button("Edit", |ui| edit(ui, session, commands));
+        ui.menu_button("Scene", |ui| scene(ui, commands));
+        ui.menu_button("View", |ui| view(ui, session, commands));
+        ui.menu_button("Help", |ui| help(ui, commands));
+        ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| figures(ui, session, commands));
+    });
+}
+
+/// A menu entry for a command, with its key from the key map.
+fn entry(ui: &mut Ui, name: &str, command: Command, commands: &mut Vec<Command>) {
+    entry_if(ui, true, name, command, commands);
+}
+
+fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: &mut Vec<Command>) {
+    let mut button = Button::new(name);
+    if let Some(binding) = BINDINGS.iter().find(|b| (b.command)() == command) {
+        button = button.shortcut_text(ui.format_shortcut(&binding.shortcut()));
+    }
+    if ui.add_enabled(enabled, button).clicked() {
+        commands.push(command);
+        ui.close();
+    }
+}
+
+fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    entry(ui, "Open model …", Command::AskForFile, commands);
+    ui.menu_button("Recent files", |ui| {
+        if session.recent.is_empty() {
+            ui.weak("No model was opened yet");
+        }
+        for path in &session.recent {
+            let name =
+                path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+            if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+                commands.push(Command::Open(path.clone()));
+                ui.close();
+            }
+        }
+    });
+    ui.separator();
+    entry(ui, "Save picture …", Command::SavePicture, commands);
+    entry(ui, "Copy picture", Command::CopyPicture, commands);
+    ui.separator();
+    if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
+        ui.send_viewport_cmd(egui::ViewportCommand::Close);
+    }
+}
+
+fn edit(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    entry_if(ui, session.can_undo(), "Undo", Command::Undo, commands);
+    entry_if(ui, session.can_redo(), "Redo", Command::Redo, commands);
+    ui.separator();
+    entry_if(ui, session.state.recipe != Recipe::default(), "Reset all settings", Command::ResetRecipe, commands);
+}
+
+fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
+    for scene in builtin::ALL {
+        if ui.button(scene.title).on_hover_text(scene.summary).clicked() {
+            commands.push(Command::OpenBuiltin(scene.id.to_owned()));
+            ui.close();
+        }
+    }
+}
+
+fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    ui.menu_button("Buffer", |ui| {
+        for buffer in Buffer::ALL {
+            let shown = session.shown == Shown::Buffer(*buffer);
+            if ui.selectable_label(shown, buffer.name()).on_hover_text(buffer.help()).clicked() {
+                commands.push(Command::Show(Shown::Buffer(*buffer)));
+                ui.close();
+            }
+        }
+    });
+    entry(ui, "Stage before", Command::StepStage(-1), commands);
+    entry(ui, "Stage after", Command::StepStage(1), commands);
+    ui.separator();
+    entry(ui, "Fit picture", Command::ZoomFit, commands);
+    entry(ui, "One to one", Command::ZoomOne, commands);
+    entry(ui, "Go to pixel …", Command::AskForPixel, commands);
+    ui.separator();
+    entry(ui, "Reset view of the scene", Command::ResetCamera, commands);
+    entry(ui, "Fit scene", Command::FitCamera, commands);
+    ui.separator();
+    entry(ui, "Dark or light", Command::ToggleTheme, commands);
+    ui.menu_button("Interface scale", |ui| {
+        for scale in SCALES {
+            let current = (ui.ctx().zoom_factor() - scale).abs() < 0.01;
+            if ui.selectable_label(current, format!("{:.0} %", scale * 100.0)).clicked() {
+                commands.push(Command::SetScale(scale));
+                ui.close();
+            }
+        }
+    });
+}
+
+fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
+    entry(ui, "Keys and mouse", Command::ToggleKeys, commands);
+    ui.separator();
+    ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
+}
+
+/// The frame in figures, and the theme switch.
+fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let theme_icon = if ui.visuals().dark_mode { Icon::Sun } else { Icon::Moon };
+    if icon_button(ui, theme_icon, "Switch between dark and light").clicked() {
+        commands.push(Command::ToggleTheme);
+    }
+    let Some(view) = &session.view else { return };
+    let ms = view.frame.times.total.as_secs_f64() * 1e3;
+    let figures = [
+        (
+            format!("{} drawn", format::percent(view.frame.drawn_share())),
+            "Share of the picture's pixels that are really rasterized and shaded",
+        ),
+        (
+            format!("{:.0} fps", 1e3 / ms.max(1e-3)),
+            "Frames per second if frames were drawn one after the other; nothing is drawn while nothing changes",
+        ),
+        (format::ms(ms), "Time of the frame on screen, from planning to the finished picture"),
+    ];
+    for (text, help) in figures {
+        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text(help);
+        ui.label(RichText::new("·").color(tokens(ui).text_weak));
+    }
+    ui.label(
+        RichText::new(format!("{} triangles", format::count(view.rasterized as u64)))
+            .monospace()
+            .color(tokens(ui).text),
+    )
+    .on_hover_text("Triangles that are rasterized, after clipping and culling");
+}

@@ -1,0 +1,30 @@
+//! The panels around the canvas, one file each. A panel reads the session and pushes commands.
+
+pub mod bottom;
+
+pub mod dialogs;
+
+pub mod frame_times;
+
+pub mod inspector;
+
+pub mod log;
+
+pub mod menu;
+
+pub mod pipeline;
+
+pub mod plan;
+
+pub mod transport;
+
+use eframe::egui::Ui;
+
+use super::widgets::choice;
+use crate::pipeline::settings::Choice;
+
+/// A picker for a [`Choice`], with all names and explanations from the enum itself. True when changed.
+pub fn pick<C: Choice>(ui: &mut Ui, value: &mut C) -> bool {
+    let options: Vec<_> = C::ALL.iter().map(|c| (*c, c.name(), c.help())).collect();
+    choice(ui, value, &options)
+}

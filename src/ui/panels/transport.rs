@@ -1,0 +1,127 @@
+//! Under the canvas: which stage or buffer is shown, and how many triangles are drawn.
+
+use eframe::egui::{self, Button, ComboBox, RichText, Slider, Ui, WidgetInfo};
+
+use crate::inspect::{Buffer, Stage};
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::engine::Shown;
+use crate::ui::format;
+use crate::ui::session::{PointerMode, Session};
+use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::widgets::icon_button;
+
+/// Draws the bar. `scale` is the enlargement on screen, `None` when the picture is fitted.
+pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+    ui.horizontal_centered(|ui| {
+        stages(ui, session, commands);
+        ui.separator();
+        triangles(ui, session, commands);
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            zoom(ui, session, scale, commands);
+            ui.separator();
+            pointer_mode(ui, session, commands);
+        });
+    });
+}
+
+fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if icon_button(ui, Icon::ChevronLeft, "Show the stage before  ([)").clicked() {
+        commands.push(Command::StepStage(-1));
+    }
+    let mut shown = session.shown;
+    let name = match shown {
+        Shown::Buffer(buffer) => buffer.name(),
+        Shown::Stage(stage) => stage.name(),
+    };
+    ComboBox::from_id_salt("shown")
+        .selected_text(name)
+        .width(120.0)
+        .height(480.0)
+        .show_ui(ui, |ui| {
+            ui.weak("Buffers of the frame");
+            for buffer in Buffer::ALL {
+                ui.selectable_value(&mut shown, Shown::Buffer(*buffer), buffer.name()).on_hover_text(buffer.help());
+            }
+            ui.weak("Pictures after a stage");
+            for stage in Stage::ALL {
+                ui.selectable_value(&mut shown, Shown::Stage(*stage), stage.name()).on_hover_text(stage.help());
+            }
+        })
+        .response
+        .on_hover_text("What the canvas shows: a buffer of the finished frame, or the picture after a stage");
+    if shown != session.shown {
+        commands.push(Command::Show(shown));
+    }
+    if icon_button(ui, Icon::ChevronRight, "Show the stage after  (])").clicked() {
+        commands.push(Command::StepStage(1));
+    }
+}
+
+fn triangles(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    /// Width of everything to the right of the slider, in points.
+    const REST_POINTS: f32 = 410.0;
+    let all = session.triangle_count();
+    if icon_button(ui, Icon::ChevronFirst, "Before the first triangle  (Home)").clicked() {
+        commands.push(Command::LimitTriangles(Some(0)));
+    }
+    if icon_button(ui, Icon::StepBack, "One triangle fewer  (,)").clicked() {
+        commands.push(Command::StepTriangle(-1));
+    }
+    let mut limit = session.triangle_limit.unwrap_or(all);
+    ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).clamp(60.0, 320.0);
+    let slider = ui
+        .add_enabled(all > 0, Slider::new(&mut limit, 0..=all).show_value(false))
+        .on_hover_text("Draw only the first triangles, in the order in which they are rasterized");
+    slider.widget_info(|| WidgetInfo::slider(true, limit as f64, "Triangles drawn"));
+    if slider.changed() {
+        commands.push(Command::LimitTriangles(Some(limit)));
+    }
+    if icon_button(ui, Icon::StepForward, "One triangle more  (.)").clicked() {
+        commands.push(Command::StepTriangle(1));
+    }
+    if icon_button(ui, Icon::ChevronLast, "After the last triangle  (End)").clicked() {
+        commands.push(Command::LimitTriangles(None));
+    }
+    let text = format!("{} / {}", format::count(limit as u64), format::count(all as u64));
+    ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Triangles drawn / rasterized");
+}
+
+fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let modes = [
+        (
+            PointerMode::Camera,
+            Icon::Rotate3d,
+            "Camera mode",
+            "Drag turns the scene, wheel comes closer, W A S D Q E fly  (C)",
+        ),
+        (
+            PointerMode::Inspect,
+            Icon::MousePointer2,
+            "Inspect mode",
+            "Drag moves the picture, wheel enlarges it; middle-drag turns the scene  (C)",
+        ),
+    ];
+    for (mode, icon, name, help) in modes {
+        let button = Button::new(theme::icon(icon)).selected(session.pointer_mode == mode);
+        let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, name));
+        if response.clicked() {
+            commands.push(Command::SetPointerMode(mode));
+        }
+    }
+}
+
+fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+    if icon_button(ui, Icon::Maximize, "Fit the picture into the canvas  (F)").clicked() {
+        commands.push(Command::ZoomFit);
+    }
+    if icon_button(ui, Icon::Square, "One picture pixel per screen pixel  (0)").clicked() {
+        commands.push(Command::ZoomOne);
+    }
+    let viewport = session.viewport();
+    let zoom = scale.map_or_else(|| "fit".to_owned(), |s| format!("{:.0} %", s * 100.0));
+    let text = format!("{} × {}  {zoom}", viewport.width, viewport.height);
+    ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
+        .on_hover_text("Size of the picture in px, and its enlargement on screen");
+}

@@ -1,0 +1,387 @@
+//! Everything that the window knows, as plain data: what is loaded, how it is drawn, what is looked at.
+//!
+//! Panels read it and push [`Command`]s; [`Session::apply`] is the only place that changes it. No widget holds a setting.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use super::command::Command;
+use super::engine::{Request, Shown, StageTimes, View};
+use crate::chain::Recipe;
+use crate::inspect::{Buffer, Stage};
+use crate::pipeline::settings::Choice as _;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene, SceneSource};
+use crate::upscale::Upscaling;
+
+/// Frame times kept per method.
+const HISTORY: usize = 240;
+
+/// Files kept in the list of recent ones.
+const RECENT_FILES: usize = 8;
+
+/// Steps that can be undone.
+const UNDO_STEPS: usize = 200;
+
+/// Lines kept in the log.
+const LOG_LINES: usize = 500;
+
+/// How large the picture is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PictureSize {
+    /// As large as the canvas, one picture pixel on each screen pixel.
+    #[default]
+    Canvas,
+    /// Fixed, in px.
+    Fixed(u32, u32),
+}
+
+/// What the pointer does on the canvas.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PointerMode {
+    /// Drag moves the picture, wheel enlarges it.
+    #[default]
+    Inspect,
+    /// Drag turns the scene, wheel comes closer, W A S D fly.
+    Camera,
+}
+
+impl PointerMode {
+    /// The mode that is not this one.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Inspect => Self::Camera,
+            Self::Camera => Self::Inspect,
+        }
+    }
+}
+
+/// Everything that undo covers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Undoable {
+    /// How the scene is drawn.
+    pub recipe: Recipe,
+    /// From where.
+    pub camera: Camera,
+    /// How large.
+    pub size: PictureSize,
+}
+
+/// One line of the log.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LogLine {
+    /// How grave.
+    pub level: Level,
+    /// What happened.
+    pub text: String,
+}
+
+/// How grave a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Good to know.
+    Info,
+    /// Something was left out or repaired.
+    Warning,
+    /// Something did not work.
+    Error,
+}
+
+/// A measurement of all upscalers that is running.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measuring {
+    /// Share that is done, in [0, 1].
+    pub progress: f32,
+}
+
+/// Kept between runs.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Preferences {
+    /// Last scene: the id of a built-in one, or a path.
+    pub source: Option<PathBuf>,
+    /// Last recipe.
+    pub recipe: Recipe,
+    /// Last view; the scene's own if none.
+    pub camera: Option<Camera>,
+    /// Last picture size.
+    pub size: PictureSize,
+    /// Files opened, newest first.
+    pub recent: Vec<PathBuf>,
+    /// Whether the first hint was closed.
+    pub hint_closed: bool,
+    /// Light theme instead of dark.
+    pub light_theme: bool,
+    /// Interface scale; 0 means 1.
+    pub scale: f32,
+}
+
+/// The state of the window.
+#[derive(Debug)]
+pub struct Session {
+    /// What is drawn.
+    pub scene: Arc<Scene>,
+    /// Where it comes from.
+    pub source: SceneSource,
+    /// Everything that undo covers.
+    pub state: Undoable,
+    /// What the canvas shows.
+    pub shown: Shown,
+    /// Only the first so many triangles.
+    pub triangle_limit: Option<usize>,
+    /// The questioned pixel.
+    pub pick: Option<(u32, u32)>,
+    /// What the pointer does.
+    pub pointer_mode: PointerMode,
+    /// Size of the canvas in screen pixels, as last seen.
+    pub canvas_px: (u32, u32),
+    /// The newest answer of the renderer.
+    pub view: Option<View>,
+    /// Stage times of the frame on screen.
+    pub stages: Option<StageTimes>,
+    /// Frame times in ms per method, oldest first.
+    pub timings: BTreeMap<Upscaling, VecDeque<f64>>,
+    /// A measurement that is running.
+    pub measuring: Option<Measuring>,
+    /// The error to show until it is read.
+    pub error: Option<String>,
+    /// All messages.
+    pub log: VecDeque<LogLine>,
+    /// Files opened, newest first.
+    pub recent: Vec<PathBuf>,
+    /// Whether the first hint was closed.
+    pub hint_closed: bool,
+    first_pick: FirstPick,
+    undo: Vec<Undoable>,
+    redo: Vec<Undoable>,
+    settled: Undoable,
+}
+
+/// Whether the window still has to pick a pixel by itself, so that a new user sees what picking tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum FirstPick {
+    Due,
+    Done,
+}
+
+/// Where the first pixel is picked, as shares of width and height: just off the middle, where scenes have something.
+const FIRST_PICK: (f32, f32) = (0.46, 0.56);
+
+impl Session {
+    /// Starts with a scene, drawn by `recipe`, seen from `camera`.
+    pub fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
+        let state = Undoable { recipe, camera, size: PictureSize::Canvas };
+        Self {
+            scene,
+            source,
+            state,
+            shown: Shown::Buffer(Buffer::Color),
+            triangle_limit: None,
+            pick: None,
+            pointer_mode: PointerMode::Inspect,
+            canvas_px: (0, 0),
+            view: None,
+            stages: None,
+            timings: BTreeMap::new(),
+            measuring: None,
+            error: None,
+            log: VecDeque::new(),
+            recent: Vec::new(),
+            hint_closed: false,
+            first_pick: FirstPick::Due,
+            undo: Vec::new(),
+            redo: Vec::new(),
+            settled: state,
+        }
+    }
+
+    /// Size of the picture; at least one pixel.
+    pub fn viewport(&self) -> Viewport {
+        let (width, height) = match self.state.size {
+            PictureSize::Canvas => self.canvas_px,
+            PictureSize::Fixed(width, height) => (width, height),
+        };
+        Viewport { width: width.max(1), height: height.max(1) }
+    }
+
+    /// What the renderer should show now.
+    pub fn request(&self) -> Request {
+        Request {
+            scene: self.scene.clone(),
+            camera: self.state.camera,
+            recipe: self.state.recipe,
+            viewport: self.viewport(),
+            shown: self.shown,
+            triangle_limit: self.triangle_limit,
+            pick: self.pick,
+        }
+    }
+
+    /// What is kept between runs.
+    pub fn preferences(&self, light_theme: bool, scale: f32) -> Preferences {
+        Preferences {
+            source: Some(self.source.name()),
+            recipe: self.state.recipe,
+            camera: Some(self.state.camera),
+            size: self.state.size,
+            recent: self.recent.clone(),
+            hint_closed: self.hint_closed,
+            light_theme,
+            scale,
+        }
+    }
+
+    /// Writes a line into the log; errors also into the bar above the canvas.
+    pub fn report(&mut self, level: Level, text: impl Into<String>) {
+        let text = text.into();
+        if level == Level::Error {
+            self.error = Some(text.clone());
+        }
+        if self.log.len() == LOG_LINES {
+            self.log.pop_front();
+        }
+        self.log.push_back(LogLine { level, text });
+    }
+
+    /// Replaces the scene. The recipe stays; view, pick and stepping start anew.
+    pub fn show_scene(&mut self, scene: Scene, source: SceneSource) {
+        if let SceneSource::File(path) = &source {
+            self.remember(path);
+        }
+        self.report(Level::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
+        self.state.camera = scene.home;
+        self.scene = Arc::new(scene);
+        self.source = source;
+        self.triangle_limit = None;
+        self.timings.clear();
+        self.error = None;
+        // Undo never leads back into another scene's view.
+        self.undo.clear();
+        self.redo.clear();
+        self.settled = self.state;
+    }
+
+    /// Adds a frame time.
+    pub fn record_time(&mut self, upscaling: Upscaling, milliseconds: f64) {
+        let times = self.timings.entry(upscaling).or_default();
+        if times.len() == HISTORY {
+            times.pop_front();
+        }
+        times.push_back(milliseconds);
+    }
+
+    /// Makes what changed since the last call one step of undo. Call it when no change is under way, such as a slider
+    /// being dragged.
+    pub fn settle(&mut self) {
+        if self.state != self.settled {
+            if self.undo.len() == UNDO_STEPS {
+                self.undo.remove(0);
+            }
+            self.undo.push(self.settled);
+            self.redo.clear();
+            self.settled = self.state;
+        }
+    }
+
+    /// Picks a pixel when the window opens, unless one is picked already. Needs the canvas's size.
+    pub fn pick_at_first(&mut self) {
+        if self.first_pick == FirstPick::Due && self.canvas_px != (0, 0) {
+            self.first_pick = FirstPick::Done;
+            let Viewport { width, height } = self.viewport();
+            let place = |size: u32, share: f32| (size as f32 * share) as u32;
+            self.pick = self.pick.or(Some((place(width, FIRST_PICK.0), place(height, FIRST_PICK.1))));
+        }
+    }
+
+    /// Takes the present state as the one that undo ends at.
+    pub fn settle_silently(&mut self) {
+        self.settled = self.state;
+    }
+
+    /// Whether there is something to undo.
+    pub fn can_undo(&self) -> bool {
+        !self.undo.is_empty()
+    }
+
+    /// Whether there is something to redo.
+    pub fn can_redo(&self) -> bool {
+        !self.redo.is_empty()
+    }
+
+    /// Applies a command that concerns nothing but this state. Returns it if it concerns the window or the disk.
+    pub fn apply(&mut self, command: Command) -> Option<Command> {
+        match command {
+            Command::SetRecipe(recipe) => self.state.recipe = recipe,
+            Command::SetCamera(camera) => self.state.camera = camera,
+            Command::SetSize(size) => self.state.size = size,
+            Command::ResetCamera => self.state.camera = self.scene.home,
+            Command::FitCamera => self.state.camera = self.state.camera.refit(self.scene.bounds()),
+            Command::ResetRecipe => self.state.recipe = Recipe::default(),
+            Command::Pick(pixel) => self.pick = pixel,
+            Command::NudgePick(dx, dy) => self.nudge(dx, dy),
+            Command::Show(shown) => self.shown = shown,
+            Command::StepStage(step) => self.step_stage(step),
+            Command::LimitTriangles(limit) => self.limit_triangles(limit),
+            Command::StepTriangle(step) => {
+                let shown = self.triangle_limit.unwrap_or(self.triangle_count()) as i64;
+                self.limit_triangles(Some((shown + step).max(0) as usize));
+            }
+            Command::SetPointerMode(mode) => self.pointer_mode = mode,
+            Command::Undo => self.travel(true),
+            Command::Redo => self.travel(false),
+            Command::CloseError => self.error = None,
+            Command::CloseHint => self.hint_closed = true,
+            Command::ClearTimings => self.timings.clear(),
+            other => return Some(other),
+        }
+        None
+    }
+
+    /// Triangles that the frame on screen would rasterize without a limit.
+    pub fn triangle_count(&self) -> usize {
+        self.view.as_ref().map_or(0, |view| view.rasterized)
+    }
+
+    fn remember(&mut self, path: &Path) {
+        self.recent.retain(|known| known != path);
+        self.recent.insert(0, path.to_owned());
+        self.recent.truncate(RECENT_FILES);
+    }
+
+    fn nudge(&mut self, dx: i64, dy: i64) {
+        let Viewport { width, height } = self.viewport();
+        if let Some((x, y)) = self.pick {
+            let x = (i64::from(x) + dx).clamp(0, i64::from(width) - 1);
+            let y = (i64::from(y) + dy).clamp(0, i64::from(height) - 1);
+            self.pick = Some((x as u32, y as u32));
+        }
+    }
+
+    fn step_stage(&mut self, step: i64) {
+        let last = Stage::ALL.len() as i64 - 1;
+        let now = match self.shown {
+            Shown::Stage(stage) => Stage::ALL.iter().position(|s| *s == stage).map_or(last, |i| i as i64),
+            Shown::Buffer(_) => last,
+        };
+        self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
+    }
+
+    fn limit_triangles(&mut self, limit: Option<usize>) {
+        let all = self.triangle_count();
+        self.triangle_limit = limit.filter(|limit| *limit < all);
+    }
+
+    fn travel(&mut self, back: bool) {
+        let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
+        if let Some(state) = from.pop() {
+            to.push(self.state);
+            self.state = state;
+            self.settled = state;
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! Ways into the workbench: a window, or one picture of it.
+
+use std::sync::Arc;
+
+use eframe::egui::{self, Vec2, ViewportBuilder};
+
+use super::app::Workbench;
+use super::headless::Headless;
+use super::session::{Preferences, Session};
+use super::theme;
+use super::worker::Worker;
+use crate::chain::Recipe;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene, SceneSource, Warning};
+
+/// What the workbench starts with.
+#[derive(Clone, Debug)]
+pub struct WindowStart {
+    /// Where the scene comes from.
+    pub source: SceneSource,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// What the loader had to say.
+    pub warnings: Vec<Warning>,
+    /// How it is drawn.
+    pub recipe: Recipe,
+    /// From where.
+    pub camera: Camera,
+    /// Whether a window takes up scene, recipe and view where it was left instead.
+    pub resume: bool,
+}
+
+/// Colours of the workbench.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Theme {
+    /// Light text on dark panels.
+    Dark,
+    /// Dark text on light panels.
+    Light,
+}
+
+/// What a picture of the workbench shows.
+#[derive(Clone, Debug)]
+pub struct ScreenshotRequest {
+    /// What it starts with.
+    pub start: WindowStart,
+    /// Size in px.
+    pub size: Viewport,
+    /// Interface scale.
+    pub pixels_per_point: f32,
+    /// Colours.
+    pub theme: Theme,
+    /// The picked pixel; one near the middle if none is given.
+    pub selected: Option<(u32, u32)>,
+}
+
+/// Passes of a picture: the first finds the canvas's size, the second has a frame, the rest let sizes settle.
+const SCREENSHOT_PASSES: usize = 6;
+
+/// Opens the window and returns when it is closed, or at once with the reason why there is none.
+pub fn run_window(start: WindowStart) -> Result<(), String> {
+    let options = eframe::NativeOptions {
+        viewport: ViewportBuilder::default()
+            .with_title("Rasterscope")
+            .with_inner_size([1280.0, 800.0])
+            .with_min_inner_size([900.0, 560.0])
+            .with_drag_and_drop(true),
+        // Noise over the picture would falsify it.
+        dithering: false,
+        ..Default::default()
+    };
+    let make =
+        |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> { Ok(Box::new(windowed(start, cc))) };
+    eframe::run_native("rasterscope", options, Box::new(make)).map_err(|error| one_line(&error.to_string()))
+}
+
+/// The application in a window: resumed from storage, with a renderer of its own.
+fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
+    let preferences: Preferences =
+        cc.storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
+    theme::install(&cc.egui_ctx);
+    cc.egui_ctx.set_theme(if preferences.light_theme { egui::Theme::Light } else { egui::Theme::Dark });
+    if preferences.scale > 0.0 {
+        cc.egui_ctx.set_zoom_factor(preferences.scale.clamp(0.5, 3.0));
+    }
+    let context = cc.egui_ctx.clone();
+    let worker = Worker::spawn(move || context.request_repaint());
+    let start = if start.resume { resumed(start, &preferences) } else { start };
+    workbench(start, preferences, worker)
+}
+
+/// The start with what was left last time, as far as it is still there.
+fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
+    let Some(source) = preferences.source.clone().map(SceneSource::named) else { return start };
+    let Ok(loaded) = source.load() else { return start };
+    WindowStart {
+        source,
+        camera: preferences.camera.unwrap_or(loaded.scene.home),
+        scene: Arc::new(loaded.scene),
+        warnings: loaded.warnings,
+        recipe: preferences.recipe,
+        resume: true,
+    }
+}
+
+fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+    let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
+    session.recent = preferences.recent;
+    session.hint_closed = preferences.hint_closed;
+    session.state.size = preferences.size;
+    session.settle_silently();
+    let mut workbench = Workbench::new(session, worker);
+    workbench.warn(&start.warnings);
+    workbench
+}
+
+/// The whole workbench as a picture, drawn by the CPU, with no window and no display.
+pub fn screenshot(request: &ScreenshotRequest) -> Image<Rgba8> {
+    let Viewport { width, height } = request.size;
+    let theme = match request.theme {
+        Theme::Dark => egui::Theme::Dark,
+        Theme::Light => egui::Theme::Light,
+    };
+    let size_points = Vec2::new(width as f32, height as f32) / request.pixels_per_point;
+    let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
+    let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
+    app.session_mut().pick = request.selected;
+    for _ in 0..SCREENSHOT_PASSES {
+        headless.pass(Vec::new(), |ui| app.show(ui));
+    }
+    headless.picture()
+}
+
+/// Errors of the toolkit may span lines; ours never do.
+fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
