@@ -126,14 +126,13 @@ fn short_count(number: u64) -> String {
 
 fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
     match stage {
-        Stage::Assemble => None,
+        Stage::Assemble | Stage::Interpolate => None,
         Stage::Transform => Some(times.transform),
         Stage::Clip => Some(times.clip),
         Stage::Project => Some(times.project),
         Stage::Cull => Some(times.cull),
         Stage::Rasterize => Some(times.rasterize),
         Stage::Depth => Some(times.depth),
-        Stage::Interpolate => None,
         Stage::Shade => Some(times.shade),
         Stage::Upscale => Some(times.upscale),
     }
