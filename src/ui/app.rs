@@ -106,7 +106,7 @@ impl Workbench {
                 bar(ui, Icon::OctagonAlert, tokens(ui).error, &error, Command::CloseError, commands);
             });
         }
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(216.0).min_size(90.0).show(ui, |ui| {
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(236.0).min_size(90.0).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
         Panel::left("pipeline").frame(frame).resizable(true).default_size(292.0).min_size(230.0).show(ui, |ui| {

@@ -165,7 +165,7 @@ fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
         ui.label("");
         for (heading, help) in [
             ("λ on screen", "Area opposite to the corner over the whole area, on the screen"),
-            ("λ′ in space", "The weight that attributes are interpolated with: λ/w over the sum of all three, unless interpolation is affine"),
+            ("λ in space", "The weight that attributes are interpolated with: λ/w over the sum of all three, unless interpolation is affine"),
         ] {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak)).on_hover_text(help);
         }

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use eframe::egui::collapsing_header::CollapsingState;
-use eframe::egui::{self, ComboBox, DragValue, Label, RichText, Slider, Ui};
+use eframe::egui::{self, DragValue, Label, RichText, Slider, Ui};
 
 use super::{pick, plan};
 use crate::chain::Recipe;
@@ -18,7 +18,7 @@ use crate::ui::engine::{Shown, StageTimes, View};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{choice, icon_button, row, value_row};
+use crate::ui::widgets::{choice, combo, icon_button, row, value_row};
 use crate::upscale::{self, Upscaling};
 
 /// Draws all rows.
@@ -175,17 +175,14 @@ fn body(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, comma
 fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let name = session.source.title();
     row(ui, "Scene", "What is drawn; models of your own by File ▸ Open, or dropped on the window", |ui| {
-        ComboBox::from_id_salt("scene").selected_text(name).width(ui.spacing().combo_width).truncate().show_ui(
-            ui,
-            |ui| {
-                for scene in builtin::ALL {
-                    let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
-                    if ui.selectable_label(here, scene.title).on_hover_text(scene.summary).clicked() {
-                        commands.push(Command::OpenBuiltin(scene.id.to_owned()));
-                    }
+        combo("scene", &name, ui.spacing().combo_width).height(480.0).show_ui(ui, |ui| {
+            for scene in builtin::ALL {
+                let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
+                if ui.selectable_label(here, scene.title).on_hover_text(scene.summary).clicked() {
+                    commands.push(Command::OpenBuiltin(scene.id.to_owned()));
                 }
-            },
-        );
+            }
+        });
     });
     let scene = &session.scene;
     let library = &scene.library;

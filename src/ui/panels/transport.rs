@@ -1,6 +1,6 @@
 //! Around the canvas: which stage or buffer is shown and how large, and how many triangles are drawn.
 
-use eframe::egui::{self, Button, ComboBox, RichText, Slider, Ui, WidgetInfo};
+use eframe::egui::{self, Button, RichText, Slider, Ui, WidgetInfo};
 
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
@@ -9,7 +9,7 @@ use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::icon_button;
+use crate::ui::widgets::{combo, icon_button};
 
 /// Draws the bar over the canvas: what is shown, how large, and what the pointer does. `scale` is the enlargement on
 /// screen, `None` when the picture is fitted.
@@ -38,9 +38,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    ComboBox::from_id_salt("shown")
-        .selected_text(name)
-        .width(120.0)
+    combo("shown", name, 140.0)
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
