@@ -106,7 +106,7 @@ impl Workbench {
                 bar(ui, Icon::OctagonAlert, tokens(ui).error, &error, Command::CloseError, commands);
             });
         }
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(236.0).min_size(90.0).show(ui, |ui| {
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(90.0).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
         Panel::left("pipeline").frame(frame).resizable(true).default_size(292.0).min_size(230.0).show(ui, |ui| {
@@ -196,14 +196,14 @@ impl Workbench {
             Answer::View(view) => {
                 if view.fresh && view.request.triangle_limit.is_none() {
                     let ms = view.frame.times.total.as_secs_f64() * 1e3;
-                    self.session.record_time(view.request.recipe.upscaler, ms);
+                    self.session.timings.record_recent(&view.request, ms);
                 }
                 self.session.view = Some(*view);
             }
             Answer::Stages(times) => self.session.stages = Some(times),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
-                self.session.record_time(upscaling, milliseconds);
+                self.session.timings.record_measured(upscaling, milliseconds);
             }
             Answer::Measured => self.session.measuring = None,
             Answer::Panicked(text) => {
@@ -267,10 +267,10 @@ impl Workbench {
     }
 
     fn measure(&mut self) {
-        self.session.timings.clear();
+        let request = Request { triangle_limit: None, ..self.session.request() };
+        self.session.timings.begin_measurement(request.clone());
         self.session.measuring = Some(Measuring { progress: 0.0 });
         self.tab = Tab::FrameTime;
-        let request = Request { triangle_limit: None, ..self.session.request() };
         self.worker.send(Job::Measure(Box::new(request)));
     }
 

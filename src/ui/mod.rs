@@ -22,6 +22,8 @@ pub mod worker;
 
 pub mod command;
 
+pub mod timings;
+
 pub mod session;
 
 pub mod canvas;

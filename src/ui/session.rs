@@ -2,7 +2,7 @@
 //!
 //! Panels read it and push [`Command`]s; [`Session::apply`] is the only place that changes it. No widget holds a setting.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -10,15 +10,13 @@ use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 use super::engine::{Request, Shown, StageTimes, View};
+use super::timings::Timings;
 use crate::chain::Recipe;
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource};
 use crate::upscale::{self, Upscaling};
-
-/// Frame times kept per method.
-const HISTORY: usize = 240;
 
 /// Files kept in the list of recent ones.
 const RECENT_FILES: usize = 8;
@@ -144,8 +142,8 @@ pub struct Session {
     pub view: Option<View>,
     /// Stage times of the frame on screen.
     pub stages: Option<StageTimes>,
-    /// Frame times in ms per method, oldest first.
-    pub timings: BTreeMap<Upscaling, VecDeque<f64>>,
+    /// Frame times.
+    pub timings: Timings,
     /// A measurement that is running.
     pub measuring: Option<Measuring>,
     /// The error to show until it is read.
@@ -187,7 +185,7 @@ impl Session {
             canvas_px: (0, 0),
             view: None,
             stages: None,
-            timings: BTreeMap::new(),
+            timings: Timings::default(),
             measuring: None,
             error: None,
             log: VecDeque::new(),
@@ -264,15 +262,6 @@ impl Session {
         self.undo.clear();
         self.redo.clear();
         self.settled = self.state;
-    }
-
-    /// Adds a frame time.
-    pub fn record_time(&mut self, upscaling: Upscaling, milliseconds: f64) {
-        let times = self.timings.entry(upscaling).or_default();
-        if times.len() == HISTORY {
-            times.pop_front();
-        }
-        times.push_back(milliseconds);
     }
 
     /// Makes what changed since the last call one step of undo. Call it when no change is under way, such as a slider

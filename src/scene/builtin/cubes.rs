@@ -23,7 +23,7 @@ const SPACING: f32 = 1.75;
 
 fn draft() -> Draft {
     let home =
-        Camera { near: 1.0, far: 100.0, ..Camera::look_at(Vec3::new(4.8, 5.2, 13.4), Vec3::new(0.3, -0.4, 0.0)) };
+        Camera { near: 1.0, far: 100.0, ..Camera::look_at(Vec3::new(5.7, 6.3, 16.2), Vec3::new(0.3, -0.4, 0.0)) };
     let mut draft = Draft::new([30, 32, 36], home);
     let mesh = draft.mesh(shapes::cube());
     let card = draft.textured("test card", textures::test_card(64));

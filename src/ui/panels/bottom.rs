@@ -30,6 +30,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         for (value, name, help) in TABS {
             ui.selectable_value(tab, value, name).on_hover_text(help);
         }
+        if *tab == Tab::FrameTime {
+            ui.separator();
+            frame_times::controls(ui, session, commands);
+        }
     });
     ui.add_space(4.0);
     match tab {

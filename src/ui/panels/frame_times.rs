@@ -3,7 +3,7 @@
 //! the machine's speed hits all of them alike.
 
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
-use egui_plot::{Bar, BarChart, HoverPosition, Legend, Line, Plot, PlotPoints};
+use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints};
 
 use crate::measure::timing::{Summary, summarize};
 use crate::ui::command::Command;
@@ -14,7 +14,7 @@ use crate::ui::widgets::empty_state;
 use crate::upscale::Upscaling;
 
 /// Width of the table, in points.
-const TABLE_POINTS: f32 = 356.0;
+const TABLE_POINTS: f32 = 404.0;
 
 /// A method with its figures.
 struct Series {
@@ -24,9 +24,8 @@ struct Series {
     summary: Summary,
 }
 
-/// Draws controls, plots and table.
+/// Draws plots and table.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    controls(ui, session, commands);
     let series = collect(ui, session);
     if series.is_empty() {
         empty_state(
@@ -46,52 +45,59 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        if let Some(measuring) = session.measuring {
-            if ui.button("Cancel").on_hover_text("Stop timing; what was measured stays").clicked() {
-                commands.push(Command::CancelMeasure);
-            }
-            ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
-        } else {
-            let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
-            let help =
-                "Times every upscaler in interleaved rounds on the present scene, view and size; takes some seconds";
-            if ui.add(measure).on_hover_text(help).clicked() {
-                commands.push(Command::Measure);
-            }
-            let any = !session.timings.is_empty();
-            if ui.add_enabled(any, Button::new("Clear")).on_hover_text("Forget all frame times").clicked() {
-                commands.push(Command::ClearTimings);
-            }
+/// Draws the buttons, and says what the times were measured on.
+pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if let Some(measuring) = session.measuring {
+        if ui.button("Cancel").on_hover_text("Stop timing; what was measured stays").clicked() {
+            commands.push(Command::CancelMeasure);
         }
-        let viewport = session.viewport();
-        let text = format!("{} · {} × {} px", session.scene.name, viewport.width, viewport.height);
-        ui.label(RichText::new(text).color(tokens(ui).text_weak));
-    });
+        ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
+    } else {
+        let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
+        let help = "Times every upscaler in interleaved rounds on the present scene, view and size; takes some seconds";
+        if ui.add(measure).on_hover_text(help).clicked() {
+            commands.push(Command::Measure);
+        }
+        if ui.button("Clear").on_hover_text("Forget all frame times").clicked() {
+            commands.push(Command::ClearTimings);
+        }
+    }
+    let viewport = session.viewport();
+    let timings = &session.timings;
+    let text = if !timings.has_measurement() {
+        format!("Recent frames · {} · {} × {} px", session.scene.name, viewport.width, viewport.height)
+    } else if timings.measurement_fits(&session.request()) {
+        format!("Measured · {} · {} × {} px", session.scene.name, viewport.width, viewport.height)
+    } else {
+        "Measured on another scene, view, size or setting than the one on screen".to_owned()
+    };
+    ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
 
 fn collect(ui: &Ui, session: &Session) -> Vec<Series> {
     let colors = tokens(ui).series;
-    Upscaling::every()
-        .enumerate()
-        .filter_map(|(index, upscaling)| {
-            let times_ms: Vec<f64> = session.timings.get(&upscaling)?.iter().copied().collect();
-            let summary = summarize(&times_ms)?;
-            Some(Series { upscaling, color: colors[index % colors.len()], times_ms, summary })
-        })
-        .collect()
+    let color_of = |upscaling| Upscaling::every().position(|u| u == upscaling).map_or(0, |i| i % colors.len());
+    let series = session.timings.series().into_iter().filter_map(|(upscaling, times_ms)| {
+        let summary = summarize(&times_ms)?;
+        Some(Series { upscaling, color: colors[color_of(upscaling)], times_ms, summary })
+    });
+    series.collect()
 }
 
 fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
     Plot::new("frame times")
         .width(size.x)
         .height(size.y)
-        .legend(Legend::default())
         .x_axis_label("frame")
         .y_axis_label("ms")
         .include_y(0.0)
         .allow_scroll(false)
+        .label_formatter(|position| match position {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                Some(format!("{plot_name}: {} in frame {}", format::ms(position.y), position.x))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        })
         .show(ui, |plot| {
             for s in series {
                 let points: PlotPoints<'_> = s.times_ms.iter().enumerate().map(|(i, t)| [i as f64, *t]).collect();
