@@ -4,21 +4,62 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
-static DECODE: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|code| decode(code as f32 / 255.0)));
+/// The tables behind fast conversion. Loops hold on to one reference: asking for it each time costs as much as a lookup.
+#[derive(Debug)]
+pub struct Tables {
+    /// Linear light of each code.
+    pub linear_of_code: [f32; 256],
+    /// Value in [0, 1] of each code, without decoding.
+    pub value_of_code: [f32; 256],
+    /// For each code the least linear value that rounds to it, and an unreachable one at the end.
+    thresholds: [f32; 257],
+    /// The code of the least linear value in each bucket of [`bucket`].
+    first_code: [u8; BUCKETS],
+}
 
-/// Steps of the table behind [`encode_byte`]; the segment that holds the answer is found by one lookup.
-const ENCODE_STEPS: usize = 4096;
+/// Linear values below 2⁻¹³ have code 0: half a code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
+const LEAST_BITS: u32 = 0x3900_0000;
 
-/// For each code, the least linear value that rounds to it; `ENCODE_FIRST` says where to start looking.
-static ENCODE_THRESHOLDS: LazyLock<[f32; 256]> =
-    LazyLock::new(|| std::array::from_fn(|code| if code == 0 { 0.0 } else { decode((code as f32 - 0.5) / 255.0) }));
+/// Buckets per octave are 2⁸: 0.4 % wide, narrower than any code, so a bucket holds one threshold at most.
+const BUCKET_SHIFT: u32 = 15;
 
-static ENCODE_FIRST: LazyLock<[u8; ENCODE_STEPS + 1]> = LazyLock::new(|| {
-    std::array::from_fn(|step| {
-        let linear = step as f32 / ENCODE_STEPS as f32;
-        (ENCODE_THRESHOLDS.partition_point(|t| *t <= linear) - 1) as u8
-    })
+const BUCKETS: usize = ((0x3F80_0000 - LEAST_BITS) >> BUCKET_SHIFT) as usize + 1;
+
+static TABLES: LazyLock<Tables> = LazyLock::new(|| {
+    let threshold = |code: usize| match code {
+        0 => 0.0,
+        256 => f32::INFINITY,
+        _ => decode((code as f32 - 0.5) / 255.0),
+    };
+    let thresholds: [f32; 257] = std::array::from_fn(threshold);
+    Tables {
+        linear_of_code: std::array::from_fn(|code| decode(code as f32 / 255.0)),
+        value_of_code: std::array::from_fn(|code| code as f32 * (1.0 / 255.0)),
+        thresholds,
+        first_code: std::array::from_fn(|bucket| {
+            let least = f32::from_bits(LEAST_BITS + ((bucket as u32) << BUCKET_SHIFT));
+            (thresholds.partition_point(|t| *t <= least) - 1) as u8
+        }),
+    }
 });
+
+impl Tables {
+    /// The one instance.
+    pub fn get() -> &'static Self {
+        &TABLES
+    }
+
+    /// The 8-bit sRGB code nearest to linear light; clamps, and gives 0 for NaN.
+    ///
+    /// Exact: the code is found by comparing with the thresholds between codes, not by an approximated power.
+    #[inline]
+    pub fn encode(&self, linear: f32) -> u8 {
+        let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
+        let bucket = clamped.to_bits().saturating_sub(LEAST_BITS) >> BUCKET_SHIFT;
+        let code = self.first_code[bucket as usize];
+        code + u8::from(clamped >= self.thresholds[code as usize + 1])
+    }
+}
 
 /// Linear light of an sRGB value in [0, 1].
 pub fn decode(srgb: f32) -> f32 {
@@ -30,23 +71,14 @@ pub fn encode(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Linear light of an 8-bit sRGB code, by table.
-#[inline]
+/// Linear light of an 8-bit sRGB code.
 pub fn decode_byte(code: u8) -> f32 {
-    DECODE[code as usize]
+    TABLES.linear_of_code[code as usize]
 }
 
-/// The 8-bit sRGB code nearest to linear light; clamps, and gives 0 for NaN.
-///
-/// Exact: the code is found by comparing with the thresholds between codes, not by an approximated power.
-#[inline]
+/// The 8-bit sRGB code nearest to linear light; see [`Tables::encode`].
 pub fn encode_byte(linear: f32) -> u8 {
-    let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
-    let mut code = ENCODE_FIRST[(clamped * ENCODE_STEPS as f32) as usize];
-    while code < 255 && ENCODE_THRESHOLDS[code as usize + 1] <= clamped {
-        code += 1;
-    }
-    code
+    TABLES.encode(linear)
 }
 
 /// The 8-bit code of a value in [0, 1], rounded half up; clamps, and gives 0 for NaN.

@@ -19,8 +19,8 @@ choice! {
         Color = "color", "Colour", "The finished picture.";
         Depth = "depth", "Depth", "What the depth buffer holds in the end.";
         TriangleId = "triangle-id", "Triangle id", "The triangle that won each sample, one colour each.";
-        Lambda = "lambda", "Weights λ", "Screen-space weights of the winner: λ0 red, λ1 green, λ2 blue.";
-        PerspectiveLambda = "perspective-lambda", "Weights λ′", "Weights of the winner that attributes are interpolated with (perspective-correct unless affine).";
+        Lambda = "lambda", "λ on screen", "Screen-space weights of the winner: λ0 red, λ1 green, λ2 blue.";
+        PerspectiveLambda = "perspective-lambda", "λ in space", "Weights of the winner that attributes are interpolated with (perspective-correct unless affine).";
         Overdraw = "overdraw", "Overdraw", "How many triangles cover each sample, drawn or not.";
         Shaded = "shaded", "Times shaded", "How often each sample was shaded: what the depth test could not save.";
     }

@@ -27,3 +27,35 @@ pub fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
     let largest = v.abs().max_element();
     if largest > 0.0 && largest.is_finite() { (v / largest).normalize().as_vec3() } else { fallback }
 }
+
+/// The largest integer not above `x`, exactly as [`f32::floor`], which without SSE 4.1 is a function call of some thirty
+/// instructions: a third of the time of a textured pixel.
+#[inline]
+pub fn floor(x: f32) -> f32 {
+    /// From here on every float is an integer.
+    const ALL_INTEGERS: f32 = 8_388_608.0;
+    if x.abs() < ALL_INTEGERS {
+        let truncated = x as i32 as f32;
+        if truncated > x { truncated - 1.0 } else { truncated }
+    } else {
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn floor_is_the_standard_one() {
+        let special = [0.0, -1e-30, 1e-30, -0.5, 0.999_999_94, -1.0, 8_388_607.5, -8_388_607.5, 1e30, f32::INFINITY];
+        let random = std::iter::repeat_with({
+            let mut random = fastrand::Rng::with_seed(7);
+            move || f32::from_bits(random.u32(..))
+        });
+        for x in special.into_iter().chain(random.filter(|x| !x.is_nan()).take(100_000)) {
+            assert_eq!(floor(x), x.floor(), "{x}");
+        }
+        assert!(floor(f32::NAN).is_nan());
+    }
+}

@@ -6,9 +6,10 @@
 //! rasterizer's business (it clamps to the picture), and only coordinates too large for exact edge functions are cut.
 //!
 //! A cut is always computed from the inside vertex towards the outside one, so two triangles that share an edge get
-//! bit-identical new vertices and stay watertight.
+//! bit-identical new vertices and stay watertight. Distances and cuts are computed in f64 and the new vertex is put
+//! exactly onto the plane: an edge may be 10³⁸ times longer than what is left of it.
 
-use glam::{Vec3, Vec4};
+use glam::{DVec4, Vec3, Vec4};
 
 use super::observe::{Fate, Observer};
 use super::vertex::ClipVertex;
@@ -18,11 +19,16 @@ use crate::scene::TriangleId;
 /// resolves 1/256 px there, and edge functions of such coordinates need 49 bits of an i64.
 pub const GUARD_BAND_PX: f32 = 32_768.0;
 
+/// Least w that is projected: the smallest number whose precision is full, so that 1/w is finite.
+pub const LEAST_W: f32 = f32::MIN_POSITIVE;
+
 /// A side of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
     /// z ≥ 0.
     Near,
+    /// w > 0, or rather w ≥ [`LEAST_W`]. The near plane implies it but for rounding.
+    Eye,
     /// z ≤ w.
     Far,
     /// x ≥ −w.
@@ -37,18 +43,35 @@ pub enum Plane {
 
 impl Plane {
     /// All planes, in the order of clipping: depth first, so that w > 0 when the sides are cut.
-    pub const ALL: [Self; 6] = [Self::Near, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
+    pub const ALL: [Self; 7] = [Self::Near, Self::Eye, Self::Far, Self::Left, Self::Right, Self::Bottom, Self::Top];
 
     /// Signed distance in units of clip space, ≥ 0 inside. The four sides are moved out by the factor `widening`.
     #[inline]
-    pub fn distance(self, p: Vec4, widening: f32) -> f32 {
+    pub fn distance(self, p: Vec4, widening: f32) -> f64 {
+        let DVec4 { x, y, z, w } = p.as_dvec4();
+        let side = w * f64::from(widening);
         match self {
-            Self::Near => p.z,
-            Self::Far => p.w - p.z,
-            Self::Left => p.w * widening + p.x,
-            Self::Right => p.w * widening - p.x,
-            Self::Bottom => p.w * widening + p.y,
-            Self::Top => p.w * widening - p.y,
+            Self::Near => z,
+            Self::Eye => w - f64::from(LEAST_W),
+            Self::Far => w - z,
+            Self::Left => side + x,
+            Self::Right => side - x,
+            Self::Bottom => side + y,
+            Self::Top => side - y,
+        }
+    }
+
+    /// `p` moved onto the plane along its own axis.
+    fn pin(self, p: Vec4, widening: f32) -> Vec4 {
+        let side = p.w * widening;
+        match self {
+            Self::Near => p.with_z(0.0),
+            Self::Eye => p.with_w(LEAST_W),
+            Self::Far => p.with_z(p.w),
+            Self::Left => p.with_x(-side),
+            Self::Right => p.with_x(side),
+            Self::Bottom => p.with_y(-side),
+            Self::Top => p.with_y(side),
         }
     }
 }
@@ -130,15 +153,14 @@ impl Polygon {
         }
         let crosses = |plane: &Plane| triangle.iter().any(|v| plane.distance(v.position, widening) < 0.0);
         if !Plane::ALL.iter().any(crosses) {
-            return if triangle.iter().all(|v| v.position.w > 0.0) { Ok(Cut::Whole) } else { Err(Fate::ClippedAway) };
+            return Ok(Cut::Whole);
         }
         self.vertices.clear();
         self.vertices.extend_from_slice(triangle);
         for plane in Plane::ALL.into_iter().filter(crosses) {
             self.cut(plane, widening);
         }
-        let left = self.vertices.len() >= 3 && self.vertices.iter().all(|v| v.position.w > 0.0);
-        if left { Ok(Cut::Pieces) } else { Err(Fate::ClippedAway) }
+        if self.vertices.len() >= 3 { Ok(Cut::Pieces) } else { Err(Fate::ClippedAway) }
     }
 
     /// The polygon's vertices, in the triangle's winding.
@@ -160,23 +182,21 @@ impl Polygon {
             if da >= 0.0 {
                 self.next.push(*a);
             }
-            if da >= 0.0 && db < 0.0 {
-                self.next.push(crossing(a, b, da, db));
-            } else if da < 0.0 && db >= 0.0 {
-                self.next.push(crossing(b, a, db, da));
-            }
+            let crossing = match (da >= 0.0, db >= 0.0) {
+                (true, false) => between(a, b, da / (da - db)),
+                (false, true) => between(b, a, db / (db - da)),
+                _ => continue,
+            };
+            self.next.push(ClipVertex { position: plane.pin(crossing.position, widening), ..crossing });
         }
         std::mem::swap(&mut self.vertices, &mut self.next);
     }
 }
 
-/// The point where the edge from `inside` to `outside` meets the plane, given their distances.
-fn crossing(inside: &ClipVertex, outside: &ClipVertex, d_inside: f32, d_outside: f32) -> ClipVertex {
-    // In f64: distances of the largest magnitude must not overflow in the difference.
-    let t = (f64::from(d_inside) / (f64::from(d_inside) - f64::from(d_outside))) as f32;
-    let position =
-        inside.position.as_dvec4() + (outside.position.as_dvec4() - inside.position.as_dvec4()) * f64::from(t);
-    ClipVertex { position: position.as_vec4(), varyings: inside.varyings.lerp(&outside.varyings, t) }
+/// The vertex at `t` on the edge from `a` (0) to `b` (1). As a weighted mean it never leaves the range of its ends.
+fn between(a: &ClipVertex, b: &ClipVertex, t: f64) -> ClipVertex {
+    let position = a.position.as_dvec4() * (1.0 - t) + b.position.as_dvec4() * t;
+    ClipVertex { position: position.as_vec4(), varyings: a.varyings.lerp(&b.varyings, t as f32) }
 }
 
 #[cfg(test)]
@@ -244,8 +264,28 @@ mod tests {
     }
 
     #[test]
-    fn zero_w_never_survives() {
-        let triangle = [vertex(0.0, 0.0, 0.0, 0.0), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)];
-        assert_eq!(clip_one(triangle).0, Err(Fate::ClippedAway));
+    fn an_edge_of_the_largest_length_is_cut_exactly_at_the_guard_band() {
+        let (cut, left) =
+            clip_one([vertex(-3e38, 0.0, 0.5, 1.0), vertex(3e38, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)]);
+        assert_eq!(cut, Ok(Cut::Pieces));
+        let xs = || left.iter().map(|v| v.position.x);
+        assert_eq!((xs().fold(0.0, f32::min), xs().fold(0.0, f32::max)), (-2.0, 2.0));
+    }
+
+    #[test]
+    fn the_largest_w_does_not_overflow() {
+        let (cut, left) =
+            clip_one([vertex(0.0, 0.0, 0.5, 3e38), vertex(-3e38, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)]);
+        assert_eq!(cut, Ok(Cut::Pieces));
+        assert!(left.iter().all(|v| v.position.is_finite()), "{left:?}");
+    }
+
+    #[test]
+    fn a_corner_whose_w_rounding_made_negative_is_cut_off_and_the_rest_stays() {
+        // Before the near plane by its z, behind the eye by its w: no exact projection gives that, rounding does.
+        let (cut, left) =
+            clip_one([vertex(0.0, 0.0, 0.0, -1e-6), vertex(0.5, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)]);
+        assert_eq!(cut, Ok(Cut::Pieces));
+        assert!(left.iter().all(|v| (1.0 / v.position.w).is_finite()), "{left:?}");
     }
 }

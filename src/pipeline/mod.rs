@@ -46,7 +46,7 @@ use std::time::{Duration, Instant};
 use depth::{Comparison, depth_at};
 use framebuffer::Framebuffer;
 use interpolate::interpolate;
-use observe::{DepthOutcome, Observer};
+use observe::{DepthOutcome, Fate, Observer};
 use plan::{DrawPlan, Part};
 use raster::{EdgeFunctions, Scissor, doubled_area};
 use settings::Settings;
@@ -131,7 +131,7 @@ fn prepare_draw<O: Observer>(
     out.plans.push(plan);
     if !plan.runs(Part::Vertices) {
         for offset in 0..mesh.triangles.len() as u32 {
-            observer.rejected(TriangleId(first.0 + offset), observe::Fate::Outside);
+            observer.rejected(TriangleId(first.0 + offset), Fate::Outside);
         }
         out.times.transform += start.elapsed();
         return;
@@ -148,23 +148,45 @@ fn prepare_draw<O: Observer>(
     let projected: Vec<(TriangleId, [ScreenVertex; 3])> = clipped.iter().map(|t| (t.id, viewport.project(t))).collect();
     let projected_at = Instant::now();
 
-    for (id, corners) in projected {
-        let area = doubled_area(corners.each_ref().map(|v| (v.x, v.y)));
-        match cull::cull(area, settings.culling) {
-            Some(fate) => observer.rejected(id, fate),
-            None => out.triangles.push(ScreenTriangle {
-                id,
-                instance: index as u32,
-                edges: EdgeFunctions::new(&corners, area, settings.fill_rule),
-                relative_inv_w: if plan.runs(Part::PerspectiveDivision) { relative_inv_w(&corners) } else { [1.0; 3] },
-                vertices: corners,
-            }),
-        }
+    // Pieces of one triangle stand together.
+    for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
+        set_up(pieces, index as u32, &plan, settings, &mut out.triangles, observer);
     }
     out.times.transform += transformed - start;
     out.times.clip += clipping_done - transformed;
     out.times.project += projected_at - clipping_done;
     out.times.cull += projected_at.elapsed();
+}
+
+/// Culls the pieces of one triangle and sets up the edges of those that stay; if none does, the triangle has one fate.
+fn set_up<O: Observer>(
+    pieces: &[(TriangleId, [ScreenVertex; 3])],
+    instance: u32,
+    plan: &DrawPlan,
+    settings: &Settings,
+    out: &mut Vec<ScreenTriangle>,
+    observer: &mut O,
+) {
+    let kept_before = out.len();
+    let mut rejected = None;
+    for (id, corners) in pieces {
+        let area = doubled_area(corners.each_ref().map(|v| (v.x, v.y)));
+        match cull::cull(area, settings.culling) {
+            // A piece without area says nothing about which side the triangle shows.
+            Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
+            Some(facing) => rejected = Some((*id, facing)),
+            None => out.push(ScreenTriangle {
+                id: *id,
+                instance,
+                edges: EdgeFunctions::new(corners, area, settings.fill_rule),
+                relative_inv_w: if plan.runs(Part::PerspectiveDivision) { relative_inv_w(corners) } else { [1.0; 3] },
+                vertices: *corners,
+            }),
+        }
+    }
+    if let Some((id, fate)) = rejected.filter(|_| out.len() == kept_before) {
+        observer.rejected(id, fate);
+    }
 }
 
 /// What [`draw`] draws: which of the triangles, and within which rectangle.

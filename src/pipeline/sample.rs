@@ -8,8 +8,9 @@ use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use super::settings::{Address, ColorSpace, Filter};
-use crate::image::color::decode_byte;
+use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
+use crate::math::floor;
 
 /// One texel and its share in a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -23,17 +24,27 @@ pub struct TexelTap {
 }
 
 /// How textures are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampler {
     /// Between texels.
     pub filter: Filter,
     /// Outside of [0, 1].
     pub address: Address,
-    /// In which numbers texels are mixed.
-    pub color_space: ColorSpace,
+    /// The number that each code of a texel stands for.
+    value_of_code: &'static [f32; 256],
 }
 
 impl Sampler {
+    /// Mixes texels in the numbers of `color_space`.
+    pub fn new(filter: Filter, address: Address, color_space: ColorSpace) -> Self {
+        let tables = Tables::get();
+        let value_of_code = match color_space {
+            ColorSpace::Linear => &tables.linear_of_code,
+            ColorSpace::Bytes => &tables.value_of_code,
+        };
+        Self { filter, address, value_of_code }
+    }
+
     /// Colour at `uv` (v down): linear light or sRGB values by the sampler's colour space, in [0, 1].
     #[inline]
     pub fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
@@ -71,10 +82,7 @@ impl Sampler {
     #[inline]
     fn texel(self, texture: &Image<Rgba8>, tap: &TexelTap) -> Vec3 {
         let [r, g, b, _] = texture.at(tap.x, tap.y);
-        match self.color_space {
-            ColorSpace::Linear => Vec3::new(decode_byte(r), decode_byte(g), decode_byte(b)),
-            ColorSpace::Bytes => Vec3::new(f32::from(r), f32::from(g), f32::from(b)) * (1.0 / 255.0),
-        }
+        Vec3::new(self.value_of_code[r as usize], self.value_of_code[g as usize], self.value_of_code[b as usize])
     }
 }
 
@@ -83,9 +91,9 @@ impl Sampler {
 fn bring_into_unit(u: f32, address: Address) -> f32 {
     let unit = match address {
         Address::Clamp => u.clamp(0.0, 1.0),
-        Address::Repeat => u - u.floor(),
+        Address::Repeat => u - floor(u),
         Address::Mirror => {
-            let period = u - 2.0 * (u * 0.5).floor();
+            let period = u - 2.0 * floor(u * 0.5);
             if period > 1.0 { 2.0 - period } else { period }
         }
     };
@@ -102,7 +110,7 @@ fn nearest(unit: f32, size: u32) -> u32 {
 #[inline]
 fn neighbours(unit: f32, size: u32, address: Address) -> ((u32, u32), f32) {
     let position = unit * size as f32 - 0.5;
-    let below = position.floor();
+    let below = floor(position);
     let weight = position - below;
     let last = size as i32 - 1;
     let (i0, i1) = (below as i32, below as i32 + 1);
@@ -124,7 +132,7 @@ mod tests {
     }
 
     fn red(filter: Filter, address: Address, u: f32) -> f32 {
-        Sampler { filter, address, color_space: ColorSpace::Bytes }.sample(&ramp(), Vec2::new(u, 0.5)).x * 255.0
+        Sampler::new(filter, address, ColorSpace::Bytes).sample(&ramp(), Vec2::new(u, 0.5)).x * 255.0
     }
 
     #[test]

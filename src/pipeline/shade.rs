@@ -11,7 +11,7 @@ use super::interpolate::Fragment;
 use super::plan::{DrawPlan, Part};
 use super::sample::Sampler;
 use super::settings::{ColorSpace, Settings, Shading};
-use crate::image::color::{decode_rgb, encode_byte, quantize};
+use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
 use crate::scene::{Instance, Library, TriangleId};
@@ -33,6 +33,7 @@ pub fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
 pub struct Shader<'a> {
     settings: &'a Settings,
     sampler: Sampler,
+    tables: &'static Tables,
     light_direction: Vec3,
     /// Material colour × tint, in the numbers of the colour space.
     diffuse: Vec3,
@@ -49,7 +50,8 @@ impl<'a> Shader<'a> {
         let reads_texels = plan.runs(Part::Texels);
         Self {
             settings,
-            sampler: Sampler { filter: settings.filter, address: settings.address, color_space: settings.color_space },
+            sampler: Sampler::new(settings.filter, settings.address, settings.color_space),
+            tables: Tables::get(),
             light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
             diffuse: to_working_space(material.diffuse * instance.tint, settings.color_space),
             texture: material.texture.filter(|_| reads_texels).map(image),
@@ -132,7 +134,10 @@ impl<'a> Shader<'a> {
     #[inline]
     fn encode(&self, color: Vec3) -> Rgba8 {
         match self.settings.color_space {
-            ColorSpace::Linear => [encode_byte(color.x), encode_byte(color.y), encode_byte(color.z), 255],
+            ColorSpace::Linear => {
+                let [r, g, b] = color.to_array().map(|c| self.tables.encode(c));
+                [r, g, b, 255]
+            }
             ColorSpace::Bytes => quantized(color),
         }
     }

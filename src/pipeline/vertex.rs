@@ -62,7 +62,7 @@ impl DrawMatrices {
     /// For one instance seen by a camera. `aspect` is width over height.
     pub fn new(instance: &Instance, camera: &Camera, aspect: f32, reversed: bool) -> Self {
         let product: DMat4 = camera.clip_from_view(aspect, reversed).as_dmat4()
-            * camera.view_from_world().as_dmat4()
+            * camera.view_from_world_f64()
             * instance.world_from_model.as_dmat4();
         let linear = glam::DMat3::from_mat4(instance.world_from_model.as_dmat4());
         let normal = if linear.determinant() == 0.0 { linear } else { linear.inverse().transpose() };
@@ -70,22 +70,31 @@ impl DrawMatrices {
     }
 }
 
+/// Rounding errors of a transformed vertex, relative to the sum of the magnitudes that it is the sum of: four products
+/// and three sums, twice as two components meet in a distance, and as much again to be safe.
+const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
+
 /// Where a model-space box lies with respect to the frustum.
 ///
 /// Convex against convex by planes only: a box reported as `Crossing` may still be outside, never the other way round.
+/// `Inside` and `Outside` hold for every vertex in the box *after rounding*: boxes that touch a plane are `Crossing`.
 pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     if bounds.is_empty() {
         return Containment::Outside;
     }
+    let magnitudes = DMat4::from_cols_array(&clip_from_model.as_dmat4().to_cols_array().map(f64::abs));
+    let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
+    let largest = (magnitudes * farthest.extend(1.0)).max_element();
+    let slack = ROUNDING * largest;
     let corners = bounds.corners().map(|c| clip_from_model * c.extend(1.0));
-    let mut inside_all = true;
+    // Otherwise a vertex may overflow where the corners do not.
+    let mut inside_all = largest < f64::from(f32::MAX);
     for plane in super::clip::Plane::ALL {
-        let beyond =
-            corners.iter().filter(|c| plane.distance(**c, 1.0).is_nan() || plane.distance(**c, 1.0) < 0.0).count();
-        if beyond == corners.len() && corners.iter().all(|c| c.is_finite()) {
+        let distances = corners.map(|c| plane.distance(c, 1.0));
+        if distances.iter().all(|d| *d < -slack) {
             return Containment::Outside;
         }
-        inside_all &= beyond == 0;
+        inside_all &= distances.iter().all(|d| *d > slack);
     }
     if inside_all { Containment::Inside } else { Containment::Crossing }
 }
@@ -114,4 +123,33 @@ pub fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan
             ClipVertex { position: matrices.clip_from_model * mesh.positions[i].extend(1.0), varyings }
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_is_inside_only_if_rounding_cannot_change_that() {
+        let cube = |half: f32| containment(Aabb { min: Vec3::splat(-half), max: Vec3::splat(half) }, flat());
+        assert_eq!(cube(0.9), Containment::Inside);
+        assert_eq!(cube(1.0), Containment::Crossing, "it touches the sides");
+        assert_eq!(cube(1.1), Containment::Crossing);
+        let beside =
+            |x: f32| containment(Aabb { min: Vec3::new(x, 0.0, 0.0), max: Vec3::new(x + 1.0, 0.5, 0.5) }, flat());
+        assert_eq!(beside(1.0), Containment::Crossing, "it touches the right side from without");
+        assert_eq!(beside(1.01), Containment::Outside);
+    }
+
+    #[test]
+    fn a_box_that_may_overflow_is_neither_inside_nor_outside() {
+        let huge = Aabb { min: Vec3::splat(-f32::MAX), max: Vec3::splat(f32::MAX) };
+        assert_eq!(containment(huge, flat()), Containment::Crossing);
+        assert_eq!(containment(Aabb::EMPTY, flat()), Containment::Outside);
+    }
+
+    /// Orthographic: |x|, |y| ≤ 1 and −1 < z < 1 well inside.
+    fn flat() -> Mat4 {
+        Mat4::from_cols(Vec4::X, Vec4::Y, Vec4::Z * 0.25, Vec4::new(0.0, 0.0, 0.5, 1.0))
+    }
 }

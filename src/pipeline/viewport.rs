@@ -78,9 +78,24 @@ impl Viewport {
     }
 }
 
-/// 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal.
+/// 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal. Never 0, so that weights sum
+/// to something even on the far edge of a triangle whose near corner is 10⁴⁰ times nearer.
 pub fn relative_inv_w(vertices: &[ScreenVertex; 3]) -> [f32; 3] {
     let inv_w = vertices.map(|v| v.inv_w);
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
-    inv_w.map(|i| i / largest)
+    inv_w.map(|i| (i / largest).max(f32::MIN_POSITIVE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn relative_inv_w_is_one_at_equal_w_and_never_zero() {
+        let at_w = |w: [f32; 3]| {
+            w.map(|w| ScreenVertex { x: 0, y: 0, depth: 0.0, inv_w: 1.0 / w, varyings: Varyings::default() })
+        };
+        assert_eq!(relative_inv_w(&at_w([7.3; 3])), [1.0; 3]);
+        assert!(relative_inv_w(&at_w([1e-30, 1e30, 1e30])).iter().all(|r| *r > 0.0));
+    }
 }

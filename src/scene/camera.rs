@@ -4,7 +4,7 @@
 //! near = 0, or near = 1 when depth is reversed (then float precision grows where perspective eats it; Reed, "Depth
 //! Precision Visualized", 2015). Navigation is plain arithmetic here, so that window and tests share it.
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{DMat4, Mat4, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 use crate::math::{Aabb, unit_or};
@@ -104,6 +104,12 @@ impl Camera {
 
     /// View space from world space: the eye at the origin, looking down −z.
     pub fn view_from_world(&self) -> Mat4 {
+        self.view_from_world_f64().as_mat4()
+    }
+
+    /// [`Camera::view_from_world`] before it is rounded: far from the origin the eye's position only cancels against an
+    /// object's if neither was rounded before.
+    pub fn view_from_world_f64(&self) -> DMat4 {
         let (forward, right) = (self.forward(), self.right());
         let up = right.cross(forward);
         let rotation = Mat4::from_cols(
@@ -112,7 +118,7 @@ impl Camera {
             Vec3::new(right.z, up.z, -forward.z).extend(0.0),
             glam::Vec4::W,
         );
-        rotation * Mat4::from_translation(-self.eye)
+        rotation.as_dmat4() * DMat4::from_translation(-self.eye.as_dvec3())
     }
 
     /// Clip space from view space, z/w = 0 at the near plane and 1 at the far plane, or the other way round when

@@ -27,6 +27,9 @@ use crate::scene::{SceneError, SceneSource};
 /// A model is called slow, and its progress shown, after this time.
 const SLOW_LOAD: Duration = Duration::from_millis(300);
 
+/// Height of the bars over and under the canvas, in points.
+const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
+
 /// A model that is being loaded on a thread of its own.
 struct Loading {
     source: SceneSource,
@@ -103,7 +106,7 @@ impl Workbench {
                 bar(ui, Icon::OctagonAlert, tokens(ui).error, &error, Command::CloseError, commands);
             });
         }
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(216.0).min_size(90.0).show(ui, |ui| {
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(236.0).min_size(90.0).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
         Panel::left("pipeline").frame(frame).resizable(true).default_size(292.0).min_size(230.0).show(ui, |ui| {
@@ -120,8 +123,11 @@ impl Workbench {
 
     fn center(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let frame = theme::panel_frame(ui);
-        Panel::bottom("transport").frame(frame).exact_size(theme::ROW_HEIGHT + 12.0).show(ui, |ui| {
-            transport::ui(ui, &self.session, self.canvas.scale(), commands);
+        Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
+            transport::toolbar(ui, &self.session, self.canvas.scale(), commands);
+        });
+        Panel::bottom("scrubber").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
+            transport::scrubber(ui, &self.session, commands);
         });
         if let Some(path) = self.slow_load() {
             Panel::top("loading").frame(frame).show(ui, |ui| {
@@ -136,7 +142,7 @@ impl Workbench {
             ui.request_repaint_after(Duration::from_millis(100));
         } else if !self.session.hint_closed {
             Panel::top("hint").frame(frame).show(ui, |ui| {
-                let hint = "Click a pixel and read its story at the right. Wheel enlarges, middle-drag turns the scene, ] shows the next stage, ? all keys.";
+                let hint = "Click a pixel: its story is at the right. Wheel enlarges, middle-drag turns the scene, ? shows all keys.";
                 bar(ui, Icon::Lightbulb, tokens(ui).accent, hint, Command::CloseHint, commands);
             });
         }

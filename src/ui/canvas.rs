@@ -13,12 +13,14 @@ use eframe::egui::{
 
 use super::command::Command;
 use super::engine::{Shown, View};
+use super::format;
 use super::session::{PointerMode, Session};
-use super::theme::tokens;
+use super::theme::{RADIUS, font_size, space, tokens};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
-use crate::inspect::view::{Value, value};
+use crate::inspect::view::{Value, magnitude_color, value};
+use crate::pipeline::settings::Choice as _;
 
 /// Screen pixels per picture pixel, least and greatest.
 const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
@@ -81,11 +83,11 @@ impl Canvas {
 
     /// One picture pixel per screen pixel, centred.
     pub fn one_to_one(&mut self, picture: (u32, u32), canvas_px: (u32, u32)) {
-        self.set_view(1.0, picture, canvas_px, (picture.0 as f32 / 2.0, picture.1 as f32 / 2.0));
+        self.set_view(1.0, canvas_px, (picture.0 as f32 / 2.0, picture.1 as f32 / 2.0));
     }
 
     /// Enlarges to `scale` screen pixels per picture pixel with `center` (picture px) in the middle.
-    pub fn set_view(&mut self, scale: f32, _picture: (u32, u32), canvas_px: (u32, u32), center: (f32, f32)) {
+    pub fn set_view(&mut self, scale: f32, canvas_px: (u32, u32), center: (f32, f32)) {
         self.scale = Some(scale);
         self.origin = vec2(center.0, center.1) - vec2(canvas_px.0 as f32, canvas_px.1 as f32) / (2.0 * scale);
     }
@@ -209,14 +211,13 @@ impl Canvas {
         }
     }
 
-    fn upload(&mut self, ui: &Ui, picture: &Arc<Image<Rgba8>>, smaller: bool) {
+    fn upload(&mut self, ui: &Ui, picture: &Arc<Image<Rgba8>>) {
         if self.uploaded.as_ref().is_some_and(|old| Arc::ptr_eq(old, picture)) {
             return;
         }
         let (width, height) = picture.size();
         let image = ColorImage::from_rgba_premultiplied([width as usize, height as usize], picture.as_bytes());
-        let minification =
-            if smaller { TextureOptions::LINEAR.minification } else { TextureOptions::NEAREST.minification };
+        let minification = TextureOptions::LINEAR.minification;
         let options = TextureOptions { minification, ..TextureOptions::NEAREST };
         match &mut self.texture {
             Some(texture) => texture.set(image, options),
@@ -227,7 +228,7 @@ impl Canvas {
 
     fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &View) {
         let (width, height) = view.picture.size();
-        self.upload(ui, &view.picture, true);
+        self.upload(ui, &view.picture);
         let Some(texture) = &self.texture else { return };
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let size = vec2(width as f32, height as f32) * placement.points_per_px;
@@ -237,7 +238,10 @@ impl Canvas {
             grid(&painter, placement, (width, height));
         }
         if placement.points_per_px >= NUMBERS_FROM {
-            numbers(&painter, placement, session, view);
+            numbers(&painter, placement, view, ui.input(|i| i.modifiers.alt));
+        }
+        if session.shown != Shown::Buffer(Buffer::Color) {
+            legend(ui, &painter, placement.canvas, view);
         }
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
@@ -279,40 +283,71 @@ fn grid(painter: &egui::Painter, placement: Placement, size: (u32, u32)) {
     }
 }
 
-fn numbers(painter: &egui::Painter, placement: Placement, session: &Session, view: &View) {
+/// Writes each pixel's value into it; as bits if `bits`.
+fn numbers(painter: &egui::Painter, placement: Placement, view: &View, bits: bool) {
     let (columns, rows) = visible(placement, view.picture.size());
-    let buffer = match session.shown {
-        Shown::Buffer(buffer) => buffer,
-        Shown::Stage(_) => Buffer::Color,
-    };
     let font = FontId::monospace((placement.points_per_px / 6.0).clamp(8.0, 18.0));
     for y in rows {
         for x in columns.clone() {
-            let lines = match session.shown {
-                Shown::Stage(_) => color_lines(view.picture.at(x, y)),
-                Shown::Buffer(_) => value_lines(value(buffer, &view.frame, view.buffers.as_deref(), x, y)),
-            };
             let below = view.picture.at(x, y);
+            let shown = match view.request.shown {
+                Shown::Stage(_) => Value::Color(below),
+                Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
+            };
             let color = if luma(below) < 128.0 { Color32::from_gray(235) } else { Color32::from_gray(20) };
             let cell = placement.rect_of(x, y);
-            painter.text(cell.center(), Align2::CENTER_CENTER, lines, font.clone(), color);
+            painter.text(cell.center(), Align2::CENTER_CENTER, value_lines(shown, bits), font.clone(), color);
         }
     }
 }
 
-fn color_lines([r, g, b, _]: Rgba8) -> String {
-    format!("{r}\n{g}\n{b}")
-}
-
-fn value_lines(value: Value) -> String {
+fn value_lines(value: Value, bits: bool) -> String {
+    let float = |f: f32| if bits { format::bits(f) } else { format!("{f:.6}") };
     match value {
         Value::NotDrawn | Value::Nothing => "–".to_owned(),
-        Value::Color(color) => color_lines(color),
-        Value::Number(number) => format!("{number:.6}"),
+        Value::Color([r, g, b, _]) if bits => format!("{r:02X}\n{g:02X}\n{b:02X}"),
+        Value::Color([r, g, b, _]) => format!("{r}\n{g}\n{b}"),
+        Value::Number(number) => float(number),
         Value::Count(count) => count.to_string(),
-        Value::Weights([a, b, c]) => format!("{a:.4}\n{b:.4}\n{c:.4}"),
+        Value::Weights(weights) => weights.map(float).join("\n"),
         Value::Triangle(id) => id.0.to_string(),
     }
+}
+
+/// What the colours of the picture mean, in its lower left corner: name, and a bar with numbers where a map is used.
+fn legend(ui: &Ui, painter: &egui::Painter, canvas: Rect, view: &View) {
+    const WIDTH: f32 = 220.0;
+    const BAR: f32 = 8.0;
+    let (name, help) = match view.request.shown {
+        Shown::Buffer(buffer) => (buffer.name(), buffer.help()),
+        Shown::Stage(stage) => (stage.name(), stage.help()),
+    };
+    let small = FontId::proportional(font_size::SMALL);
+    let text = painter.layout(format!("{name}: {help}"), small, tokens(ui).text, WIDTH);
+    let bar_height = if view.range.is_some() { BAR + 20.0 } else { 0.0 };
+    let size = vec2(WIDTH, text.size().y + bar_height) + Vec2::splat(2.0 * space::S);
+    let frame = Rect::from_min_size(canvas.left_bottom() + vec2(space::S, -space::S - size.y), size);
+    painter.rect_filled(frame, RADIUS, tokens(ui).panel.gamma_multiply(0.92));
+    let inner = frame.shrink(space::S);
+    let text_height = text.size().y;
+    painter.galley(inner.min, text, tokens(ui).text);
+    let Some(range) = view.range else { return };
+    let bar = Rect::from_min_size(inner.min + vec2(0.0, text_height + 4.0), vec2(WIDTH, BAR));
+    for step in 0..WIDTH as u32 {
+        let [r, g, b, _] = magnitude_color(step as f32 / (WIDTH - 1.0));
+        let column = Rect::from_min_size(bar.min + vec2(step as f32, 0.0), vec2(1.0, BAR));
+        painter.rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
+    }
+    let mono = FontId::monospace(font_size::SMALL);
+    let number = |value: f32| if value.fract() == 0.0 { value.to_string() } else { format::f32_full(value) };
+    painter.text(
+        bar.left_bottom() + vec2(0.0, 2.0),
+        Align2::LEFT_TOP,
+        number(range.low),
+        mono.clone(),
+        tokens(ui).text,
+    );
+    painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, number(range.high), mono, tokens(ui).text);
 }
 
 /// A frame around the picked pixel that is seen on any picture, however small the pixel is.

@@ -25,6 +25,8 @@ pub enum Command {
     CancelLoading,
     /// Draw by this recipe.
     SetRecipe(Recipe),
+    /// Draw with the upscaler that stands at this place of the list.
+    ChooseUpscaler(usize),
     /// Draw by the default recipe.
     ResetRecipe,
     /// Look from here.
@@ -130,6 +132,11 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Picked pixel to the right"),
     bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Picked pixel up"),
     bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Picked pixel down"),
+    bind(Modifiers::NONE, Key::Num1, || Command::ChooseUpscaler(0), "1 … 5: choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num2, || Command::ChooseUpscaler(1), "1 … 5: choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "1 … 5: choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num4, || Command::ChooseUpscaler(3), "1 … 5: choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num5, || Command::ChooseUpscaler(4), "1 … 5: choose the upscaler"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),
     bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show the keys"),
@@ -146,5 +153,6 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Middle-drag", "Turn the scene around its target"),
     ("Shift + middle-drag", "Shift the view"),
     ("Ctrl + wheel", "Come closer, go away"),
+    ("Hold Alt", "Numbers in pixels as bits"),
     ("C, then drag, wheel, W A S D Q E", "Camera mode: turn, come closer, fly"),
 ];

@@ -15,7 +15,7 @@ use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource};
-use crate::upscale::Upscaling;
+use crate::upscale::{self, Upscaling};
 
 /// Frame times kept per method.
 const HISTORY: usize = 240;
@@ -170,7 +170,7 @@ enum FirstPick {
 }
 
 /// Where the first pixel is picked, as shares of width and height: just off the middle, where scenes have something.
-const FIRST_PICK: (f32, f32) = (0.46, 0.56);
+const FIRST_PICK: (f32, f32) = (0.53, 0.49);
 
 impl Session {
     /// Starts with a scene, drawn by `recipe`, seen from `camera`.
@@ -317,6 +317,13 @@ impl Session {
     pub fn apply(&mut self, command: Command) -> Option<Command> {
         match command {
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
+            Command::ChooseUpscaler(place) => {
+                let method = upscale::ALL.get(place).map(|u| u.id());
+                let scale = self.state.recipe.upscaler.scale();
+                if let Some(upscaler) = method.and_then(|id| Upscaling::new(id, scale)) {
+                    self.state.recipe.upscaler = upscaler;
+                }
+            }
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,
             Command::ResetCamera => self.state.camera = self.scene.home,

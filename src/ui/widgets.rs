@@ -113,19 +113,7 @@ fn segments<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str
 fn drop_down<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &str, &str)]) {
     let (shown, tooltip) =
         options.iter().find(|option| option.0 == *value).map_or(("", ""), |option| (option.1, option.2));
-    let response = ComboBox::from_id_salt("choice")
-        .selected_text(shown)
-        .width(ui.spacing().combo_width)
-        .truncate()
-        .icon(|ui, rect, visuals, _open| {
-            theme::paint_icon(
-                ui.painter(),
-                rect.center(),
-                Icon::ChevronDown,
-                theme::ICON_SIZE,
-                visuals.fg_stroke.color,
-            );
-        })
+    let response = combo("choice", shown, ui.spacing().combo_width)
         .show_ui(ui, |ui| {
             for (option, name, tooltip) in options {
                 ui.selectable_value(value, *option, *name).on_hover_text(*tooltip);
@@ -137,6 +125,16 @@ fn drop_down<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &st
             ui.label(tooltip);
         });
     }
+}
+
+/// A drop-down list as wide as `width`, still without its entries.
+pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox {
+    ComboBox::from_id_salt(id_salt.to_owned()).selected_text(shown).width(width).truncate().icon(
+        |ui, rect, visuals, _open| {
+            let color = visuals.fg_stroke.color;
+            theme::paint_icon(ui.painter(), rect.center(), Icon::ChevronDown, theme::ICON_SIZE, color);
+        },
+    )
 }
 
 /// The title of a group of rows, with room above it. `add_actions` adds small controls at the right end, from the right.

@@ -171,8 +171,9 @@ fn pixel(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<C
 }
 
 fn parse_pixel(text: &str) -> Option<(u32, u32)> {
-    let (x, y) = text.split_once([',', ' ', ';'])?;
-    Some((x.trim().parse().ok()?, y.trim().parse().ok()?))
+    let mut numbers = text.split([',', ';', ' ']).filter(|part| !part.is_empty()).map(str::parse);
+    let (x, y) = (numbers.next()?.ok()?, numbers.next()?.ok()?);
+    numbers.next().is_none().then_some((x, y))
 }
 
 fn keys(ui: &mut Ui) -> bool {
@@ -221,9 +222,10 @@ mod tests {
     #[test]
     fn pixels_are_read_with_any_usual_separator() {
         for text in ["12,34", "12 34", " 12 , 34 ", "12;34"] {
-            assert_eq!(parse_pixel(text.trim()), Some((12, 34)), "{text}");
+            assert_eq!(parse_pixel(text), Some((12, 34)), "{text}");
         }
         assert_eq!(parse_pixel("12"), None);
+        assert_eq!(parse_pixel("1,2,3"), None);
         assert_eq!(parse_pixel("-1,2"), None);
     }
 }

@@ -14,7 +14,7 @@ use crate::ui::widgets::empty_state;
 use crate::upscale::Upscaling;
 
 /// Width of the table, in points.
-const TABLE_POINTS: f32 = 320.0;
+const TABLE_POINTS: f32 = 356.0;
 
 /// A method with its figures.
 struct Series {
@@ -106,7 +106,7 @@ fn bars(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
     Plot::new("medians")
         .width(size.x)
         .height(size.y)
-        .y_axis_label("median ms, bracket p10–p90")
+        .y_axis_label("ms")
         .show_x(false)
         .include_y(0.0)
         .include_x(-0.6)
@@ -149,11 +149,15 @@ fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<C
         ui.end_row();
         for s in series {
             let chosen = session.state.recipe.upscaler == s.upscaling;
-            let name = RichText::new(s.upscaling.label()).color(s.color);
-            if ui.selectable_label(chosen, name).on_hover_text("Draw with this one").clicked() {
-                let recipe = crate::chain::Recipe { upscaler: s.upscaling, ..session.state.recipe };
-                commands.push(Command::SetRecipe(recipe));
-            }
+            ui.horizontal(|ui| {
+                let (mark, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
+                ui.painter().rect_filled(mark.shrink2(egui::vec2(0.0, 4.0)), 1.0, s.color);
+                let label = ui.selectable_label(chosen, s.upscaling.label());
+                if label.on_hover_text("Draw with this one").clicked() {
+                    let recipe = crate::chain::Recipe { upscaler: s.upscaling, ..session.state.recipe };
+                    commands.push(Command::SetRecipe(recipe));
+                }
+            });
             let Summary { n, median, p10, p90, .. } = s.summary;
             let figures = [n.to_string(), format::fixed(median, 2), format::fixed(p10, 2), format::fixed(p90, 2)];
             for figure in figures {

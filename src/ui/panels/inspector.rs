@@ -165,13 +165,13 @@ fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
         ui.label("");
         for (heading, help) in [
             ("λ on screen", "Area opposite to the corner over the whole area, on the screen"),
-            ("λ′ in space", "The weight that attributes are interpolated with: λ/w over the sum of all three, unless interpolation is affine"),
+            ("λ in space", "The weight that attributes are interpolated with: λ/w over the sum of all three, unless interpolation is affine"),
         ] {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak)).on_hover_text(help);
         }
         ui.end_row();
-        for i in 0..3 {
-            ui.label(RichText::new(format!("λ{i}")).monospace().color(WEIGHT_COLORS[i]));
+        for (i, color) in WEIGHT_COLORS.into_iter().enumerate() {
+            ui.label(RichText::new(format!("λ{i}")).monospace().color(color));
             for value in [fragment.affine_weights[i], fragment.attribute_weights[i]] {
                 ui.label(RichText::new(format::f32_full(value)).monospace()).on_hover_text(format::bits(value));
             }
@@ -276,8 +276,8 @@ fn corner_table(ui: &mut Ui, fragment: &FragmentRecord) {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
         }
         ui.end_row();
-        for i in 0..3 {
-            ui.label(RichText::new(format!("v{i}")).monospace().color(WEIGHT_COLORS[i]));
+        for (i, color) in WEIGHT_COLORS.into_iter().enumerate() {
+            ui.label(RichText::new(format!("v{i}")).monospace().color(color));
             let [x, y] = fragment.corners_px[i];
             let texts = [
                 format::fixed(f64::from(x), 3),

@@ -3,7 +3,8 @@
 
 use std::time::Duration;
 
-use eframe::egui::{self, CollapsingHeader, ComboBox, DragValue, Label, RichText, Slider, Ui};
+use eframe::egui::collapsing_header::CollapsingState;
+use eframe::egui::{self, DragValue, Label, RichText, Slider, Ui};
 
 use super::{pick, plan};
 use crate::chain::Recipe;
@@ -17,7 +18,7 @@ use crate::ui::engine::{Shown, StageTimes, View};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{choice, icon_button, row, value_row};
+use crate::ui::widgets::{choice, combo, icon_button, row, value_row};
 use crate::upscale::{self, Upscaling};
 
 /// Draws all rows.
@@ -41,41 +42,77 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
+/// Stages whose switches are shown at first.
+const OPEN_AT_FIRST: [Stage; 4] = [Stage::Assemble, Stage::Cull, Stage::Shade, Stage::Upscale];
+
 fn stage_row(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
-    let view = session.view.as_ref();
-    let time = session.stages.as_ref().and_then(|times| time_of(stage, times));
+    let id = ui.make_persistent_id(("stage", stage.id()));
+    let mut open = CollapsingState::load_with_default_open(ui.ctx(), id, OPEN_AT_FIRST.contains(&stage));
+    if header(ui, stage, open.is_open(), session, commands) {
+        open.toggle(ui);
+    }
+    open.show_body_unindented(ui, |ui| {
+        egui::Frame::new().inner_margin(egui::Margin { left: 8, right: 2, top: 2, bottom: 8 }).show(ui, |ui| {
+            ui.push_id(stage.id(), |ui| body(ui, stage, session, recipe, commands));
+        });
+    });
+    open.store(ui.ctx());
+}
+
+/// The row of a stage: name at the left; count, time and the button that shows its picture at the right. True when the
+/// row was clicked.
+fn header(ui: &mut Ui, stage: Stage, open: bool, session: &Session, commands: &mut Vec<Command>) -> bool {
+    let size = egui::vec2(ui.available_width(), theme::ROW_HEIGHT);
+    let (rect, response) = ui.allocate_exact_size(size, egui::Sense::click());
+    response
+        .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, open, format!("{} stage", stage.name())));
     let shown = session.shown == Shown::Stage(stage);
-    let open_at_first = matches!(stage, Stage::Assemble | Stage::Cull | Stage::Shade | Stage::Upscale);
-    let header = CollapsingHeader::new(RichText::new(stage.name()).strong())
-        .id_salt(stage.id())
-        .default_open(open_at_first)
-        .show_background(true);
-    let response = header.show_unindented(ui, |ui| {
-        ui.add_space(2.0);
-        body(ui, stage, session, recipe, commands);
-        ui.add_space(theme::space::S);
-    });
-    let header_rect = response.header_response.rect;
-    response.header_response.on_hover_text(stage.help());
-    // Over the header's right half: count, time, and the button that shows the stage.
+    let fill = if response.hovered() { tokens(ui).control } else { tokens(ui).raised };
+    ui.painter().rect_filled(rect, theme::RADIUS, fill);
+    if shown {
+        let mark = rect.with_max_x(rect.left() + 3.0);
+        ui.painter().rect_filled(mark, theme::RADIUS, tokens(ui).accent);
+    }
+    let chevron = if open { Icon::ChevronDown } else { Icon::ChevronRight };
+    let center = rect.left_center() + egui::vec2(14.0, 0.0);
+    theme::paint_icon(ui.painter(), center, chevron, theme::ICON_SIZE, tokens(ui).text_weak);
+    ui.painter().text(
+        rect.left_center() + egui::vec2(26.0, 0.0),
+        egui::Align2::LEFT_CENTER,
+        stage.name(),
+        egui::TextStyle::Body.resolve(ui.style()),
+        tokens(ui).text_strong,
+    );
     let right = egui::UiBuilder::new()
-        .max_rect(header_rect.shrink2(egui::vec2(4.0, 0.0)))
-        .layout(egui::Layout::right_to_left(egui::Align::Center))
-        .id_salt((stage.id(), "figures"));
-    ui.scope_builder(right, |ui| {
-        let icon = if shown { Icon::EyeOff } else { Icon::Eye };
-        if icon_button(ui, icon, &format!("Show the picture after “{}”", stage.name())).clicked() {
-            let next = if shown { Shown::Buffer(crate::inspect::Buffer::Color) } else { Shown::Stage(stage) };
-            commands.push(Command::Show(next));
-        }
-        let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-        ui.add_sized([58.0, 16.0], Label::new(RichText::new(time).monospace().color(tokens(ui).text)).halign(egui::Align::RIGHT))
-            .on_hover_text("Time of this stage for the frame on screen; rasterize, depth and shade are told apart by drawing it three times");
-        if let Some((number, what)) = view.and_then(|view| count_of(stage, session, view)) {
-            ui.label(RichText::new(short_count(number)).monospace().color(tokens(ui).text_weak))
-                .on_hover_text(format!("{} {what}", format::count(number)));
-        }
-    });
+        .max_rect(rect.shrink2(egui::vec2(4.0, 0.0)))
+        .layout(egui::Layout::right_to_left(egui::Align::Center));
+    figures(&mut ui.new_child(right), stage, shown, session, commands);
+    response.on_hover_text(stage.help()).clicked()
+}
+
+fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: &mut Vec<Command>) {
+    let icon = if shown { Icon::EyeOff } else { Icon::Eye };
+    if icon_button(ui, icon, &format!("Show the picture after “{}”", stage.name())).clicked() {
+        let next = if shown { Shown::Buffer(crate::inspect::Buffer::Color) } else { Shown::Stage(stage) };
+        commands.push(Command::Show(next));
+    }
+    let time = session.stages.as_ref().and_then(|times| time_of(stage, times));
+    let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
+    let help = "Time of this stage for the frame on screen. Rasterize, depth and shade are told apart by drawing the frame three times, each time one stage further";
+    figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
+    if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
+        let help = format!("{} {what}", format::count(number));
+        figure(ui, &short_count(number), 54.0, tokens(ui).text_weak).on_hover_text(help);
+    }
+}
+
+/// A number in a column of its own width, so that nothing jumps.
+fn figure(ui: &mut Ui, text: &str, width: f32, color: egui::Color32) -> egui::Response {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(width, theme::CONTROL_HEIGHT), egui::Sense::hover());
+    let font = egui::TextStyle::Monospace.resolve(ui.style());
+    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, text, font, color);
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
+    response
 }
 
 /// 14 860 as "14.9 k": rows have room for no more.
@@ -89,14 +126,13 @@ fn short_count(number: u64) -> String {
 
 fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
     match stage {
-        Stage::Assemble => None,
+        Stage::Assemble | Stage::Interpolate => None,
         Stage::Transform => Some(times.transform),
         Stage::Clip => Some(times.clip),
         Stage::Project => Some(times.project),
         Stage::Cull => Some(times.cull),
         Stage::Rasterize => Some(times.rasterize),
         Stage::Depth => Some(times.depth),
-        Stage::Interpolate => None,
         Stage::Shade => Some(times.shade),
         Stage::Upscale => Some(times.upscale),
     }
@@ -139,17 +175,14 @@ fn body(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, comma
 fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let name = session.source.title();
     row(ui, "Scene", "What is drawn; models of your own by File ▸ Open, or dropped on the window", |ui| {
-        ComboBox::from_id_salt("scene").selected_text(name).width(ui.spacing().combo_width).truncate().show_ui(
-            ui,
-            |ui| {
-                for scene in builtin::ALL {
-                    let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
-                    if ui.selectable_label(here, scene.title).on_hover_text(scene.summary).clicked() {
-                        commands.push(Command::OpenBuiltin(scene.id.to_owned()));
-                    }
+        combo("scene", &name, ui.spacing().combo_width).height(480.0).show_ui(ui, |ui| {
+            for scene in builtin::ALL {
+                let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
+                if ui.selectable_label(here, scene.title).on_hover_text(scene.summary).clicked() {
+                    commands.push(Command::OpenBuiltin(scene.id.to_owned()));
                 }
-            },
-        );
+            }
+        });
     });
     let scene = &session.scene;
     let library = &scene.library;

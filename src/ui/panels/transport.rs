@@ -1,6 +1,6 @@
-//! Under the canvas: which stage or buffer is shown, and how many triangles are drawn.
+//! Around the canvas: which stage or buffer is shown and how large, and how many triangles are drawn.
 
-use eframe::egui::{self, Button, ComboBox, RichText, Slider, Ui, WidgetInfo};
+use eframe::egui::{self, Button, RichText, Slider, Ui, WidgetInfo};
 
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
@@ -9,20 +9,24 @@ use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::icon_button;
+use crate::ui::widgets::{combo, icon_button};
 
-/// Draws the bar. `scale` is the enlargement on screen, `None` when the picture is fitted.
-pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+/// Draws the bar over the canvas: what is shown, how large, and what the pointer does. `scale` is the enlargement on
+/// screen, `None` when the picture is fitted.
+pub fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         stages(ui, session, commands);
-        ui.separator();
-        triangles(ui, session, commands);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            zoom(ui, session, scale, commands);
-            ui.separator();
             pointer_mode(ui, session, commands);
+            ui.separator();
+            zoom(ui, session, scale, commands);
         });
     });
+}
+
+/// Draws the bar under the canvas: how many triangles are drawn.
+pub fn scrubber(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    ui.horizontal_centered(|ui| triangles(ui, session, commands));
 }
 
 fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -34,9 +38,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    ComboBox::from_id_salt("shown")
-        .selected_text(name)
-        .width(120.0)
+    combo("shown", name, 140.0)
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -59,9 +61,10 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn triangles(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    /// Width of everything to the right of the slider, in points.
-    const REST_POINTS: f32 = 410.0;
+    /// Width of the two buttons and the figures to the right of the slider, in points.
+    const REST_POINTS: f32 = 220.0;
     let all = session.triangle_count();
+    ui.label(RichText::new("Triangles").color(tokens(ui).text_weak));
     if icon_button(ui, Icon::ChevronFirst, "Before the first triangle  (Home)").clicked() {
         commands.push(Command::LimitTriangles(Some(0)));
     }
@@ -69,7 +72,7 @@ fn triangles(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::StepTriangle(-1));
     }
     let mut limit = session.triangle_limit.unwrap_or(all);
-    ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).clamp(60.0, 320.0);
+    ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(60.0);
     let slider = ui
         .add_enabled(all > 0, Slider::new(&mut limit, 0..=all).show_value(false))
         .on_hover_text("Draw only the first triangles, in the order in which they are rasterized");

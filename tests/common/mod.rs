@@ -1,0 +1,228 @@
+//! What the integration tests share: seeded randomness, small scenes, and the geometry stages on bare clip-space
+//! vertices.
+
+#![allow(dead_code, reason = "each test file uses a part of it")]
+
+use std::f32::consts::{FRAC_PI_2, TAU};
+
+use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
+use rasterscope::chain::{Frame, Recipe, run};
+use rasterscope::image::{Image, Rgba8};
+use rasterscope::pipeline::clip::{clip, guard_band_widening};
+use rasterscope::pipeline::observe::{Fate, Observer};
+use rasterscope::pipeline::raster::{EdgeFunctions, doubled_area};
+use rasterscope::pipeline::settings::{Choice, FillRule};
+use rasterscope::pipeline::vertex::{ClipVertex, Varyings};
+use rasterscope::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture, TriangleId};
+
+/// The four fill rules under which shared edges are drawn exactly once.
+pub(crate) fn sound_fill_rules() -> impl Iterator<Item = FillRule> {
+    FillRule::ALL.iter().copied().filter(|r| !matches!(r, FillRule::Inclusive | FillRule::Exclusive))
+}
+
+/// Runs `test` with the seeds 0 to `count`; a failure names its seed.
+pub(crate) fn for_seeds(count: u64, mut test: impl FnMut(&mut fastrand::Rng)) {
+    for seed in 0..count {
+        let _named = NameSeedOnPanic(seed);
+        test(&mut fastrand::Rng::with_seed(seed));
+    }
+}
+
+struct NameSeedOnPanic(u64);
+
+impl Drop for NameSeedOnPanic {
+    #[expect(clippy::print_stderr, reason = "a failing random test must name its seed")]
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            eprintln!("failed with seed {}", self.0);
+        }
+    }
+}
+
+/// A number in [−1, 1).
+pub(crate) fn signed(rng: &mut fastrand::Rng) -> f32 {
+    rng.f32() * 2.0 - 1.0
+}
+
+/// A vector in the cube [−1, 1)³.
+pub(crate) fn in_cube(rng: &mut fastrand::Rng) -> Vec3 {
+    Vec3::new(signed(rng), signed(rng), signed(rng))
+}
+
+/// A clip-space vertex without attributes that projects to a pixel position of a picture.
+pub(crate) fn clip_vertex(viewport: Viewport, (x, y): (f32, f32), depth: f32, w: f32) -> ClipVertex {
+    let ndc = Vec3::new(x / viewport.width as f32 * 2.0 - 1.0, 1.0 - y / viewport.height as f32 * 2.0, depth);
+    ClipVertex { position: (ndc * w).extend(w), varyings: Varyings::default() }
+}
+
+/// Clip, project and edge setup, without culling: the geometry stages for vertices that no camera made.
+pub(crate) fn screen_triangles(
+    vertices: &[ClipVertex],
+    triangles: &[[u32; 3]],
+    viewport: Viewport,
+    rule: FillRule,
+    observer: &mut impl Observer,
+) -> Vec<ScreenTriangle> {
+    let widening = guard_band_widening(viewport.width, viewport.height);
+    let mut drawn = Vec::new();
+    for pieces in clip(vertices, triangles, TriangleId(0), true, widening, observer).chunk_by(|a, b| a.id == b.id) {
+        let drawn_before = drawn.len();
+        drawn.extend(pieces.iter().filter_map(|piece| screen_triangle(piece.id, viewport.project(piece), rule)));
+        if drawn.len() == drawn_before {
+            observer.rejected(pieces[0].id, Fate::ZeroArea);
+        }
+    }
+    drawn
+}
+
+fn screen_triangle(id: TriangleId, vertices: [ScreenVertex; 3], rule: FillRule) -> Option<ScreenTriangle> {
+    let area = doubled_area(vertices.each_ref().map(|v| (v.x, v.y)));
+    (area != 0).then(|| ScreenTriangle {
+        id,
+        instance: 0,
+        edges: EdgeFunctions::new(&vertices, area, rule),
+        relative_inv_w: relative_inv_w(&vertices),
+        vertices,
+    })
+}
+
+/// Position only, as [`ClipVertex`].
+pub(crate) fn bare(position: Vec4) -> ClipVertex {
+    ClipVertex { position, varyings: Varyings::default() }
+}
+
+/// A mesh with texture coordinates from x and y, and one vertex colour per vertex by its number.
+pub(crate) fn mesh(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Mesh {
+    let uvs = positions.iter().map(|p| Vec2::new(p.x, -p.y) * 0.5 + 0.5).collect();
+    let colors = (0..positions.len()).map(|i| Vec3::new(1.0, 0.5 + 0.5 * (i % 2) as f32, 0.6)).collect();
+    Mesh::new(MeshData { name: "mesh".into(), positions, uvs, colors, triangles, ..MeshData::default() })
+        .expect("test meshes are sound")
+}
+
+/// Triangles of a grid of `columns` × `rows` cells whose vertices are numbered row by row.
+pub(crate) fn grid_triangles(columns: u32, rows: u32) -> Vec<[u32; 3]> {
+    let at = |x: u32, y: u32| y * (columns + 1) + x;
+    let cells = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+    cells
+        .flat_map(|(x, y)| {
+            let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
+            // Diagonals in turns, so that both directions occur.
+            if (x + y) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+        })
+        .collect()
+}
+
+/// A plane z = 0 over [−1, 1]² of 4 × 4 cells.
+pub(crate) fn plane() -> Mesh {
+    let positions = (0..25).map(|i| Vec3::new((i % 5) as f32, (i / 5) as f32, 0.0) * 0.5 - Vec3::new(1.0, 1.0, 0.0));
+    mesh(positions.collect(), grid_triangles(4, 4))
+}
+
+/// A cube over [−1, 1]³, counter-clockwise from outside.
+pub(crate) fn cube() -> Mesh {
+    let around_y = [0.0, 0.25, 0.5, 0.75].map(|turn| Quat::from_rotation_y(turn * TAU));
+    let around_x = [0.25, 0.75].map(|turn| Quat::from_rotation_x(turn * TAU));
+    let corners = [Vec3::new(-1.0, -1.0, 1.0), Vec3::new(1.0, -1.0, 1.0), Vec3::ONE, Vec3::new(-1.0, 1.0, 1.0)];
+    let positions = around_y.into_iter().chain(around_x).flat_map(|q| corners.map(|c| (q * c).round())).collect();
+    let triangles = (0..6).flat_map(|f| [[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|i| f * 4 + i))).collect();
+    let uvs = [Vec2::new(0.0, 1.0), Vec2::ONE, Vec2::new(1.0, 0.0), Vec2::ZERO].repeat(6);
+    Mesh::new(MeshData { name: "cube".into(), positions, uvs, triangles, ..MeshData::default() })
+        .expect("test meshes are sound")
+}
+
+/// `count` triangles anywhere in [−1, 1]³, through each other.
+pub(crate) fn soup(rng: &mut fastrand::Rng, count: u32) -> Mesh {
+    mesh((0..count * 3).map(|_| in_cube(rng)).collect(), (0..count).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect())
+}
+
+/// A noisy texture of 5 × 7 texels.
+pub(crate) fn noise_texture(rng: &mut fastrand::Rng) -> Image<Rgba8> {
+    Image::from_fn(5, 7, |_, _| [rng.u8(..), rng.u8(..), rng.u8(..), 255])
+}
+
+/// Builds a scene piece by piece.
+pub(crate) struct SceneBuilder(pub(crate) Scene);
+
+impl SceneBuilder {
+    /// Nothing yet, seen from `eye` towards the origin.
+    pub(crate) fn new(eye: Vec3) -> Self {
+        let home = Camera::look_at(eye, Vec3::ZERO);
+        Self(Scene {
+            name: "test".into(),
+            library: Library::default(),
+            instances: Vec::new(),
+            background: [30, 60, 90],
+            home,
+        })
+    }
+
+    /// Adds an object in a plain white material, or under a texture and a dark one.
+    pub(crate) fn with(mut self, mesh: Mesh, world_from_model: Mat4, textures: Option<[Image<Rgba8>; 2]>) -> Self {
+        let library = &mut self.0.library;
+        let mut material = Material::plain("material", Vec3::new(0.9, 0.8, 0.7));
+        if let Some(images) = textures {
+            let mut ids = images.map(|i| library.add_texture(Texture::new("noise", i).expect("not empty"))).into_iter();
+            (material.texture, material.dark_texture) = (ids.next(), ids.next());
+        }
+        let (mesh, material) = (library.add_mesh(mesh), library.add_material(material));
+        let name = format!("object {}", self.0.instances.len());
+        self.0.instances.push(Instance { name, mesh, material, world_from_model, tint: Vec3::ONE });
+        self
+    }
+}
+
+/// Textured ground that reaches behind the eye, and a cube on it that turns a corner to the light.
+pub(crate) fn ground_and_cube() -> Scene {
+    let mut rng = fastrand::Rng::with_seed(1);
+    let mut textures = || [noise_texture(&mut rng), noise_texture(&mut rng)];
+    let flat = Mat4::from_rotation_x(-FRAC_PI_2);
+    SceneBuilder::new(Vec3::new(1.5, 1.2, 3.0))
+        .with(plane(), Mat4::from_scale(Vec3::splat(6.0)) * flat, Some(textures()))
+        .with(cube(), Mat4::from_translation(Vec3::Y * 0.6) * Mat4::from_rotation_y(0.5), Some(textures()))
+        .0
+}
+
+/// Untextured triangles through each other, around and behind the eye too.
+pub(crate) fn soup_scene() -> Scene {
+    let mut rng = fastrand::Rng::with_seed(2);
+    SceneBuilder::new(Vec3::new(0.2, 0.3, 1.1))
+        .with(soup(&mut rng, 25), Mat4::from_scale(Vec3::splat(1.5)), None)
+        .with(soup(&mut rng, 8), Mat4::from_translation(Vec3::NEG_Z), Some([(); 2].map(|()| noise_texture(&mut rng))))
+        .0
+}
+
+/// Coinciding surfaces, seen without perspective: two planes at the very same depth, and a cube through them.
+pub(crate) fn coplanar_scene() -> Scene {
+    let mut rng = fastrand::Rng::with_seed(3);
+    let mut scene = SceneBuilder::new(Vec3::new(0.0, 0.0, 4.0))
+        .with(plane(), Mat4::IDENTITY, None)
+        .with(
+            plane(),
+            Mat4::from_translation(Vec3::new(0.4, 0.3, 0.0)),
+            Some([(); 2].map(|()| noise_texture(&mut rng))),
+        )
+        .with(cube(), Mat4::from_scale(Vec3::splat(0.5)) * Mat4::from_rotation_x(0.7), None)
+        .0;
+    scene.home = scene.home.with_orthographic(true);
+    scene
+}
+
+/// The three of them.
+pub(crate) fn scenes() -> [(&'static str, Scene); 3] {
+    [("ground and cube", ground_and_cube()), ("soup", soup_scene()), ("coplanar", coplanar_scene())]
+}
+
+/// The frame that a scene gives from its home.
+pub(crate) fn render(scene: &Scene, recipe: &Recipe, (width, height): (u32, u32)) -> Frame {
+    run(scene, &scene.home, recipe, Viewport { width, height }, &mut ())
+}
+
+/// A recipe with `assignments` such as `culling=none` made.
+pub(crate) fn recipe(assignments: &[&str]) -> Recipe {
+    let mut recipe = Recipe::default();
+    for assignment in assignments {
+        recipe.set(assignment).expect("test recipes are sound");
+    }
+    recipe
+}

@@ -1,0 +1,161 @@
+//! Golden images: small pictures in `tests/golden` that were looked at once and found right. Every pixel must stay.
+//!
+//! A picture that differs is written beside its difference into the target folder, and the failure names both; a picture
+//! without a golden fails, and so does a golden without a picture. After a change that was meant, renew them with
+//! `RASTERSCOPE_BLESS=1 cargo test --test golden`, and look at what changed before it is committed.
+//!
+//! They come from x86-64 Linux with glibc. The pipeline itself is basic IEEE arithmetic, the same everywhere; but the
+//! sRGB tables, fields of view and some textures go through `powf`, `tan` and `sin` of the platform's library, so
+//! elsewhere a code may differ by one.
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use common::{recipe, render};
+use rasterscope::chain::{Frame, Recipe};
+use rasterscope::image::{Image, Rgba8, file};
+use rasterscope::inspect::buffers::{Buffer, capture};
+use rasterscope::inspect::stages::{self, Stage};
+use rasterscope::inspect::view;
+use rasterscope::scene::{Scene, builtin};
+use rasterscope::upscale::{self, Upscaling};
+
+const SIZE: (u32, u32) = (160, 100);
+
+/// Amplification of differences, so that one code can be seen.
+const DIFFERENCE_GAIN: u8 = 32;
+
+fn scene(id: &str) -> Scene {
+    builtin::by_id(id).expect("a built-in scene").build()
+}
+
+fn image(scene: &Scene, recipe: &Recipe) -> Image<Rgba8> {
+    render(scene, recipe, SIZE).image
+}
+
+/// Every picture that has a golden, with the name of its file.
+fn pictures() -> Vec<(String, Image<Rgba8>)> {
+    let mut pictures: Vec<_> =
+        builtin::ALL.iter().map(|b| (b.id.to_owned(), image(&b.build(), &Recipe::default()))).collect();
+    pictures.extend(switches());
+    pictures.extend(upscalers());
+    pictures.extend(buffers());
+    pictures.extend(stages());
+    pictures
+}
+
+/// Single switches on the scenes that show them.
+fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
+    [
+        ("chess", "interpolation=affine"),
+        ("chess", "filter=point"),
+        ("chess", "culling=front"),
+        ("chess", "shading=gouraud"),
+        ("chess", "shading=normals"),
+        ("chess", "color-space=bytes"),
+        ("chess", "wireframe=true"),
+        ("cel", "shading=cel"),
+        ("cel", "shading=texture"),
+        ("cubes", "depth-test=greater"),
+        ("triangle", "shading=vertex-color"),
+        ("triangle", "shading=barycentric"),
+        ("z-fighting", "depth-format=reversed-f32"),
+        ("interpenetrating", "shading=triangle-id"),
+        ("interpenetrating", "depth-test=off"),
+        ("near-plane", "shading=checker"),
+    ]
+    .into_iter()
+    .map(|(id, switch)| (format!("{id}.{}", switch.replace('=', "-")), image(&scene(id), &recipe(&[switch]))))
+}
+
+/// Every upscaler at its largest enlargement.
+fn upscalers() -> Vec<(String, Image<Rgba8>)> {
+    let chess = scene("chess");
+    let picture = |id: &str| {
+        let upscaler = Upscaling::new(id, u32::MAX)?;
+        let recipe = Recipe { upscaler, ..Recipe::default() };
+        Some((format!("chess.{id}-{}", upscaler.scale()), image(&chess, &recipe)))
+    };
+    upscale::ALL.iter().filter(|u| u.id() != "native").filter_map(|u| picture(u.id())).collect()
+}
+
+/// Buffers as the window shows them.
+fn buffers() -> Vec<(String, Image<Rgba8>)> {
+    let picture = |(id, buffer): (&str, Buffer), name: &str| {
+        let (scene, recipe) = (scene(id), Recipe::default());
+        let frame: Frame = render(&scene, &recipe, SIZE);
+        let buffers = capture(&scene, &recipe, &frame);
+        let range = view::range(buffer, &frame, Some(&buffers));
+        (format!("{id}.buffer-{name}"), view::picture(buffer, &frame, Some(&buffers), range))
+    };
+    vec![
+        picture(("chess", Buffer::Depth), "depth"),
+        picture(("chess", Buffer::Overdraw), "overdraw"),
+        picture(("triangle", Buffer::PerspectiveLambda), "perspective-lambda"),
+        picture(("triangle", Buffer::Lambda), "lambda"),
+    ]
+}
+
+/// Pictures of stages that are not the finished frame.
+fn stages() -> impl Iterator<Item = (String, Image<Rgba8>)> {
+    let (scene, recipe) = (scene("near-plane"), Recipe::default());
+    let frame = render(&scene, &recipe, SIZE);
+    [("clip", Stage::Clip), ("project", Stage::Project), ("cull", Stage::Cull)].into_iter().map(move |(name, stage)| {
+        (format!("near-plane.stage-{name}"), stages::picture(&scene, &scene.home, &recipe, &frame, stage))
+    })
+}
+
+fn golden_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
+}
+
+/// What is wrong with a picture, if anything is. Leaves it and its difference in the target folder.
+fn complaint(name: &str, actual: &Image<Rgba8>) -> Option<String> {
+    let golden = golden_folder().join(format!("{name}.png"));
+    let aside = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden");
+    let written = |kind: &str, image: &Image<Rgba8>| {
+        let path = aside.join(format!("{name}.{kind}.png"));
+        fs::create_dir_all(&aside).expect("the target folder can be written");
+        file::write_png(&path, image).expect("the target folder can be written");
+        path.display().to_string()
+    };
+    let expected = match file::read(&golden) {
+        Ok(expected) => expected,
+        Err(e) => return Some(format!("{e}; the picture is {}", written("actual", actual))),
+    };
+    if expected == *actual {
+        return None;
+    }
+    if expected.size() != actual.size() {
+        return Some(format!("{name}: {:?} px instead of {:?}", actual.size(), expected.size()));
+    }
+    let differing = expected.pixels().iter().zip(actual.pixels()).filter(|(e, a)| e != a).count();
+    let difference = Image::from_fn(actual.width(), actual.height(), |x, y| {
+        let (e, a) = (expected.at(x, y), actual.at(x, y));
+        let [r, g, b] = [0, 1, 2].map(|i| e[i].abs_diff(a[i]).saturating_mul(DIFFERENCE_GAIN));
+        [r, g, b, 255]
+    });
+    let (actual, difference) = (written("actual", actual), written("difference", &difference));
+    Some(format!("{name}: {differing} pixels differ; compare {actual} and {difference}"))
+}
+
+#[test]
+fn every_picture_is_its_golden_and_every_golden_has_its_picture() {
+    let pictures = pictures();
+    if std::env::var_os("RASTERSCOPE_BLESS").is_some() {
+        for (name, image) in &pictures {
+            file::write_png(&golden_folder().join(format!("{name}.png")), image).expect("goldens can be written");
+        }
+    }
+    let mut complaints: Vec<_> = pictures.iter().filter_map(|(name, image)| complaint(name, image)).collect();
+
+    let names: BTreeSet<_> = pictures.iter().map(|(name, _)| format!("{name}.png")).collect();
+    assert_eq!(names.len(), pictures.len(), "two pictures of one name");
+    let files = fs::read_dir(golden_folder()).expect("there are goldens");
+    let files = files.map(|f| f.expect("a readable folder").file_name().to_string_lossy().into_owned());
+    complaints.extend(files.filter(|f| !names.contains(f)).map(|f| format!("{f} belongs to no picture")));
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}

@@ -1,0 +1,197 @@
+//! Weights and what is interpolated with them, against exact arithmetic in f64.
+//!
+//! Vertices lie on the 1/256 px grid, so snapping moves nothing and the oracle sees the same triangle.
+
+use glam::{DVec3, Vec2, Vec3};
+use rasterscope::pipeline::depth::depth_at;
+use rasterscope::pipeline::grid::SampleGrid;
+use rasterscope::pipeline::interpolate::{affine_weights, attribute_weights, interpolate};
+use rasterscope::pipeline::raster::{Sample, Scissor, rasterize};
+use rasterscope::pipeline::settings::FillRule;
+use rasterscope::pipeline::vertex::Varyings;
+use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+
+use crate::common::{clip_vertex, for_seeds, in_cube, screen_triangles};
+
+/// Powers of two: positions on the grid survive the way through normalised device coordinates.
+const VIEW: Viewport = Viewport { width: 64, height: 64 };
+
+/// Half a unit in the last place of 1: the relative error of one rounding.
+const ROUNDING: f64 = 1.0 / (1 << 24) as f64;
+
+/// A triangle inside the picture on the grid, with w over four powers of ten and random depths.
+fn random_triangle(
+    rng: &mut fastrand::Rng,
+    varyings: impl Fn(&mut fastrand::Rng) -> Varyings,
+) -> Option<ScreenTriangle> {
+    let vertices = [0; 3].map(|_| {
+        let place = (rng.u32(0..64 * 256) as f32 / 256.0, rng.u32(0..64 * 256) as f32 / 256.0);
+        let mut vertex = clip_vertex(VIEW, place, rng.f32(), 10.0_f32.powf(4.0 * rng.f32() - 2.0));
+        vertex.varyings = varyings(rng);
+        vertex
+    });
+    screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::Inclusive, &mut ()).first().copied()
+}
+
+/// Tests every covered sample of many random triangles.
+fn for_samples(
+    varyings: impl Fn(&mut fastrand::Rng) -> Varyings + Copy,
+    mut test: impl FnMut(&ScreenTriangle, Sample),
+) {
+    let mut samples = 0;
+    for_seeds(400, |rng| {
+        if let Some(triangle) = random_triangle(rng, varyings) {
+            rasterize(&triangle.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
+                samples += 1;
+                test(&triangle, sample);
+            });
+        }
+    });
+    assert!(samples > 50_000, "only {samples} samples");
+}
+
+/// Weights with the perspective division (by `w`) or without (all w = 1), from signed volumes in homogeneous space and
+/// in units of a whole: no edge function and no 1/w is involved.
+fn oracle(triangle: &ScreenTriangle, sample: Sample, perspective: bool) -> [f64; 3] {
+    let corners = triangle.vertices.each_ref().map(|v| {
+        let w = if perspective { 1.0 / f64::from(v.inv_w) } else { 1.0 };
+        DVec3::new(f64::from(v.x) / 256.0, f64::from(v.y) / 256.0, 1.0) * w
+    });
+    let at = DVec3::new(f64::from(sample.column) + 0.5, f64::from(sample.row) + 0.5, 1.0);
+    let [a, b, c] = corners;
+    let volumes = [b.cross(c).dot(at), c.cross(a).dot(at), a.cross(b).dot(at)];
+    volumes.map(|v| v / volumes.iter().sum::<f64>())
+}
+
+fn largest_error(got: [f32; 3], expected: [f64; 3]) -> f64 {
+    got.iter().zip(expected).map(|(g, e)| (f64::from(*g) - e).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn weights_are_not_negative_and_sum_to_one() {
+    for_samples(
+        |_| Varyings::default(),
+        |triangle, sample| {
+            for weights in [affine_weights(triangle, &sample), attribute_weights(triangle, &sample)] {
+                assert!(weights.iter().all(|w| *w >= 0.0), "{weights:?}");
+                let sum: f64 = weights.iter().map(|w| f64::from(*w)).sum();
+                assert!((sum - 1.0).abs() <= 4.0 * ROUNDING, "{weights:?} sum to {sum}");
+            }
+        },
+    );
+}
+
+#[test]
+fn affine_weights_are_within_three_roundings_of_the_oracle() {
+    for_samples(
+        |_| Varyings::default(),
+        |triangle, sample| {
+            // Edge, area, reciprocal, product: four roundings of a number up to 1.
+            let error = largest_error(affine_weights(triangle, &sample), oracle(triangle, sample, false));
+            assert!(error <= 4.0 * ROUNDING, "{error} at {sample:?} of {triangle:?}");
+        },
+    );
+}
+
+#[test]
+fn perspective_weights_are_within_eight_roundings_of_the_oracle() {
+    for_samples(
+        |_| Varyings::default(),
+        |triangle, sample| {
+            // Edge, ratio of 1/w, product; two sums, reciprocal, product, and one for the cancelling errors of the sum.
+            let error = largest_error(attribute_weights(triangle, &sample), oracle(triangle, sample, true));
+            assert!(error <= 8.0 * ROUNDING, "{error} at {sample:?} of {triangle:?}");
+        },
+    );
+}
+
+#[test]
+fn depth_is_affine_over_the_screen_whatever_w_is() {
+    for_samples(
+        |_| Varyings::default(),
+        |triangle, sample| {
+            let weights = oracle(triangle, sample, false);
+            let expected: f64 = weights.iter().zip(&triangle.vertices).map(|(l, v)| l * f64::from(v.depth)).sum();
+            // Two weights of four roundings, two differences, two products and two sums, all of numbers up to 1.
+            let error = (f64::from(depth_at(triangle, &sample)) - expected).abs();
+            assert!(error <= 14.0 * ROUNDING, "{error} at {sample:?} of {triangle:?}");
+        },
+    );
+}
+
+#[test]
+fn attributes_are_interpolated_with_the_perspective_weights() {
+    for_samples(
+        |rng| Varyings { normal: in_cube(rng), uv: Vec2::new(rng.f32(), rng.f32()), ..Varyings::default() },
+        |triangle, sample| {
+            let weights = oracle(triangle, sample, true);
+            let fragment = interpolate(triangle, sample, 0.0);
+            let mean = |value: fn(&Varyings) -> f32| -> f64 {
+                weights.iter().zip(&triangle.vertices).map(|(p, v)| p * f64::from(value(&v.varyings))).sum()
+            };
+            for (got, expected) in [(fragment.uv.x, mean(|v| v.uv.x)), (fragment.normal.z, mean(|v| v.normal.z))] {
+                assert!((f64::from(got) - expected).abs() <= 50.0 * ROUNDING, "{got} for {expected}");
+            }
+        },
+    );
+}
+
+#[test]
+fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
+    let same = Varyings {
+        normal: Vec3::new(0.6, -0.1, 1e-20),
+        uv: Vec2::new(1.0 / 3.0, 1e20),
+        color: Vec3::new(0.1, 0.2, 0.3),
+        light: 0.7,
+        source_weights: Vec3::splat(0.3),
+    };
+    for_samples(
+        |_| same,
+        |triangle, sample| {
+            let got = interpolate(triangle, sample, 0.0);
+            let varyings = Varyings {
+                normal: got.normal,
+                uv: got.uv,
+                color: got.color,
+                light: got.light,
+                // Clipping sets these itself: they tell the corners apart.
+                source_weights: same.source_weights,
+            };
+            assert_eq!(varyings, same);
+            let mut flat = *triangle;
+            for vertex in &mut flat.vertices {
+                vertex.depth = 0.123_456_79;
+            }
+            assert_eq!(depth_at(&flat, &sample), 0.123_456_79);
+        },
+    );
+}
+
+#[test]
+fn cutting_changes_no_attribute_beyond_rounding() {
+    // The weights of the unclipped corners are attributes themselves: in pieces they must be what the whole had.
+    let mut compared = 0;
+    for_seeds(300, |rng| {
+        let mut vertices =
+            [0; 3].map(|_| clip_vertex(VIEW, (rng.f32() * 64.0, rng.f32() * 64.0), rng.f32(), 0.1 + rng.f32()));
+        let whole = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::TopLeft, &mut ());
+        for v in &mut vertices {
+            v.position.z -= 0.3 * v.position.w;
+        }
+        let pieces = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::TopLeft, &mut ());
+        for piece in &pieces {
+            rasterize(&piece.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
+                let position = SampleGrid::FULL.position(sample.column, sample.row);
+                let Some(whole) = whole.iter().find(|t| t.edges.contains(t.edges.at(position))) else { return };
+                let in_whole = Sample { edges: whole.edges.at(position), ..sample };
+                let [got, expected] =
+                    [(piece, sample), (whole, in_whole)].map(|(t, s)| interpolate(t, s, 0.0).source_weights);
+                // Snapping moves a cut by up to 1/512 px: on a sliver that is the whole width, so only wide ones count.
+                let wide = whole.edges.doubled_area() > 200 << 16 && piece.edges.doubled_area() > 200 << 16;
+                assert!(!wide || (got - expected).abs().max_element() < 2e-3, "{got} for {expected}");
+                compared += usize::from(wide);
+            });
+        }
+    });
+    assert!(compared > 20_000, "only {compared} samples compared");
+}

@@ -1,0 +1,10 @@
+//! Properties that hold for every scene, tried with seeded random input against oracles that share no code with the
+//! pipeline. A failure prints its seed.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod coverage;
+mod interpolation;
+mod robustness;
+mod switches;

@@ -1,0 +1,224 @@
+//! Nothing that a file can hold breaks the pipeline: every triangle has exactly one fate or is drawn, and what is drawn
+//! lies where exact arithmetic puts it.
+
+use std::collections::{HashMap, HashSet};
+
+use glam::{DVec4, Mat4, Vec3, Vec4};
+use rasterscope::chain::{Recipe, run};
+use rasterscope::image::Rgba8;
+use rasterscope::pipeline::interpolate::Fragment;
+use rasterscope::pipeline::observe::{Counters, Fate, Observer};
+use rasterscope::pipeline::settings::FillRule;
+use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::scene::{Camera, Scene, TriangleId};
+
+use crate::common::{
+    SceneBuilder, bare, cube, for_seeds, in_cube, mesh, plane, render, screen_triangles, signed, soup,
+};
+
+const VIEW: Viewport = Viewport { width: 40, height: 30 };
+
+/// How often each triangle was rejected.
+#[derive(Default)]
+struct Fates(HashMap<TriangleId, Vec<Fate>>);
+
+impl Observer for Fates {
+    fn rejected(&mut self, id: TriangleId, fate: Fate) {
+        self.0.entry(id).or_default().push(fate);
+    }
+}
+
+/// Fails unless every triangle is either drawn, whole or in pieces, or has exactly one fate.
+fn assert_fates_add_up(triangle_count: usize, fates: &Fates, drawn: &[ScreenTriangle]) {
+    for id in (0..triangle_count as u32).map(TriangleId) {
+        let is_drawn = drawn.iter().any(|t| t.id == id);
+        let fates = fates.0.get(&id).map_or(&[][..], Vec::as_slice);
+        assert_eq!(usize::from(is_drawn) + fates.len(), 1, "{id:?}: drawn {is_drawn}, fates {fates:?}");
+    }
+}
+
+fn fates_of(scene: &Scene, camera: &Camera, recipe: &Recipe) {
+    let mut fates = Fates::default();
+    let frame = run(scene, camera, recipe, VIEW, &mut fates);
+    assert_fates_add_up(scene.triangle_count(), &fates, &frame.geometry.triangles);
+    let mut counters = Counters::default();
+    run(scene, camera, recipe, VIEW, &mut counters);
+    let rejected: Vec<_> = Fate::ALL.iter().map(|f| fates.0.values().flatten().filter(|g| f == *g).count()).collect();
+    assert_eq!(counters.rejected.map(|n| n as usize), *rejected);
+}
+
+#[test]
+fn every_triangle_of_a_scene_is_drawn_or_has_exactly_one_fate() {
+    for_seeds(60, |rng| {
+        let scene = SceneBuilder::new(in_cube(rng) * 2.0)
+            .with(soup(rng, 40), Mat4::IDENTITY, None)
+            .with(plane(), Mat4::from_scale(Vec3::splat(100.0)), None)
+            .with(plane(), Mat4::from_translation(Vec3::Y * 1e4), None)
+            .0;
+        for culling in ["none", "back", "front"] {
+            let mut recipe = Recipe::default();
+            recipe.set(&format!("culling={culling}")).unwrap();
+            fates_of(&scene, &scene.home, &recipe);
+        }
+    });
+}
+
+/// A float of any size, sign and exponent; finite.
+fn any_finite(rng: &mut fastrand::Rng) -> f32 {
+    loop {
+        let value = f32::from_bits(rng.u32(..));
+        if value.is_finite() {
+            return value;
+        }
+    }
+}
+
+#[test]
+fn meshes_of_any_finite_coordinates_are_drawn_without_panic() {
+    for_seeds(100, |rng| {
+        let positions = (0..300).map(|_| {
+            // One number of any size among ordinary ones, or three of any size.
+            if rng.bool() {
+                in_cube(rng).with_x(any_finite(rng))
+            } else {
+                Vec3::from_array([0; 3].map(|_| any_finite(rng)))
+            }
+        });
+        let mesh = mesh(positions.collect(), (0..100).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect());
+        let scene = SceneBuilder::new(Vec3::new(0.3, 0.4, 2.0)).with(mesh, Mat4::IDENTITY, None).0;
+        for camera in [scene.home, scene.home.with_orthographic(true), Camera::fit(scene.bounds(), Vec3::ONE)] {
+            fates_of(&scene, &camera, &Recipe::default());
+        }
+    });
+}
+
+/// Fails if a fragment carries a number that is not finite.
+struct OnlyFinite(usize);
+
+impl Observer for OnlyFinite {
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let finite = fragment.weights.iter().all(|w| w.is_finite())
+            && fragment.depth.is_finite()
+            && fragment.source_weights.is_finite();
+        assert!(finite, "{fragment:?} of {triangle:?}");
+        self.0 += 1;
+    }
+}
+
+#[test]
+fn no_fragment_of_any_finite_triangle_carries_a_nan() {
+    let mut watch = OnlyFinite(0);
+    for_seeds(100, |rng| {
+        let size = 10.0_f32.powi(rng.i32(-20..30));
+        let positions = (0..90).map(|_| in_cube(rng) * if rng.u8(..4) == 0 { any_finite(rng) } else { size });
+        let mesh = mesh(positions.collect(), (0..30).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect());
+        let mut scene = SceneBuilder::new(in_cube(rng) * size).with(mesh, Mat4::IDENTITY, None).0;
+        scene.home.near = scene.home.distance() * 10.0_f32.powi(rng.i32(-12..0));
+        let mut recipe = Recipe::default();
+        recipe.set("culling=none").unwrap();
+        recipe.set("depth-test=off").unwrap();
+        run(&scene, &scene.home, &recipe, VIEW, &mut watch);
+    });
+    assert!(watch.0 > 100_000, "only {} fragments", watch.0);
+}
+
+/// A clip-space number: any bit pattern, or one that lies where cases are decided.
+fn hostile(rng: &mut fastrand::Rng) -> f32 {
+    match rng.u8(..6) {
+        0 => f32::from_bits(rng.u32(..)),
+        1 => *rng.choice(&[0.0, -0.0, 1.0, -1.0, f32::MAX, f32::MIN, f32::MIN_POSITIVE, 1e-45, -1e-45]).unwrap_or(&0.0),
+        2 => any_finite(rng),
+        _ => signed(rng) * 2.0,
+    }
+}
+
+#[test]
+fn clip_vertices_of_any_bits_end_in_one_fate_or_inside_the_guard_band() {
+    const TRIANGLES: u32 = 100_000;
+    let mut rng = fastrand::Rng::with_seed(1);
+    let vertices: Vec<_> =
+        (0..TRIANGLES * 3).map(|_| bare(Vec4::from_array([0; 4].map(|_| hostile(&mut rng))))).collect();
+    let triangles: Vec<_> = (0..TRIANGLES).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect();
+    let mut fates = Fates::default();
+    let drawn = screen_triangles(&vertices, &triangles, VIEW, FillRule::TopLeft, &mut fates);
+    for triangle in &drawn {
+        for v in &triangle.vertices {
+            let (x, y) = (f64::from(v.x) / 256.0, f64::from(v.y) / 256.0);
+            let reach = 32_768.0 + 1.0;
+            assert!((x - 20.0).abs() <= reach && (y - 15.0).abs() <= reach, "({x}, {y}) px");
+            assert!((0.0..=1.0).contains(&v.depth) && v.inv_w > 0.0 && v.inv_w.is_finite(), "{v:?}");
+            assert!(v.varyings.source_weights.is_finite(), "{v:?}");
+        }
+        assert!(triangle.relative_inv_w.iter().all(|r| *r > 0.0 && *r <= 1.0), "{triangle:?}");
+    }
+    assert!(drawn.len() > 5_000, "only {} drawn", drawn.len());
+    let ids: HashSet<_> = drawn.iter().map(|t| t.id).collect();
+    assert!(fates.0.iter().all(|(id, fates)| fates.len() == 1 && !ids.contains(id)));
+    assert_eq!(fates.0.len() + ids.len(), TRIANGLES as usize);
+}
+
+#[test]
+fn what_random_clip_triangles_cover_is_what_homogeneous_edge_functions_say() {
+    let (mut inside, mut undecided) = (0, 0);
+    for_seeds(3_000, |rng| {
+        let scale = 10.0_f32.powi(rng.i32(-3..4));
+        let vertices = [0; 3].map(|_| {
+            let stretch = 10.0_f32.powi(rng.i32(0..6)) * scale;
+            bare(Vec4::new(signed(rng) * stretch, signed(rng) * stretch, signed(rng) * scale, signed(rng) * scale))
+        });
+        let drawn = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::TopLeft, &mut ());
+        let exact = vertices.map(|v| v.position.as_dvec4());
+        for y in 0..VIEW.height {
+            for x in 0..VIEW.width {
+                let sample = (i64::from(x) * 256 + 128, i64::from(y) * 256 + 128);
+                let count = drawn.iter().filter(|t| t.edges.contains(t.edges.at(sample))).count();
+                match homogeneous_coverage(exact, (f64::from(x) + 0.5, f64::from(y) + 0.5)) {
+                    Some(expected) => assert_eq!(count, usize::from(expected), "({x}, {y}) {vertices:?}"),
+                    None => undecided += 1,
+                }
+                inside += count;
+            }
+        }
+    });
+    assert!(inside > 100_000 && undecided < inside, "{inside} inside, {undecided} too near to an edge to tell");
+}
+
+/// Whether the ray through a pixel position hits the triangle in front of the eye and between near and far (Olano and
+/// Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", 1997). `None` within a fiftieth of a pixel of
+/// any boundary, where snapping and rounding may decide.
+fn homogeneous_coverage(triangle: [DVec4; 3], (px, py): (f64, f64)) -> Option<bool> {
+    let side = |x: f64, y: f64| {
+        let ray = glam::DVec3::new(x / 20.0 - 1.0, 1.0 - y / 15.0, 1.0);
+        let [a, b, c] = triangle.map(|v| glam::DVec3::new(v.x, v.y, v.w));
+        // Weights of the homogeneous point on the triangle that lies on the ray, up to a common factor.
+        let q = [b.cross(c).dot(ray), c.cross(a).dot(ray), a.cross(b).dot(ray)];
+        let volume = a.dot(b.cross(c)).signum();
+        let weights = q.map(|q| q * volume);
+        let z: f64 = (0..3).map(|i| triangle[i].z * weights[i]).sum();
+        let w: f64 = (0..3).map(|i| triangle[i].w * weights[i]).sum();
+        weights.iter().all(|q| *q > 0.0) && z > 0.0 && z < w
+    };
+    let center = side(px, py);
+    let steps = [-0.02, 0.0, 0.02];
+    let around = steps.into_iter().flat_map(|dx| steps.map(|dy| side(px + dx, py + dy)));
+    around.into_iter().all(|beside| beside == center).then_some(center)
+}
+
+#[test]
+fn an_object_far_from_the_origin_looks_as_it_does_there() {
+    // The vertices of the far one are exact: a cube of whole coordinates, and a whole number to move it by.
+    let picture = |offset: Vec3| {
+        let mut scene = SceneBuilder::new(Vec3::ZERO).with(cube(), Mat4::from_translation(offset), None).0;
+        scene.home = Camera::look_at(offset + Vec3::new(2.0, 3.0, 4.0), offset);
+        render(&scene, &Recipe::default(), (VIEW.width, VIEW.height)).image
+    };
+    assert_eq!(picture(Vec3::new(3e6, -1e6, 2e6)), picture(Vec3::ZERO));
+}
+
+#[test]
+fn tiny_pictures_are_drawn() {
+    let scene = crate::common::ground_and_cube();
+    for size in [(1, 1), (1, 7), (7, 1), (2, 3)] {
+        assert_eq!(render(&scene, &Recipe::default(), size).image.size(), size);
+    }
+}

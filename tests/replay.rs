@@ -1,0 +1,160 @@
+//! The inspector replays pixels, and this holds it to its word: over all switches, what the replay of every pixel of a
+//! frame arrives at is the frame, bit for bit, and what it lists agrees with the buffers.
+
+mod common;
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+
+use common::{render, scenes};
+use rasterscope::chain::{Frame, Recipe};
+use rasterscope::inspect::buffers::Buffers;
+use rasterscope::inspect::{PixelReport, capture, inspect};
+use rasterscope::pipeline::settings::{
+    Address, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation, Shading,
+};
+use rasterscope::scene::{Scene, TriangleId, builtin};
+use rasterscope::upscale::Upscaling;
+
+/// Odd on purpose: blocks and squares do not divide it.
+const SIZE: (u32, u32) = (47, 35);
+
+/// A recipe for each alternative of a setting, the others at their default.
+fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
+    C::ALL.iter().map(move |choice| {
+        let mut recipe = Recipe::default();
+        set(&mut recipe, *choice);
+        recipe
+    })
+}
+
+/// Every switch around the default recipe.
+fn single_switches() -> Vec<Recipe> {
+    each::<Culling>(|r, c| r.pipeline.culling = c)
+        .chain(each::<FillRule>(|r, c| r.pipeline.fill_rule = c))
+        .chain(each::<DepthTest>(|r, c| r.pipeline.depth_test = c))
+        .chain(each::<DepthFormat>(|r, c| r.pipeline.depth_format = c))
+        .chain(each::<Interpolation>(|r, c| r.pipeline.interpolation = c))
+        .chain(each::<Shading>(|r, c| r.pipeline.shading = c))
+        .chain(each::<Filter>(|r, c| r.pipeline.filter = c))
+        .chain(each::<Address>(|r, c| r.pipeline.address = c))
+        .chain(each::<ColorSpace>(|r, c| r.pipeline.color_space = c))
+        .chain([false, true].map(|wireframe| Recipe { wireframe, ..Recipe::default() }))
+        .collect()
+}
+
+/// All fill rules × depth tests × formats × interpolations, without culling, so that more meets at each pixel.
+fn combined_switches() -> Vec<Recipe> {
+    let mut recipes = vec![Recipe::default()];
+    recipes[0].pipeline.culling = Culling::None;
+    fn cross<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
+        let with = |recipe: &Recipe, choice: C| {
+            let mut recipe = *recipe;
+            set(&mut recipe, choice);
+            recipe
+        };
+        recipes.iter().flat_map(|recipe| C::ALL.iter().map(move |choice| with(recipe, *choice))).collect()
+    }
+    recipes = cross::<FillRule>(&recipes, |r, c| r.pipeline.fill_rule = c);
+    recipes = cross::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c);
+    recipes = cross::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c);
+    cross::<Interpolation>(&recipes, |r, c| r.pipeline.interpolation = c)
+}
+
+/// Every upscaler × scale, with and without wireframe.
+fn upscalers() -> Vec<Recipe> {
+    Upscaling::every()
+        .flat_map(|upscaler| [false, true].map(|wireframe| Recipe { upscaler, wireframe, ..Recipe::default() }))
+        .collect()
+}
+
+/// Replays every pixel of every scene under every recipe; says how much was compared.
+#[expect(clippy::print_stderr, reason = "how much was compared is the point of these tests")]
+fn replay_all(scenes: &[(&str, Scene)], recipes: &[Recipe], size: (u32, u32)) {
+    let compared = AtomicU64::new(0);
+    thread::scope(|scope| {
+        for (name, scene) in scenes {
+            let compared = &compared;
+            scope.spawn(move || {
+                for recipe in recipes {
+                    compared.fetch_add(replay_frame(name, scene, recipe, size), Ordering::Relaxed);
+                }
+            });
+        }
+    });
+    let (pixels, scenes, recipes) = (compared.into_inner(), scenes.len(), recipes.len());
+    eprintln!("{pixels} pixels replayed over {scenes} scenes × {recipes} recipes: all equal");
+}
+
+fn replay_frame(name: &str, scene: &Scene, recipe: &Recipe, (width, height): (u32, u32)) -> u64 {
+    let frame = render(scene, recipe, (width, height));
+    let buffers = capture(scene, recipe, &frame);
+    for y in 0..height {
+        for x in 0..width {
+            let report = inspect(scene, recipe, &frame, x, y).expect("inside of the picture");
+            assert_eq!(report.color, frame.image.at(x, y), "{name} ({x}, {y}) {recipe:?}\n{report:#?}");
+            check_against_buffers(&report, &frame, &buffers);
+        }
+    }
+    u64::from(width) * u64::from(height)
+}
+
+/// What the report lists is what the buffers hold at the drawn pixel that it tells about.
+fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers) {
+    let [x, y] = report.drawn_at;
+    let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports tell about drawn pixels");
+    let stored = frame.drawn.depth.as_ref().map(|d| d.at(column, row));
+    assert_eq!(report.final_depth, stored);
+    assert_eq!(report.fragments.len(), buffers.overdraw.at(column, row) as usize);
+    let shaded = report.fragments.iter().filter(|f| f.shading.is_some()).count();
+    assert_eq!(shaded, buffers.shaded.at(column, row) as usize);
+    let winner = buffers.triangle.at(column, row);
+    match report.visible() {
+        None => assert_eq!(winner, TriangleId::NONE),
+        Some(visible) => {
+            assert_eq!(visible.triangle, winner);
+            assert_eq!(visible.affine_weights, buffers.lambda.at(column, row));
+            assert_eq!(visible.attribute_weights, buffers.perspective_lambda.at(column, row));
+            assert_eq!(visible.shading.as_ref().map(|s| s.color), Some(frame.drawn.color.at(column, row)));
+            assert!(stored.is_none_or(|d| d == visible.depth));
+            assert_eq!(frame.geometry.triangles[visible.submission].id, visible.triangle);
+        }
+    }
+    let submissions = report.fragments.iter().map(|f| f.submission);
+    assert!(submissions.clone().zip(submissions.skip(1)).all(|(a, b)| a < b), "in submission order, each once");
+    let weight: f32 = report.sources.iter().map(|s| s.tap.weight).sum();
+    assert!((weight - 1.0).abs() < 1e-5, "weights of the sources sum to {weight}");
+}
+
+#[test]
+fn every_pixel_replays_to_the_frame_under_every_switch() {
+    replay_all(&scenes(), &single_switches(), SIZE);
+}
+
+#[test]
+fn every_pixel_replays_to_the_frame_under_all_rules_of_visibility_together() {
+    let recipes = combined_switches();
+    assert_eq!(recipes.len(), FillRule::ALL.len() * DepthTest::ALL.len() * 2 * 2);
+    replay_all(&scenes(), &recipes, SIZE);
+}
+
+#[test]
+fn every_pixel_replays_to_the_frame_under_every_upscaler() {
+    replay_all(&scenes(), &upscalers(), SIZE);
+}
+
+#[test]
+fn every_pixel_of_every_builtin_scene_replays_to_the_frame_under_every_upscaler() {
+    let scenes: Vec<_> = builtin::ALL.iter().map(|b| (b.id, b.build())).collect();
+    replay_all(&scenes, &upscalers(), (23, 17));
+}
+
+#[test]
+fn there_is_no_report_outside_of_the_picture() {
+    let (_, scene) = &scenes()[0];
+    let recipe = Recipe::default();
+    let frame = render(scene, &recipe, SIZE);
+    for (x, y) in [(SIZE.0, 0), (0, SIZE.1), (u32::MAX, u32::MAX)] {
+        assert_eq!(inspect(scene, &recipe, &frame, x, y), None);
+    }
+}
