@@ -80,6 +80,18 @@ fn help_names_every_setting() {
 }
 
 #[test]
+fn the_readme_names_every_setting_scene_method_and_buffer() {
+    let readme = include_str!("../README.md");
+    let settings = Recipe::keys().into_iter().map(|(key, _)| key);
+    let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
+    let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
+    let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
+    for name in settings.chain(scenes).chain(methods).chain(buffers) {
+        assert!(readme.contains(&format!("`{name}`")), "{name}");
+    }
+}
+
+#[test]
 fn all_built_in_scenes_are_listed_with_their_size() {
     let output = run(&folder(), &["scenes"]);
     assert_success(&output);
