@@ -40,6 +40,10 @@ pub fn magnitude_color(position: f32) -> Rgba8 {
     [r, g, b, 255]
 }
 
+/// What the depth buffer is cleared to, by its format and test; nothing was drawn there.
+const CLEARED_NEAR: f32 = 0.0;
+const CLEARED_FAR: f32 = 1.0;
+
 /// The value of a buffer at a pixel of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
@@ -89,8 +93,7 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
     match buffer {
         Buffer::Depth => {
             let depth = frame.drawn.depth.as_ref()?;
-            // Exactly 0 and 1 is what the buffer is cleared to.
-            Range::fit(depth.pixels().iter().copied().filter(|d| *d > 0.0 && *d < 1.0))
+            Range::fit(depth.pixels().iter().copied().filter(|d| *d > CLEARED_NEAR && *d < CLEARED_FAR))
         }
         Buffer::Overdraw | Buffer::Shaded => {
             let buffers = buffers?;
@@ -107,6 +110,7 @@ pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: 
     let (width, height) = frame.image.size();
     Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
         Value::NotDrawn | Value::Nothing => NOT_DRAWN,
+        Value::Number(CLEARED_NEAR | CLEARED_FAR) => NOT_DRAWN,
         Value::Color(color) => color,
         Value::Number(number) => magnitude_color(range.position(number)),
         Value::Count(count) => magnitude_color(range.position(count as f32)),

@@ -128,8 +128,8 @@ fn drop_down<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, options: &[(T, &st
 }
 
 /// A drop-down list as wide as `width`, still without its entries.
-pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox {
-    ComboBox::from_id_salt(id_salt.to_owned()).selected_text(shown).width(width).truncate().icon(
+pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
+    ComboBox::from_id_salt(id_salt.to_owned()).selected_text(shown.to_owned()).width(width).truncate().icon(
         |ui, rect, visuals, _open| {
             let color = visuals.fg_stroke.color;
             theme::paint_icon(ui.painter(), rect.center(), Icon::ChevronDown, theme::ICON_SIZE, color);

@@ -47,6 +47,7 @@ pub const ALL: &[Builtin] = &[
     cel::CEL,
     triangles::TRIANGLE,
     triangles::INTERPENETRATING,
+    triangles::SHARED_EDGES,
     triangles::SLIVERS,
     z_fighting::Z_FIGHTING,
     near_plane::NEAR_PLANE,

@@ -33,10 +33,18 @@ pub(super) const SLIVERS: Builtin = Builtin {
     draft: draft_slivers,
 };
 
+pub(super) const SHARED_EDGES: Builtin = Builtin {
+    id: "shared-edges",
+    title: "Shared edges",
+    summary: "Eight triangles around the middle of the picture whose edges run exactly through pixel centres: with the \
+              inclusive fill rule they are drawn twice, with the exclusive one the background shows through.",
+    draft: draft_shared_edges,
+};
+
 const BACKGROUND: [u8; 3] = [30, 32, 36];
 
 fn draft_triangle() -> Draft {
-    let mut draft = Draft::new(BACKGROUND, Camera::look_at(Vec3::new(0.0, 0.1, 2.75), Vec3::Y * 0.1));
+    let mut draft = Draft::new(BACKGROUND, Camera::look_at(Vec3::new(0.0, 0.12, 3.2), Vec3::Y * 0.12));
     let mesh = draft.mesh(MeshData { colors: vec![Vec3::X, Vec3::Y, Vec3::Z], ..triangle() });
     let white = draft.plain("vertex colours", Vec3::ONE);
     draft.place("triangle", mesh, white, Mat4::from_rotation_y(0.7) * Mat4::from_rotation_x(-0.25));
@@ -67,6 +75,18 @@ fn triangle() -> MeshData {
         triangles: vec![[0, 1, 2]],
         ..MeshData::default()
     }
+}
+
+/// A square cut by its diagonals and its middle lines. Whatever the parity of the picture's width and height, some of
+/// these run through pixel centres: the diagonals if both are even, a middle line where one is odd.
+fn draft_shared_edges() -> Draft {
+    let mut draft = Draft::new(BACKGROUND, Camera::look_at(Vec3::Z * 3.0, Vec3::ZERO));
+    let rim = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    let corner = |(x, y): (i8, i8)| Vec2::new(f32::from(x), f32::from(y));
+    let mesh = draft.mesh(flat("square", rim.windows(2).map(|pair| [Vec2::ZERO, corner(pair[0]), corner(pair[1])])));
+    let white = draft.plain("vertex colours", Vec3::ONE);
+    draft.place("square", mesh, white, Mat4::IDENTITY);
+    draft
 }
 
 fn draft_slivers() -> Draft {

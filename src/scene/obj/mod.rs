@@ -17,6 +17,7 @@ mod attributes;
 mod canonical;
 mod decode;
 mod faces;
+mod first_view;
 mod libraries;
 mod mtl;
 mod normals;
@@ -31,6 +32,7 @@ use glam::{Mat4, Vec2, Vec3};
 
 use self::attributes::quoted;
 use self::faces::{Faces, Part};
+use self::first_view::first_view;
 use self::mtl::Descriptions;
 use self::textures::Textures;
 use self::warnings::Warnings;
@@ -42,9 +44,6 @@ const MAX_BYTES: u64 = 512 << 20;
 
 /// Largest coordinate that is kept: a product of three such numbers, as in a determinant, is still finite in f32.
 const MAX_COORDINATE: f32 = 1e12;
-
-/// Where the first view is taken from: in front, a little to the right and above.
-const VIEW_DIRECTION: Vec3 = Vec3::new(0.55, 0.4, 1.0);
 
 /// Behind a model: dark enough for bright surfaces, bright enough for dark ones.
 const BACKGROUND: [u8; 3] = [38, 38, 38];
@@ -142,9 +141,9 @@ fn assemble(
     for name in descriptions.keys() {
         materials.get(Name::Described(name), &mut library, warnings);
     }
-    let home = Camera::look_at(VIEW_DIRECTION, Vec3::ZERO);
+    let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
     let mut scene = Scene { name, library, instances, background: BACKGROUND, home };
-    scene.home = Camera::fit(scene.bounds(), VIEW_DIRECTION);
+    scene.home = first_view(&scene);
     Ok(scene)
 }
 
