@@ -39,8 +39,8 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
 }
 
 fn start(view: View) -> WindowStart {
-    let View { source, scene, warnings, recipe, camera, is_default } = view;
-    WindowStart { source, scene, warnings, recipe, camera, resume: is_default }
+    let View { source, scene, warnings, recipe, camera, mirrored, is_default } = view;
+    WindowStart { source, scene, warnings, recipe, camera, mirrored, resume: is_default }
 }
 
 /// Whether windows come from a server that is named in the environment.

@@ -126,6 +126,8 @@ pub struct Session {
     pub scene: Arc<Scene>,
     /// Where it comes from.
     pub source: SceneSource,
+    /// Whether it is the mirror image in z of what came from there.
+    pub mirrored: bool,
     /// Everything that undo covers.
     pub state: Undoable,
     /// What the canvas shows.
@@ -177,6 +179,7 @@ impl Session {
         Self {
             scene,
             source,
+            mirrored: false,
             state,
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
@@ -225,7 +228,7 @@ impl Session {
         Preferences {
             source: Some(self.source.name()),
             recipe: self.state.recipe,
-            camera: Some(self.state.camera),
+            camera: Some(if self.mirrored { self.state.camera.mirrored_z() } else { self.state.camera }),
             size: self.state.size,
             recent: self.recent.clone(),
             hint_closed: self.hint_closed,
@@ -255,6 +258,7 @@ impl Session {
         self.state.camera = scene.home;
         self.scene = Arc::new(scene);
         self.source = source;
+        self.mirrored = false;
         self.triangle_limit = None;
         self.timings.clear();
         self.error = None;
@@ -313,6 +317,7 @@ impl Session {
                     self.state.recipe.upscaler = upscaler;
                 }
             }
+            Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,
             Command::ResetCamera => self.state.camera = self.scene.home,
@@ -341,6 +346,14 @@ impl Session {
     /// Triangles that the frame on screen would rasterize without a limit.
     pub fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
+    }
+
+    fn mirror_z(&mut self) {
+        self.scene = Arc::new(self.scene.mirrored_z());
+        self.mirrored = !self.mirrored;
+        for state in self.undo.iter_mut().chain(&mut self.redo).chain([&mut self.state, &mut self.settled]) {
+            state.camera = state.camera.mirrored_z();
+        }
     }
 
     fn remember(&mut self, path: &Path) {

@@ -184,6 +184,12 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             }
         });
     });
+    let mut mirrored = session.mirrored;
+    row(ui, "Mirror z", "Mirrors the scene in z: for models made for a world of the other handedness", |ui| {
+        if ui.checkbox(&mut mirrored, "").changed() {
+            commands.push(Command::MirrorZ);
+        }
+    });
     let scene = &session.scene;
     let library = &scene.library;
     value_row(ui, "Instances", &format::count(scene.instances.len() as u64), "Objects placed in the scene");
@@ -321,6 +327,9 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    row(ui, "Algorithm", "How the samples inside a triangle are found; all find the same ones", |ui| {
+        pick(ui, &mut recipe.pipeline.rasterizer)
+    });
     row(ui, "Fill rule", "Who owns a pixel centre that lies exactly on an edge", |ui| {
         pick(ui, &mut recipe.pipeline.fill_rule)
     });
@@ -328,12 +337,7 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         ui.checkbox(&mut recipe.wireframe, "");
     });
     let Some(view) = &session.view else { return };
-    value_row(
-        ui,
-        "Samples visited",
-        &format::count(view.counters.visited),
-        "Samples that were tested against three edges: the boxes around all triangles",
-    );
+    value_row(ui, "Samples visited", &format::count(view.counters.visited), "Samples that the algorithm looked at");
     value_row(
         ui,
         "Samples covered",
@@ -431,6 +435,10 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         recipe.upscaler = upscaling;
     }
     note(ui, recipe.upscaler.upscaler().help());
+    let share = session.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
+    let share = share.map_or_else(|| "not measured".to_owned(), format::percent);
+    let help = "Median frame time over that of native, from the last measurement of all upscalers on this very picture";
+    value_row(ui, "Time against native", &share, help);
     if let Some(view) = &session.view {
         value_row(
             ui,
