@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use super::command::Command;
 use super::engine::{Request, Shown, StageTimes, View};
 use super::timings::Timings;
-use crate::chain::Recipe;
+use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
@@ -281,14 +281,17 @@ impl Session {
         }
     }
 
-    /// Picks a pixel when the window opens, unless one is picked already. Needs the canvas's size.
+    /// Picks a pixel of the first frame, unless one is picked already: the one nearest to [`FIRST_PICK`] that shows a
+    /// triangle.
     pub fn pick_at_first(&mut self) {
-        if self.first_pick == FirstPick::Due && self.canvas_px != (0, 0) {
-            self.first_pick = FirstPick::Done;
-            let Viewport { width, height } = self.viewport();
-            let place = |size: u32, share: f32| (size as f32 * share) as u32;
-            self.pick = self.pick.or(Some((place(width, FIRST_PICK.0), place(height, FIRST_PICK.1))));
+        let Some(view) = &self.view else { return };
+        if self.first_pick == FirstPick::Done || view.frame.viewport != self.viewport() {
+            return;
         }
+        self.first_pick = FirstPick::Done;
+        let Viewport { width, height } = view.frame.viewport;
+        let place = ((width as f32 * FIRST_PICK.0) as u32, (height as f32 * FIRST_PICK.1) as u32);
+        self.pick = self.pick.or_else(|| nearest_drawn(&view.frame, place)).or(Some(place));
     }
 
     /// Takes the present state as the one that undo ends at.
@@ -393,4 +396,14 @@ impl Session {
             self.settled = state;
         }
     }
+}
+
+/// The pixel nearest to `place` whose stored depth is not the cleared one; `None` if there is none or no depth.
+fn nearest_drawn(frame: &Frame, place: (u32, u32)) -> Option<(u32, u32)> {
+    let depth = frame.drawn.depth.as_ref()?;
+    let pixels = (0..depth.height()).flat_map(|row| (0..depth.width()).map(move |column| (column, row)));
+    pixels
+        .filter(|(column, row)| (f32::MIN_POSITIVE..1.0).contains(&depth.at(*column, *row)))
+        .map(|(column, row)| frame.drawn.grid.pixel(column, row))
+        .min_by_key(|(x, y)| u64::from(x.abs_diff(place.0)).pow(2) + u64::from(y.abs_diff(place.1)).pow(2))
 }

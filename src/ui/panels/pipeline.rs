@@ -18,7 +18,7 @@ use crate::ui::engine::{Shown, StageTimes, View};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{choice, combo, icon_button, row, value_row};
+use crate::ui::widgets::{choice, combo, figure, icon_button, row, value_row};
 use crate::upscale::{self, Upscaling};
 
 /// Draws all rows.
@@ -104,15 +104,6 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
         let help = format!("{} {what}", format::count(number));
         figure(ui, &short_count(number), 54.0, tokens(ui).text_weak).on_hover_text(help);
     }
-}
-
-/// A number in a column of its own width, so that nothing jumps.
-fn figure(ui: &mut Ui, text: &str, width: f32, color: egui::Color32) -> egui::Response {
-    let (rect, response) = ui.allocate_exact_size(egui::vec2(width, theme::CONTROL_HEIGHT), egui::Sense::hover());
-    let font = egui::TextStyle::Monospace.resolve(ui.style());
-    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, text, font, color);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
-    response
 }
 
 /// 14 860 as "14.9 k": rows have room for no more.
@@ -413,8 +404,11 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
         let (sin_e, cos_e) = elevation.to_radians().sin_cos();
         light.direction = glam::Vec3::new(sin_a * cos_e, sin_e, cos_a * cos_e);
     }
+    if recipe.pipeline.shading == Shading::Cel {
+        return;
+    }
     row(ui, "Ambient", "Share of light that reaches every surface", |ui| {
-        ui.add(Slider::new(&mut light.ambient, 0.0..=1.0).max_decimals(2))
+        ui.add(Slider::new(&mut recipe.pipeline.light.ambient, 0.0..=1.0).max_decimals(2))
     });
 }
 
