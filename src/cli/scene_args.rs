@@ -139,6 +139,7 @@ pub(crate) struct FrameArgs {
 #[derive(Clone, Debug)]
 pub(crate) struct Drawn {
     pub(crate) scene: Arc<Scene>,
+    pub(crate) camera: Camera,
     pub(crate) recipe: Recipe,
     pub(crate) frame: Frame,
 }
@@ -153,6 +154,6 @@ impl FrameArgs {
     pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.scene.view()?;
         let frame = run(&scene, &camera, &recipe, self.size, &mut ());
-        Ok(Drawn { scene, recipe, frame })
+        Ok(Drawn { scene, camera, recipe, frame })
     }
 }

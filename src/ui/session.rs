@@ -9,10 +9,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::command::Command;
-use super::engine::{Request, Shown, StageTimes, View};
+use super::engine::{Request, Shown, View};
 use super::timings::Timings;
 use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
+use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource};
