@@ -11,7 +11,7 @@ use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
 use rasterscope::inspect::{PixelReport, capture, inspect};
 use rasterscope::pipeline::settings::{
-    Address, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation, Shading,
+    Address, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation, Rasterizer, Shading,
 };
 use rasterscope::scene::{Scene, TriangleId, builtin};
 use rasterscope::upscale::Upscaling;
@@ -31,6 +31,7 @@ fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
 /// Every switch around the default recipe.
 fn single_switches() -> Vec<Recipe> {
     each::<Culling>(|r, c| r.pipeline.culling = c)
+        .chain(each::<Rasterizer>(|r, c| r.pipeline.rasterizer = c))
         .chain(each::<FillRule>(|r, c| r.pipeline.fill_rule = c))
         .chain(each::<DepthTest>(|r, c| r.pipeline.depth_test = c))
         .chain(each::<DepthFormat>(|r, c| r.pipeline.depth_format = c))

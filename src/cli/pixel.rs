@@ -31,7 +31,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     if x >= size.width || y >= size.height {
         return Err(outside());
     }
-    let Drawn { scene, recipe, frame } = args.frame.draw()?;
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw()?;
     let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
     if args.json {
         let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;

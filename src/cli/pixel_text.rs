@@ -1,5 +1,7 @@
 //! A [`PixelReport`] as text for people: the verdict first, then the fragments in drawing order, then the sources.
 
+use std::fmt::Debug;
+
 use rasterscope::image::Rgba8;
 use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord};
 use rasterscope::inspect::{FragmentRecord, Outcome, PixelReport};
@@ -8,7 +10,7 @@ use rasterscope::inspect::{FragmentRecord, Outcome, PixelReport};
 pub(crate) fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
     if let Some(depth) = report.final_depth {
-        lines.push(format!("The depth buffer holds {depth} in the end."));
+        lines.push(format!("The depth buffer holds {depth:?} in the end."));
     }
     for (index, fragment) in report.fragments.iter().enumerate() {
         lines.push(String::new());
@@ -25,7 +27,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
 
 fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
     let corners = fragment.corners_px.map(|[x, y]| format!("({x}, {y})")).join(" ");
-    let stored = fragment.stored_depth.map_or("no depth buffer".to_owned(), |d| format!("stored before {d}"));
+    let stored = fragment.stored_depth.map_or("no depth buffer".to_owned(), |d| format!("stored before {d:?}"));
     let rows = [
         (
             "triangle",
@@ -36,7 +38,7 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         ("edges", format!("{} of doubled area {}, in 1/65536 px²", numbers(&fragment.edges), fragment.doubled_area)),
         ("λ", numbers(&fragment.affine_weights)),
         ("λ′", format!("{} for attributes, 1/w {}", numbers(&fragment.attribute_weights), numbers(&fragment.inv_w))),
-        ("depth", format!("{} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
+        ("depth", format!("{:?} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
     ];
     rows.into_iter()
         .chain(fragment.shading.iter().flat_map(shading_rows))
@@ -45,19 +47,19 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
 
 fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
     let mut rows = vec![
-        ("normal", format!("{}, N·L {}, light {}", numbers(&shading.normal), shading.cosine, shading.light)),
+        ("normal", format!("{}, N·L {:?}, light {:?}", numbers(&shading.normal), shading.cosine, shading.light)),
         ("uv", numbers(&shading.uv)),
     ];
     rows.extend(shading.texels.iter().map(|texel| {
         let tap = texel.tap;
-        ("texel", format!("({}, {}) × {}: {}", tap.x, tap.y, tap.weight, color(texel.color)))
+        ("texel", format!("({}, {}) × {:?}: {}", tap.x, tap.y, tap.weight, color(texel.color)))
     }));
     rows.push(("colour", color(shading.color)));
     rows
 }
 
 fn source_line(source: &SourceRecord) -> String {
-    format!("({}, {}) × {}: {}", source.tap.x, source.tap.y, source.tap.weight, color(source.color))
+    format!("({}, {}) × {:?}: {}", source.tap.x, source.tap.y, source.tap.weight, color(source.color))
 }
 
 fn outcome(outcome: Outcome) -> &'static str {
@@ -72,7 +74,8 @@ fn color([r, g, b, _]: Rgba8) -> String {
     format!("#{r:02x}{g:02x}{b:02x} ({r}, {g}, {b})")
 }
 
-fn numbers(list: &[impl ToString]) -> String {
-    let words: Vec<_> = list.iter().map(ToString::to_string).collect();
+/// Numbers in brackets. Like single ones with every digit that tells them apart, very small ones with an exponent.
+fn numbers(list: &[impl Debug]) -> String {
+    let words: Vec<_> = list.iter().map(|number| format!("{number:?}")).collect();
     format!("({})", words.join(", "))
 }

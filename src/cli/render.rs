@@ -1,10 +1,15 @@
-//! `rasterscope render`: one frame, or one of its buffers, as a PNG.
+//! `rasterscope render`: one frame, one of its buffers, or the picture after a stage, as a PNG; and what it cost.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
+use rasterscope::chain::{self, Frame, Recipe};
 use rasterscope::image::file::write_png;
-use rasterscope::inspect::{Buffer, capture, view};
+use rasterscope::inspect::{Buffer, Stage, capture, stages, view};
+use rasterscope::measure::stages::stage_times;
+use rasterscope::measure::timing::summarize;
+use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};
@@ -20,6 +25,14 @@ pub(crate) struct RenderArgs {
     #[arg(long, default_value = "color", value_parser = parse::choice::<Buffer>())]
     buffer: Buffer,
 
+    /// Show the picture after this stage instead of a buffer
+    #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
+    stage: Option<Stage>,
+
+    /// Also print the time of each stage, each the median of this many frames
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    times: Option<u32>,
+
     /// The PNG file to write
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
@@ -27,13 +40,15 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, recipe, frame } = args.frame.draw()?;
-    let image = if args.buffer == Buffer::Color {
-        &frame.image
-    } else {
-        let buffers = capture(&scene, &recipe, &frame);
-        let range = view::range(args.buffer, &frame, Some(&buffers));
-        &view::picture(args.buffer, &frame, Some(&buffers), range)
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw()?;
+    let image = match args.stage {
+        Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
+        None if args.buffer == Buffer::Color => &frame.image,
+        None => {
+            let buffers = capture(&scene, &recipe, &frame);
+            let range = view::range(args.buffer, &frame, Some(&buffers));
+            &view::picture(args.buffer, &frame, Some(&buffers), range)
+        }
     };
     write_png(&args.output, image)?;
     output::print(&format!(
@@ -45,5 +60,19 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         frame.geometry.triangles.len(),
         frame.times.total.as_secs_f64() * 1e3,
         frame.drawn_share() * 100.0,
-    ))
+    ))?;
+    args.times.map_or(Ok(()), |frames| print_times(&scene, &camera, &recipe, &frame, frames))
+}
+
+/// One line per stage: the median of its times over frames drawn for this.
+fn print_times(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, frames: u32) -> Result<(), Failure> {
+    let mut samples_ms: BTreeMap<usize, (&str, Vec<f64>)> = BTreeMap::new();
+    for _ in 0..frames {
+        let frame = chain::run(scene, camera, recipe, frame.viewport, &mut ());
+        for (place, (name, time)) in stage_times(scene, recipe, &frame).named().into_iter().enumerate() {
+            samples_ms.entry(place).or_insert((name, Vec::new())).1.push(time.as_secs_f64() * 1e3);
+        }
+    }
+    let medians = samples_ms.into_values().filter_map(|(name, ms)| Some((name, summarize(&ms)?.median)));
+    output::print(&medians.map(|(name, median)| format!("{name:10} {median:8.3} ms\n")).collect::<String>())
 }

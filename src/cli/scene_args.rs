@@ -28,6 +28,10 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "KEY=VALUE", long_help = set_help())]
     set: Vec<String>,
 
+    /// Mirror the scene in z: for models made for a world of the other handedness
+    #[arg(long)]
+    mirror_z: bool,
+
     /// The view, from a JSON file
     #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
     camera: Option<PathBuf>,
@@ -56,6 +60,9 @@ pub(crate) struct View {
     pub(crate) warnings: Vec<Warning>,
     pub(crate) recipe: Recipe,
     pub(crate) camera: Camera,
+    /// Whether the scene is the mirror image in z of its source.
+    #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window mirrors it back"))]
+    pub(crate) mirrored: bool,
     /// Whether nothing particular was asked for.
     pub(crate) is_default: bool,
 }
@@ -70,13 +77,15 @@ impl SceneArgs {
         for warning in &warnings {
             output::complain("warning", warning);
         }
+        let scene = if self.mirror_z { scene.mirrored_z() } else { scene };
         Ok(View {
             recipe,
             camera: camera.unwrap_or(scene.home),
             source,
             scene: Arc::new(scene),
             warnings,
-            is_default: self.scene.is_none() && self.set.is_empty() && self.camera.is_none(),
+            mirrored: self.mirror_z,
+            is_default: !self.mirror_z && self.scene.is_none() && self.set.is_empty() && self.camera.is_none(),
         })
     }
 
@@ -130,6 +139,7 @@ pub(crate) struct FrameArgs {
 #[derive(Clone, Debug)]
 pub(crate) struct Drawn {
     pub(crate) scene: Arc<Scene>,
+    pub(crate) camera: Camera,
     pub(crate) recipe: Recipe,
     pub(crate) frame: Frame,
 }
@@ -144,6 +154,6 @@ impl FrameArgs {
     pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.scene.view()?;
         let frame = run(&scene, &camera, &recipe, self.size, &mut ());
-        Ok(Drawn { scene, recipe, frame })
+        Ok(Drawn { scene, camera, recipe, frame })
     }
 }

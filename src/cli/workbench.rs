@@ -21,7 +21,7 @@ pub(crate) fn open(view: View) -> Result<(), String> {
     if outcome.is_err() {
         retry_on_x11();
     }
-    outcome.map_err(|reason| format!("no window: {reason}"))
+    outcome.map_err(|reason| format!("no window: {}", in_plain_words(&reason)))
 }
 
 /// The whole workbench as a picture.
@@ -39,8 +39,8 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
 }
 
 fn start(view: View) -> WindowStart {
-    let View { source, scene, warnings, recipe, camera, is_default } = view;
-    WindowStart { source, scene, warnings, recipe, camera, resume: is_default }
+    let View { source, scene, warnings, recipe, camera, mirrored, is_default } = view;
+    WindowStart { source, scene, warnings, recipe, camera, mirrored, resume: is_default }
 }
 
 /// Whether windows come from a server that is named in the environment.
@@ -85,4 +85,31 @@ fn without_library_panics(f: impl FnOnce() -> Result<(), String>) -> Result<(), 
 fn missing_library(payload: &(dyn std::any::Any + Send)) -> Option<String> {
     let text = payload.downcast_ref::<String>().map(String::as_str).or(payload.downcast_ref::<&str>().copied())?;
     text.contains("could not be loaded").then(|| text.trim_end_matches('.').to_owned())
+}
+
+/// Reasons as the libraries give them carry places in their sources and dumps of what was asked for.
+fn in_plain_words(reason: &str) -> &str {
+    if reason.contains("glutin") {
+        return "OpenGL is missing or does not work";
+    }
+    reason.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(reason, |(_line, words)| words)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reasons_lose_what_only_programmers_read() {
+        for (reason, words) in [
+            ("EventLoopError: os error at /src/x11/mod.rs:788: Failed to open connection", "Failed to open connection"),
+            (
+                "Found no glutin configs matching the template: ConfigTemplate { .. }",
+                "OpenGL is missing or does not work",
+            ),
+            ("Library libxkbcommon-x11.so could not be loaded", "Library libxkbcommon-x11.so could not be loaded"),
+        ] {
+            assert_eq!(in_plain_words(reason), words);
+        }
+    }
 }

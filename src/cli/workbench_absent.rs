@@ -5,7 +5,7 @@ use rasterscope::image::{Image, Rgba8};
 use super::scene_args::View;
 use super::screenshot::Look;
 
-const BUILT_WITHOUT: &str = "this program was built without its workbench (feature `ui`); \
+const BUILT_WITHOUT: &str = "this program was built without its window (feature `ui`); \
     the commands render, pixel and scenes work";
 
 /// There is no window to open.

@@ -109,8 +109,7 @@ pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: 
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image.size();
     Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
-        Value::NotDrawn | Value::Nothing => NOT_DRAWN,
-        Value::Number(CLEARED_NEAR | CLEARED_FAR) => NOT_DRAWN,
+        Value::NotDrawn | Value::Nothing | Value::Number(CLEARED_NEAR | CLEARED_FAR) => NOT_DRAWN,
         Value::Color(color) => color,
         Value::Number(number) => magnitude_color(range.position(number)),
         Value::Count(count) => magnitude_color(range.position(count as f32)),

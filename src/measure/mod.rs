@@ -2,4 +2,6 @@
 
 pub mod error;
 
+pub mod stages;
+
 pub mod timing;

@@ -225,7 +225,7 @@ pub fn draw<O: Observer>(
     let Framebuffer { grid, origin, color, depth } = frame;
     for triangle in &geometry.triangles[extent.triangles.clone()] {
         let shader = &shaders[triangle.instance as usize];
-        let visited = raster::rasterize(&triangle.edges, *grid, extent.scissor, |sample| {
+        let visited = raster::rasterize(settings.rasterizer, &triangle.edges, *grid, extent.scissor, |sample| {
             observer.covered(triangle, &sample);
             let (column, row) = (sample.column - origin.0, sample.row - origin.1);
             if until == Until::Coverage {

@@ -58,6 +58,14 @@ choice! {
 }
 
 choice! {
+    /// How the samples inside a triangle are found. The samples are the same; the work is not.
+    Rasterizer {
+        BoundingBox = "bounding-box", "Bounding box", "Every pixel of the box around a triangle is tested against its three edges: the plainest way.";
+        Scanline = "scanline", "Scanline", "On each row the first and last pixel inside are computed, and only those between are visited.";
+    }
+}
+
+choice! {
     /// Who owns a pixel centre that lies exactly on an edge.
     FillRule {
         TopLeft = "top-left", "Top-left", "A centre on an edge belongs to the triangle whose top or left edge it is. Shared edges are drawn exactly once.";
@@ -176,6 +184,8 @@ impl Default for Checker {
 pub struct Settings {
     /// Facing.
     pub culling: Culling,
+    /// How covered samples are found.
+    pub rasterizer: Rasterizer,
     /// Ownership of edges.
     pub fill_rule: FillRule,
     /// Visibility.
@@ -202,6 +212,7 @@ impl Default for Settings {
     fn default() -> Self {
         Self {
             culling: Culling::Back,
+            rasterizer: Rasterizer::BoundingBox,
             fill_rule: FillRule::TopLeft,
             depth_test: DepthTest::Less,
             depth_format: DepthFormat::F32,

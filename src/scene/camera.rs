@@ -156,6 +156,12 @@ impl Camera {
         self.clip_from_view(aspect, reversed) * self.view_from_world()
     }
 
+    /// The view of the mirror image in z that corresponds to this view of the original.
+    pub fn mirrored_z(self) -> Self {
+        let mirror = Vec3::new(1.0, 1.0, -1.0);
+        Self { eye: self.eye * mirror, target: self.target * mirror, up: self.up * mirror, ..self }
+    }
+
     /// Turns around the target: `yaw` to the right and `pitch` upwards, radians. Stops short of the poles.
     pub fn orbit(&mut self, yaw: f32, pitch: f32) {
         let up = self.up.normalize_or(Vec3::Y);

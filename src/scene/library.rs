@@ -72,6 +72,11 @@ impl Library {
         &self.textures[id.index()]
     }
 
+    /// The same library with every mesh mirrored in z; identifiers stay valid.
+    pub fn mirrored_z(&self) -> Self {
+        Self { meshes: self.meshes.iter().map(Mesh::mirrored_z).collect(), ..self.clone() }
+    }
+
     /// All meshes.
     pub fn meshes(&self) -> &[Mesh] {
         &self.meshes

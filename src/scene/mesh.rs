@@ -89,6 +89,20 @@ impl Mesh {
         self.bounds
     }
 
+    /// The mirror image in z: for models made for a world of the other handedness. Two corners of each triangle change
+    /// places, so that front faces stay front faces.
+    pub fn mirrored_z(&self) -> Self {
+        let mut data = self.data.clone();
+        for vector in data.positions.iter_mut().chain(&mut data.normals) {
+            vector.z = -vector.z;
+        }
+        for triangle in &mut data.triangles {
+            triangle.swap(1, 2);
+        }
+        let bounds = Aabb::around(data.positions.iter().copied());
+        Self { data, bounds }
+    }
+
     /// Bytes held by the arrays.
     pub fn bytes(&self) -> usize {
         let MeshData { name: _, positions, normals, uvs, colors, triangles } = &self.data;
@@ -158,6 +172,18 @@ mod tests {
     fn a_dangling_index_is_refused() {
         let data = MeshData { triangles: vec![[0, 1, 3]], ..triangle() };
         assert_eq!(Mesh::new(data), Err(MeshError::IndexOutOfRange { triangle: 0, vertex: 3, count: 3 }));
+    }
+
+    #[test]
+    fn a_mirrored_mesh_keeps_its_front_and_comes_back_whole() {
+        let mut data = triangle();
+        data.positions[2].z = 2.0;
+        let mesh = Mesh::new(data).unwrap();
+        let mirrored = mesh.mirrored_z();
+        assert_eq!(mirrored.positions[2].z, -2.0);
+        let computed = smooth_normals(&mirrored.positions, &mirrored.triangles);
+        assert!(computed[0].dot(mirrored.normals[0]) > 0.999, "{computed:?}");
+        assert_eq!(mirrored.mirrored_z(), mesh);
     }
 
     #[test]

@@ -78,6 +78,16 @@ impl Scene {
             .fold(Aabb::EMPTY, |all, i| all.union(self.library.mesh(i.mesh).bounds().transformed(i.world_from_model)))
     }
 
+    /// The mirror image in z, seen from the mirrored place: for models made for a world of the other handedness.
+    pub fn mirrored_z(&self) -> Self {
+        let mirror = Mat4::from_scale(Vec3::new(1.0, 1.0, -1.0));
+        let mut scene = Self { library: self.library.mirrored_z(), home: self.home.mirrored_z(), ..self.clone() };
+        for instance in &mut scene.instances {
+            instance.world_from_model = mirror * instance.world_from_model * mirror;
+        }
+        scene
+    }
+
     /// Triangles over all instances.
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().map(|i| self.library.mesh(i.mesh).triangles.len()).sum()

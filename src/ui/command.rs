@@ -21,6 +21,8 @@ pub enum Command {
     Open(PathBuf),
     /// Show a built-in scene, by id.
     OpenBuiltin(String),
+    /// Show the mirror image in z.
+    MirrorZ,
     /// Stop waiting for a model.
     CancelLoading,
     /// Draw by this recipe.

@@ -5,7 +5,6 @@
 //! of its own, so screenshots and tests call it directly; [`super::worker`] puts it on a thread.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use crate::chain::{Frame, Recipe, run};
 use crate::image::{Image, Rgba8};
@@ -82,28 +81,6 @@ pub struct View {
     pub report: Option<Arc<PixelReport>>,
     /// Whether the frame was drawn for this answer, rather than kept from the last one.
     pub fresh: bool,
-}
-
-/// Time of each stage of a frame. Rasterizing, depth and shading are told apart by drawing the frame three times, each
-/// time going one stage further, and taking differences.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct StageTimes {
-    /// Plan and vertices.
-    pub transform: Duration,
-    /// Clipping.
-    pub clip: Duration,
-    /// Division and snapping.
-    pub project: Duration,
-    /// Facing and edge setup.
-    pub cull: Duration,
-    /// Finding covered samples.
-    pub rasterize: Duration,
-    /// Depth test and store.
-    pub depth: Duration,
-    /// Interpolating and shading.
-    pub shade: Duration,
-    /// Filling in.
-    pub upscale: Duration,
 }
 
 /// Renders requests.
@@ -193,31 +170,5 @@ fn picture(request: &Request, frame: &Frame, buffers: Option<&Buffers>, range: O
     match request.shown {
         Shown::Buffer(buffer) => view::picture(buffer, frame, buffers, range),
         Shown::Stage(stage) => stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage),
-    }
-}
-
-/// Times every stage of a frame apart; costs about two more frames.
-pub fn stage_times(request: &Request, frame: &Frame) -> StageTimes {
-    let time_until = |until| {
-        let Viewport { width, height } = frame.viewport;
-        let settings = &request.recipe.pipeline;
-        let mut target = Framebuffer::new(frame.drawn.grid, width, height, request.scene.background, settings);
-        let extent = Extent::all(&frame.geometry, frame.viewport);
-        let start = Instant::now();
-        draw(&request.scene, &frame.geometry, settings, &extent, until, &mut target, &mut ());
-        std::hint::black_box(&target);
-        start.elapsed()
-    };
-    let [coverage, depth, shade] = [Until::Coverage, Until::Depth, Until::Shade].map(time_until);
-    let geometry = frame.geometry.times;
-    StageTimes {
-        transform: geometry.transform,
-        clip: geometry.clip,
-        project: geometry.project,
-        cull: geometry.cull,
-        rasterize: coverage,
-        depth: depth.saturating_sub(coverage),
-        shade: shade.saturating_sub(depth),
-        upscale: frame.times.upscale,
     }
 }

@@ -9,10 +9,11 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::command::Command;
-use super::engine::{Request, Shown, StageTimes, View};
+use super::engine::{Request, Shown, View};
 use super::timings::Timings;
-use crate::chain::Recipe;
+use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
+use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource};
@@ -126,6 +127,8 @@ pub struct Session {
     pub scene: Arc<Scene>,
     /// Where it comes from.
     pub source: SceneSource,
+    /// Whether it is the mirror image in z of what came from there.
+    pub mirrored: bool,
     /// Everything that undo covers.
     pub state: Undoable,
     /// What the canvas shows.
@@ -177,6 +180,7 @@ impl Session {
         Self {
             scene,
             source,
+            mirrored: false,
             state,
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
@@ -225,7 +229,7 @@ impl Session {
         Preferences {
             source: Some(self.source.name()),
             recipe: self.state.recipe,
-            camera: Some(self.state.camera),
+            camera: Some(if self.mirrored { self.state.camera.mirrored_z() } else { self.state.camera }),
             size: self.state.size,
             recent: self.recent.clone(),
             hint_closed: self.hint_closed,
@@ -255,6 +259,7 @@ impl Session {
         self.state.camera = scene.home;
         self.scene = Arc::new(scene);
         self.source = source;
+        self.mirrored = false;
         self.triangle_limit = None;
         self.timings.clear();
         self.error = None;
@@ -277,14 +282,17 @@ impl Session {
         }
     }
 
-    /// Picks a pixel when the window opens, unless one is picked already. Needs the canvas's size.
+    /// Picks a pixel of the first frame, unless one is picked already: the one nearest to [`FIRST_PICK`] that shows a
+    /// triangle.
     pub fn pick_at_first(&mut self) {
-        if self.first_pick == FirstPick::Due && self.canvas_px != (0, 0) {
-            self.first_pick = FirstPick::Done;
-            let Viewport { width, height } = self.viewport();
-            let place = |size: u32, share: f32| (size as f32 * share) as u32;
-            self.pick = self.pick.or(Some((place(width, FIRST_PICK.0), place(height, FIRST_PICK.1))));
+        let Some(view) = &self.view else { return };
+        if self.first_pick == FirstPick::Done || view.frame.viewport != self.viewport() {
+            return;
         }
+        self.first_pick = FirstPick::Done;
+        let Viewport { width, height } = view.frame.viewport;
+        let place = ((width as f32 * FIRST_PICK.0) as u32, (height as f32 * FIRST_PICK.1) as u32);
+        self.pick = self.pick.or_else(|| nearest_drawn(&view.frame, place)).or(Some(place));
     }
 
     /// Takes the present state as the one that undo ends at.
@@ -313,6 +321,7 @@ impl Session {
                     self.state.recipe.upscaler = upscaler;
                 }
             }
+            Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,
             Command::ResetCamera => self.state.camera = self.scene.home,
@@ -341,6 +350,14 @@ impl Session {
     /// Triangles that the frame on screen would rasterize without a limit.
     pub fn triangle_count(&self) -> usize {
         self.view.as_ref().map_or(0, |view| view.rasterized)
+    }
+
+    fn mirror_z(&mut self) {
+        self.scene = Arc::new(self.scene.mirrored_z());
+        self.mirrored = !self.mirrored;
+        for state in self.undo.iter_mut().chain(&mut self.redo).chain([&mut self.state, &mut self.settled]) {
+            state.camera = state.camera.mirrored_z();
+        }
     }
 
     fn remember(&mut self, path: &Path) {
@@ -380,4 +397,14 @@ impl Session {
             self.settled = state;
         }
     }
+}
+
+/// The pixel nearest to `place` whose stored depth is not the cleared one; `None` if there is none or no depth.
+fn nearest_drawn(frame: &Frame, place: (u32, u32)) -> Option<(u32, u32)> {
+    let depth = frame.drawn.depth.as_ref()?;
+    let pixels = (0..depth.height()).flat_map(|row| (0..depth.width()).map(move |column| (column, row)));
+    pixels
+        .filter(|(column, row)| (f32::MIN_POSITIVE..1.0).contains(&depth.at(*column, *row)))
+        .map(|(column, row)| frame.drawn.grid.pixel(column, row))
+        .min_by_key(|(x, y)| u64::from(x.abs_diff(place.0)).pow(2) + u64::from(y.abs_diff(place.1)).pow(2))
 }

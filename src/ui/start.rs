@@ -27,6 +27,8 @@ pub struct WindowStart {
     pub recipe: Recipe,
     /// From where.
     pub camera: Camera,
+    /// Whether the scene is the mirror image in z of its source.
+    pub mirrored: bool,
     /// Whether a window takes up scene, recipe and view where it was left instead.
     pub resume: bool,
 }
@@ -100,6 +102,7 @@ fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
         scene: Arc::new(loaded.scene),
         warnings: loaded.warnings,
         recipe: preferences.recipe,
+        mirrored: false,
         resume: true,
     }
 }
@@ -108,6 +111,7 @@ fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Wo
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;
+    session.mirrored = start.mirrored;
     session.state.size = preferences.size;
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 
 use super::engine::Request;
 use crate::chain::Recipe;
+use crate::measure::timing::summarize;
 use crate::upscale::Upscaling;
 
 /// Recent frames kept.
@@ -72,6 +73,13 @@ impl Timings {
             ..r.clone()
         };
         self.measured_of.as_ref().is_some_and(|measured| plain(measured).same_view(&plain(request)))
+    }
+
+    /// Median of a method over the median of native, if both were measured on what `request` shows.
+    pub fn share_of_native(&self, request: &Request, upscaling: Upscaling) -> Option<f64> {
+        let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
+        let fits = self.measurement_fits(request);
+        fits.then(|| Some(median(upscaling)? / median(Upscaling::NATIVE)?)).flatten()
     }
 
     /// The measurement, or else the recent frames, per method; oldest first.

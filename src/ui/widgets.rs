@@ -137,6 +137,15 @@ pub fn combo(id_salt: &str, shown: &str, width: f32) -> ComboBox<'static> {
     )
 }
 
+/// A number at the right end of a column of its own width, so that columns line up and nothing jumps.
+pub fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, CONTROL_HEIGHT), Sense::hover());
+    let font = TextStyle::Monospace.resolve(ui.style());
+    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, text, font, color);
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
+    response
+}
+
 /// The title of a group of rows, with room above it. `add_actions` adds small controls at the right end, from the right.
 pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui)) {
     ui.add_space(space::S);

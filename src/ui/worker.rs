@@ -8,8 +8,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
 use std::time::Instant;
 
-use super::engine::{Engine, Request, StageTimes, View, stage_times};
+use super::engine::{Engine, Request, View};
 use crate::chain::{Recipe, run};
+use crate::measure::stages::{StageTimes, stage_times};
 use crate::upscale::Upscaling;
 
 /// Rounds of a measurement; every round times every method once, so that drift of the machine's speed hits all alike.
@@ -165,7 +166,10 @@ impl Loop {
         if let Some(request) = self.to_show.take() {
             self.show(*request);
         } else if let Some(view) = self.to_time.take() {
-            let times = catch_unwind(AssertUnwindSafe(|| stage_times(&view.request, &view.frame)));
+            let times = catch_unwind(AssertUnwindSafe(|| {
+                let Request { scene, recipe, .. } = &view.request;
+                stage_times(scene, recipe, &view.frame)
+            }));
             self.done.extend(times.ok().map(Answer::Stages));
         } else if let Some(mut measurement) = self.measurement.take() {
             self.done.extend(measurement.step());

@@ -6,7 +6,7 @@
 use rasterscope::image::Image;
 use rasterscope::pipeline::grid::SampleGrid;
 use rasterscope::pipeline::raster::{Scissor, rasterize};
-use rasterscope::pipeline::settings::FillRule;
+use rasterscope::pipeline::settings::{Choice as _, FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::ClipVertex;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 
@@ -25,10 +25,16 @@ fn count(triangles: &[ScreenTriangle]) -> Counts {
     let mut counts = Counts { all: blank.clone(), signed: blank };
     for triangle in triangles {
         let orientation = -snapped_area(triangle).signum() as i32;
-        rasterize(&triangle.edges, SampleGrid::FULL, Scissor::full(VIEW.width, VIEW.height), |s| {
-            counts.all.set(s.column, s.row, counts.all.at(s.column, s.row) + 1);
-            counts.signed.set(s.column, s.row, counts.signed.at(s.column, s.row) + orientation);
-        });
+        rasterize(
+            Rasterizer::BoundingBox,
+            &triangle.edges,
+            SampleGrid::FULL,
+            Scissor::full(VIEW.width, VIEW.height),
+            |s| {
+                counts.all.set(s.column, s.row, counts.all.at(s.column, s.row) + 1);
+                counts.signed.set(s.column, s.row, counts.signed.at(s.column, s.row) + orientation);
+            },
+        );
     }
     counts
 }
@@ -206,12 +212,16 @@ fn coverage_agrees_with_an_oracle_that_pushes_the_sample() {
         let triangles = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
         for rule in sound_fill_rules().chain([FillRule::Inclusive, FillRule::Exclusive]) {
             for triangle in screen_triangles(&vertices, &triangles, VIEW, rule, &mut ()) {
-                let mut covered = Image::filled(VIEW.width, VIEW.height, false);
-                let all = Scissor::full(VIEW.width, VIEW.height);
-                rasterize(&triangle.edges, SampleGrid::FULL, all, |s| covered.set(s.column, s.row, true));
                 let expected = Image::from_fn(VIEW.width, VIEW.height, |x, y| oracle(&triangle, (x, y), rule));
-                assert_eq!(covered, expected, "{rule:?} {triangle:?}");
-                inside += covered.pixels().iter().filter(|c| **c).count();
+                for rasterizer in Rasterizer::ALL {
+                    let mut covered = Image::filled(VIEW.width, VIEW.height, false);
+                    let all = Scissor::full(VIEW.width, VIEW.height);
+                    rasterize(*rasterizer, &triangle.edges, SampleGrid::FULL, all, |s| {
+                        covered.set(s.column, s.row, true);
+                    });
+                    assert_eq!(covered, expected, "{rasterizer:?} {rule:?} {triangle:?}");
+                }
+                inside += expected.pixels().iter().filter(|c| **c).count();
             }
         }
     });

@@ -7,7 +7,7 @@ use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::grid::SampleGrid;
 use rasterscope::pipeline::interpolate::{affine_weights, attribute_weights, interpolate};
 use rasterscope::pipeline::raster::{Sample, Scissor, rasterize};
-use rasterscope::pipeline::settings::FillRule;
+use rasterscope::pipeline::settings::{FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::Varyings;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 
@@ -41,7 +41,7 @@ fn for_samples(
     let mut samples = 0;
     for_seeds(400, |rng| {
         if let Some(triangle) = random_triangle(rng, varyings) {
-            rasterize(&triangle.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
+            rasterize(Rasterizer::BoundingBox, &triangle.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
                 samples += 1;
                 test(&triangle, sample);
             });
@@ -180,7 +180,7 @@ fn cutting_changes_no_attribute_beyond_rounding() {
         }
         let pieces = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::TopLeft, &mut ());
         for piece in &pieces {
-            rasterize(&piece.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
+            rasterize(Rasterizer::BoundingBox, &piece.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
                 let position = SampleGrid::FULL.position(sample.column, sample.row);
                 let Some(whole) = whole.iter().find(|t| t.edges.contains(t.edges.at(position))) else { return };
                 let in_whole = Sample { edges: whole.edges.at(position), ..sample };

@@ -73,19 +73,38 @@ impl EdgeFunctions {
         self.edges[i].least == 0
     }
 
+    /// The x in grid steps, first and last, between which a row at height `y` belongs to the triangle; `None` if it
+    /// belongs nowhere.
+    pub fn span(&self, y: i64) -> Option<(i64, i64)> {
+        let (mut first, mut last) = (i64::MIN, i64::MAX);
+        for edge in &self.edges {
+            // A·x ≥ need
+            let need = edge.least - (edge.b * y + edge.c);
+            match edge.a {
+                1.. => first = first.max(-(-need).div_euclid(edge.a)),
+                0 if need > 0 => return None,
+                0 => {}
+                _ => last = last.min((-need).div_euclid(-edge.a)),
+            }
+        }
+        (first <= last).then_some((first, last))
+    }
+
     /// Doubled area, > 0, in units of 1/2¹⁶ px².
     pub fn doubled_area(&self) -> i64 {
         self.doubled_area
     }
 
     /// Smallest and largest x, in grid steps.
-    pub fn x_range(&self) -> (i32, i32) {
-        self.bounds[0]
+    pub fn x_range(&self) -> (i64, i64) {
+        let (least, greatest) = self.bounds[0];
+        (least.into(), greatest.into())
     }
 
     /// Smallest and largest y, in grid steps.
-    pub fn y_range(&self) -> (i32, i32) {
-        self.bounds[1]
+    pub fn y_range(&self) -> (i64, i64) {
+        let (least, greatest) = self.bounds[1];
+        (least.into(), greatest.into())
     }
 }
 
@@ -165,6 +184,25 @@ mod tests {
             for y in 0..30 {
                 let p = (x * 30, y * 30);
                 assert_eq!(clockwise.contains(clockwise.at(p)), counter.contains(counter.at(p)), "{p:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_span_holds_exactly_the_positions_inside() {
+        let mut random = fastrand::Rng::with_seed(11);
+        for _ in 0..300 {
+            let corners = std::array::from_fn(|_| (random.i32(-20..60), random.i32(-20..60)));
+            if doubled_area(corners) == 0 {
+                continue;
+            }
+            for rule in FillRule::ALL {
+                let e = edges(corners, *rule);
+                for y in -25..65 {
+                    let inside: Vec<i64> = (-30..70).filter(|x| e.contains(e.at((*x, y)))).collect();
+                    let span = e.span(y).map_or_else(Vec::new, |(first, last)| (first..=last).collect());
+                    assert_eq!(span, inside, "{corners:?} {rule:?} row {y}");
+                }
             }
         }
     }

@@ -10,11 +10,14 @@ use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
-use crate::ui::widgets::empty_state;
+use crate::ui::widgets::{empty_state, figure};
 use crate::upscale::Upscaling;
 
 /// Width of the table, in points.
-const TABLE_POINTS: f32 = 404.0;
+const TABLE_POINTS: f32 = 430.0;
+
+/// Width of a column of the table, in points.
+const FIGURE_POINTS: f32 = 64.0;
 
 /// A method with its figures.
 struct Series {
@@ -149,8 +152,9 @@ fn bracket(x: f64, series: &Series) -> Line<'static> {
 
 fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<Command>) {
     Grid::new("times").num_columns(5).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
-        for heading in ["Upscaler", "n", "median", "p10", "p90"] {
-            ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
+        ui.label(RichText::new("Upscaler").small().color(tokens(ui).text_weak));
+        for heading in ["n", "median ms", "p10 ms", "p90 ms"] {
+            figure(ui, heading, FIGURE_POINTS, tokens(ui).text_weak);
         }
         ui.end_row();
         for s in series {
@@ -166,13 +170,10 @@ fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<C
             });
             let Summary { n, median, p10, p90, .. } = s.summary;
             let figures = [n.to_string(), format::fixed(median, 2), format::fixed(p10, 2), format::fixed(p90, 2)];
-            for figure in figures {
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(RichText::new(figure).monospace().color(tokens(ui).text));
-                });
+            for text in figures {
+                figure(ui, &text, FIGURE_POINTS, tokens(ui).text);
             }
             ui.end_row();
         }
     });
-    ui.label(RichText::new("times in ms").small().color(tokens(ui).text_weak));
 }

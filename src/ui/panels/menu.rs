@@ -146,9 +146,13 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.label(RichText::new("·").color(tokens(ui).text_weak));
     }
     ui.label(
-        RichText::new(format!("{} triangles", format::count(view.rasterized as u64)))
-            .monospace()
-            .color(tokens(ui).text),
+        RichText::new(format!(
+            "{} {}",
+            format::count(view.rasterized as u64),
+            if view.rasterized == 1 { "triangle" } else { "triangles" }
+        ))
+        .monospace()
+        .color(tokens(ui).text),
     )
     .on_hover_text("Triangles that are rasterized, after clipping and culling");
 }

@@ -9,16 +9,17 @@ use eframe::egui::{self, DragValue, Label, RichText, Slider, Ui};
 use super::{pick, plan};
 use crate::chain::Recipe;
 use crate::inspect::Stage;
+use crate::measure::stages::StageTimes;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::Part;
 use crate::pipeline::settings::{Choice as _, DepthTest, Shading};
 use crate::scene::{Camera, Projection, SceneSource, builtin};
 use crate::ui::command::Command;
-use crate::ui::engine::{Shown, StageTimes, View};
+use crate::ui::engine::{Shown, View};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{choice, combo, icon_button, row, value_row};
+use crate::ui::widgets::{choice, combo, figure, icon_button, row, value_row};
 use crate::upscale::{self, Upscaling};
 
 /// Draws all rows.
@@ -106,15 +107,6 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
 }
 
-/// A number in a column of its own width, so that nothing jumps.
-fn figure(ui: &mut Ui, text: &str, width: f32, color: egui::Color32) -> egui::Response {
-    let (rect, response) = ui.allocate_exact_size(egui::vec2(width, theme::CONTROL_HEIGHT), egui::Sense::hover());
-    let font = egui::TextStyle::Monospace.resolve(ui.style());
-    ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, text, font, color);
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Label, true, text));
-    response
-}
-
 /// 14 860 as "14.9 k": rows have room for no more.
 fn short_count(number: u64) -> String {
     match number {
@@ -183,6 +175,12 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                 }
             }
         });
+    });
+    let mut mirrored = session.mirrored;
+    row(ui, "Mirror z", "Mirrors the scene in z: for models made for a world of the other handedness", |ui| {
+        if ui.checkbox(&mut mirrored, "").changed() {
+            commands.push(Command::MirrorZ);
+        }
     });
     let scene = &session.scene;
     let library = &scene.library;
@@ -321,6 +319,9 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    row(ui, "Algorithm", "How the samples inside a triangle are found; all find the same ones", |ui| {
+        pick(ui, &mut recipe.pipeline.rasterizer)
+    });
     row(ui, "Fill rule", "Who owns a pixel centre that lies exactly on an edge", |ui| {
         pick(ui, &mut recipe.pipeline.fill_rule)
     });
@@ -328,12 +329,7 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         ui.checkbox(&mut recipe.wireframe, "");
     });
     let Some(view) = &session.view else { return };
-    value_row(
-        ui,
-        "Samples visited",
-        &format::count(view.counters.visited),
-        "Samples that were tested against three edges: the boxes around all triangles",
-    );
+    value_row(ui, "Samples visited", &format::count(view.counters.visited), "Samples that the algorithm looked at");
     value_row(
         ui,
         "Samples covered",
@@ -416,8 +412,11 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
         let (sin_e, cos_e) = elevation.to_radians().sin_cos();
         light.direction = glam::Vec3::new(sin_a * cos_e, sin_e, cos_a * cos_e);
     }
+    if recipe.pipeline.shading == Shading::Cel {
+        return;
+    }
     row(ui, "Ambient", "Share of light that reaches every surface", |ui| {
-        ui.add(Slider::new(&mut light.ambient, 0.0..=1.0).max_decimals(2))
+        ui.add(Slider::new(&mut recipe.pipeline.light.ambient, 0.0..=1.0).max_decimals(2))
     });
 }
 
@@ -438,6 +437,10 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         recipe.upscaler = upscaling;
     }
     note(ui, recipe.upscaler.upscaler().help());
+    let share = session.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
+    let share = share.map_or_else(|| "not measured".to_owned(), format::percent);
+    let help = "Median frame time over that of native, from the last measurement of all upscalers on this very picture";
+    value_row(ui, "Time against native", &share, help);
     if let Some(view) = &session.view {
         value_row(
             ui,

@@ -38,7 +38,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, 140.0)
+    combo("shown", name, (ui.available_width() - 260.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -121,6 +121,11 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
     }
     if icon_button(ui, Icon::Square, "One picture pixel per screen pixel  (0)").clicked() {
         commands.push(Command::ZoomOne);
+    }
+    /// Narrower bars do without the figures.
+    const ROOM_POINTS: f32 = 190.0;
+    if ui.available_width() < ROOM_POINTS {
+        return;
     }
     let viewport = session.viewport();
     let zoom = scale.map_or_else(|| "fit".to_owned(), |s| format!("{:.0} %", s * 100.0));

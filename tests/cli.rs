@@ -1,0 +1,352 @@
+//! The program as its users meet it: arguments in, exit code, standard output, standard error and files out.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use rasterscope::chain::Recipe;
+use rasterscope::image::{Image, Rgba8, file};
+use rasterscope::inspect::Buffer;
+use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::scene::builtin;
+use rasterscope::upscale;
+use tempfile::TempDir;
+
+const COMMANDS_WITH_SETTINGS: [&[&str]; 5] = [&[], &["render"], &["pixel"], &["screenshot"], &["window"]];
+
+/// The program, to be run in a folder of its own and with no display in reach.
+fn program(folder: &TempDir, args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_rasterscope"));
+    command.args(args).current_dir(folder);
+    command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+    command
+}
+
+fn run(folder: &TempDir, args: &[&str]) -> Output {
+    program(folder, args).output().unwrap()
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().unwrap()
+}
+
+fn stdout(output: &Output) -> &str {
+    str::from_utf8(&output.stdout).unwrap()
+}
+
+fn stderr(output: &Output) -> &str {
+    str::from_utf8(&output.stderr).unwrap()
+}
+
+#[track_caller]
+fn assert_success(output: &Output) {
+    assert!(output.status.success(), "{}: {}", output.status, stderr(output));
+}
+
+/// Exit code `code`, nothing on standard output, and on standard error one line that names the `culprit`.
+#[track_caller]
+fn assert_failure(output: &Output, code: i32, culprit: &str) {
+    let complaint = stderr(output);
+    assert_eq!(output.status.code(), Some(code), "{complaint}");
+    assert_eq!(stdout(output), "");
+    assert_eq!(complaint.lines().count(), 1, "{complaint}");
+    assert!(complaint.starts_with("error: ") && complaint.contains(culprit), "no `{culprit}` in: {complaint}");
+    assert!(!complaint.contains("panicked"), "{complaint}");
+}
+
+fn picture(folder: &TempDir, name: &str) -> Image<Rgba8> {
+    file::read(&folder.path().join(name)).unwrap()
+}
+
+fn is_one_color(image: &Image<Rgba8>) -> bool {
+    image.pixels().iter().all(|pixel| *pixel == image.at(0, 0))
+}
+
+fn is_empty(folder: &Path) -> bool {
+    fs::read_dir(folder).unwrap().next().is_none()
+}
+
+#[test]
+fn help_names_every_setting() {
+    let folder = folder();
+    for command in COMMANDS_WITH_SETTINGS {
+        let output = run(&folder, &[command, &["--help"]].concat());
+        assert_success(&output);
+        for (key, _) in Recipe::keys() {
+            assert!(stdout(&output).contains(&format!("{key}: ")), "{command:?}: {key}");
+        }
+    }
+    assert_success(&run(&folder, &["scenes", "--help"]));
+}
+
+#[test]
+fn the_readme_names_every_setting_scene_method_and_buffer() {
+    let readme = include_str!("../README.md");
+    let settings = Recipe::keys().into_iter().map(|(key, _)| key);
+    let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
+    let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
+    let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
+    for name in settings.chain(scenes).chain(methods).chain(buffers) {
+        assert!(readme.contains(&format!("`{name}`")), "{name}");
+    }
+}
+
+#[test]
+fn all_built_in_scenes_are_listed_with_their_size() {
+    let output = run(&folder(), &["scenes"]);
+    assert_success(&output);
+    assert_eq!(stdout(&output).lines().count(), builtin::ALL.len());
+    for (line, scene) in stdout(&output).lines().zip(builtin::ALL) {
+        let words: Vec<_> = line.split_whitespace().collect();
+        assert_eq!(words[..2], [scene.id, &scene.build().triangle_count().to_string()]);
+        assert!(line.ends_with(scene.summary));
+    }
+}
+
+#[test]
+fn every_built_in_scene_renders_to_a_picture_of_the_size_asked_for() {
+    let folder = folder();
+    for scene in builtin::ALL {
+        let output = run(&folder, &["render", scene.id, "--size", "64x48", "-o", "out.png"]);
+        assert_success(&output);
+        assert_eq!(stdout(&output).lines().count(), 1);
+        assert!(stdout(&output).starts_with("out.png: 64 × 48 px, "), "{}", stdout(&output));
+        assert_eq!(stderr(&output), "");
+        let image = picture(&folder, "out.png");
+        assert_eq!(image.size(), (64, 48));
+        assert!(!is_one_color(&image), "{}", scene.id);
+    }
+}
+
+#[test]
+fn every_buffer_is_a_picture_of_its_own() {
+    let folder = folder();
+    let images = Buffer::ALL.iter().map(|buffer| {
+        assert_success(&run(&folder, &["render", "--size", "64x48", "--buffer", buffer.id(), "-o", "out.png"]));
+        picture(&folder, "out.png")
+    });
+    let images: Vec<_> = images.collect();
+    for (index, image) in images.iter().enumerate() {
+        assert!(!is_one_color(image), "{}", Buffer::ALL[index].id());
+        assert!(!images[..index].contains(image), "{} looks like another", Buffer::ALL[index].id());
+    }
+}
+
+#[test]
+fn the_share_of_drawn_pixels_is_told() {
+    let args = ["render", "--size", "64x48", "--set", "upscaler.method=checkerboard", "-o", "out.png"];
+    let output = run(&folder(), &args);
+    assert!(stdout(&output).trim_end().ends_with("50.0 % of the pixels drawn"), "{}", stdout(&output));
+}
+
+#[test]
+fn the_colour_of_a_replayed_pixel_is_the_rendered_one() {
+    let folder = folder();
+    let methods = upscale::ALL.iter().map(|upscaler| format!("upscaler.method={}", upscaler.id()));
+    for setting in methods.chain(["wireframe=true".to_owned(), "shading=gouraud".to_owned()]) {
+        let options = ["cubes", "--size", "63x47", "--set", &setting];
+        assert_success(&run(&folder, &[&["render", "-o", "out.png"], &options[..]].concat()));
+        let image = picture(&folder, "out.png");
+        for (x, y) in [(0, 0), (62, 46), (31, 23), (30, 20), (17, 30)] {
+            let at = format!("{x},{y}");
+            let output = run(&folder, &[&["pixel", "--json", "--at", &at], &options[..]].concat());
+            assert_success(&output);
+            let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert_eq!(report["color"], serde_json::json!(image.at(x, y)), "{setting} at {at}");
+        }
+    }
+}
+
+#[test]
+fn the_story_of_a_pixel_is_told_in_words() {
+    let output = run(&folder(), &["pixel", "interpenetrating", "--at", "32,24", "--size", "64x48"]);
+    assert_success(&output);
+    let text = stdout(&output);
+    assert!(text.starts_with("pixel 32, 24: #"), "{text}");
+    for part in ["Won by", "fragment 1 of 2", "fragment 2 of 2", "overwritten", "visible", "λ′", "edges"] {
+        assert!(text.contains(part), "no `{part}` in:\n{text}");
+    }
+}
+
+#[test]
+fn a_camera_file_changes_the_view() {
+    let folder = folder();
+    let camera = r#"{"eye": [3, 4, 9], "target": [0, 0, 0], "fov_y_degrees": 60, "near": 0.1, "far": 100}"#;
+    fs::write(folder.path().join("camera.json"), camera).unwrap();
+    assert_success(&run(&folder, &["render", "cubes", "--size", "64x48", "-o", "home.png"]));
+    let args = ["render", "cubes", "--size", "64x48", "--camera", "camera.json", "-o", "moved.png"];
+    assert_success(&run(&folder, &args));
+    assert_ne!(picture(&folder, "home.png"), picture(&folder, "moved.png"));
+}
+
+#[test]
+fn bad_input_is_one_line_that_names_the_culprit() {
+    let inputs: [(&[&str], &str); 15] = [
+        (&["--set", "shadign=gouraud"], "shadign"),
+        (&["--set", "shading=phong"], "phong"),
+        (&["--set", "shading"], "key=value"),
+        (&["--set", "light.direction=0,0,0"], "light.direction"),
+        (&["--size", "0x48"], "0x48"),
+        (&["--size", "16385x1"], "16385x1"),
+        (&["--size", "16384x16384"], "16384x16384"),
+        (&["--size", "big"], "big"),
+        (&["--buffer", "stencil"], "stencil"),
+        (&["--camera", "nowhere.json"], "nowhere.json"),
+        (&["--bogus"], "--bogus"),
+        (&["nowhere.obj"], "nowhere.obj"),
+        (&["chss"], "chess"),
+        (&["."], ".: "),
+        (&["two", "scenes"], "scenes"),
+    ];
+    for (args, culprit) in inputs {
+        let folder = folder();
+        let output = run(&folder, &[&["render", "-o", "out.png"], args].concat());
+        assert_failure(&output, 2, culprit);
+        assert!(is_empty(folder.path()), "{args:?} left something behind");
+    }
+    assert_failure(&run(&folder(), &["render"]), 2, "--output");
+}
+
+#[test]
+fn the_plain_start_and_the_window_refuse_bad_input_too() {
+    for command in [&[][..], &["window"]] {
+        for (args, culprit) in [(["nowhere.obj"].as_slice(), "nowhere.obj"), (&["--set", "shading=phong"], "phong")] {
+            let folder = folder();
+            assert_failure(&run(&folder, &[command, args].concat()), 2, culprit);
+            assert!(is_empty(folder.path()));
+        }
+    }
+}
+
+#[test]
+fn pixels_outside_of_the_picture_are_refused() {
+    for at in ["64,0", "0,48", "-1,0", "0", "1,2,3", "1.5,2"] {
+        let output = run(&folder(), &["pixel", "--size", "64x48", "--at", at]);
+        assert_failure(&output, 2, at);
+    }
+}
+
+#[test]
+fn bad_camera_files_are_named_with_their_line() {
+    for (text, place) in [
+        ("{\n  \"eye\": [1, 2],\n  \"target\": [0, 0, 0]\n}", "camera.json:2:"),
+        ("", "camera.json:1:"),
+        ("{\n\"lens\": 3}", "lens"),
+        (r#"{"eye": [0,0,0], "target": [0,0,0], "fov_y_degrees": 45, "near": 1, "far": 2}"#, "camera.json: "),
+    ] {
+        let folder = folder();
+        fs::write(folder.path().join("camera.json"), text).unwrap();
+        let args = ["render", "--size", "8x8", "--camera", "camera.json", "-o", "out.png"];
+        assert_failure(&run(&folder, &args), 2, place);
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_written_is_named() {
+    for path in ["missing/out.png", "."] {
+        assert_failure(&run(&folder(), &["render", "--size", "8x8", "-o", path]), 2, &format!("error: {path}: "));
+    }
+}
+
+#[test]
+fn warnings_of_the_loader_go_to_standard_error() {
+    let folder = folder();
+    let model = "mtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    fs::write(folder.path().join("model.obj"), model).unwrap();
+    let output = run(&folder, &["render", "model.obj", "--size", "16x16", "-o", "out.png"]);
+    assert_success(&output);
+    assert_eq!(stdout(&output).lines().count(), 1);
+    assert!(stderr(&output).contains("missing.mtl"), "{}", stderr(&output));
+    assert!(stderr(&output).lines().all(|line| line.starts_with("warning: ")), "{}", stderr(&output));
+}
+
+#[test]
+fn a_broken_model_is_named_with_its_line() {
+    let folder = folder();
+    fs::write(folder.path().join("model.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n").unwrap();
+    assert_failure(&run(&folder, &["render", "model.obj", "-o", "out.png"]), 2, "model.obj:4: ");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_failure() {
+    for args in [&["scenes"][..], &["--help"], &["pixel", "--size", "64x48", "--at", "3,3"]] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let output = program(&folder(), args).stdout(writer).output().unwrap();
+        assert_success(&output);
+        assert_eq!(stderr(&output), "");
+    }
+}
+
+#[test]
+fn a_window_that_cannot_open_is_an_error_of_its_own() {
+    let folder = folder();
+    let output = run(&folder, &["window"]);
+    assert_failure(&output, 3, "window");
+    assert!(is_empty(folder.path()));
+}
+
+#[cfg(not(feature = "ui"))]
+#[test]
+fn builds_without_the_workbench_say_so() {
+    for args in [&[][..], &["screenshot", "-o", "out.png"]] {
+        let folder = folder();
+        assert_failure(&run(&folder, args), 3, "feature `ui`");
+        assert!(is_empty(folder.path()));
+    }
+}
+
+#[cfg(feature = "ui")]
+mod workbench {
+    use super::*;
+
+    #[test]
+    fn a_plain_start_without_a_display_leaves_a_picture() {
+        let folder = folder();
+        let output = run(&folder, &[]);
+        assert_success(&output);
+        assert_eq!(stdout(&output), "rasterscope.png: the workbench, 1280 × 800 px\n");
+        assert_eq!(stderr(&output).lines().count(), 1, "{}", stderr(&output));
+        assert!(stderr(&output).contains("no display"), "{}", stderr(&output));
+        let image = picture(&folder, "rasterscope.png");
+        assert_eq!(image.size(), (1280, 800));
+        assert!(!is_one_color(&image));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_plain_start_with_a_dead_display_leaves_a_picture_too() {
+        for (variable, value) in [("DISPLAY", ":4711"), ("WAYLAND_DISPLAY", "wayland-4711")] {
+            let folder = folder();
+            let output = program(&folder, &[]).env(variable, value).output().unwrap();
+            assert_success(&output);
+            assert_eq!(stderr(&output).lines().count(), 1, "{}", stderr(&output));
+            assert!(!is_one_color(&picture(&folder, "rasterscope.png")));
+            let output = program(&folder, &["window"]).env(variable, value).output().unwrap();
+            assert_failure(&output, 3, "no window");
+        }
+    }
+
+    #[test]
+    fn screenshots_have_the_size_asked_for_and_follow_the_options() {
+        let folder = folder();
+        let shot = |name: &str, options: &[&str]| {
+            assert_success(&run(&folder, &[&["screenshot", "--size", "1000x640", "-o", name], options].concat()));
+            picture(&folder, name)
+        };
+        let dark = shot("dark.png", &[]);
+        assert_eq!(dark.size(), (1000, 640));
+        for options in [&["--theme", "light"][..], &["--scale", "1.5"], &["slivers"], &["--set", "shading=normals"]] {
+            let other = shot("other.png", options);
+            assert_eq!(other.size(), (1000, 640), "{options:?}");
+            assert_ne!(other, dark, "{options:?}");
+        }
+    }
+
+    #[test]
+    fn bad_options_of_a_screenshot_are_named() {
+        for (option, value) in [("--scale", "9"), ("--scale", "nan"), ("--theme", "pink"), ("--size", "0x0")] {
+            assert_failure(&run(&folder(), &["screenshot", "-o", "out.png", option, value]), 2, value);
+        }
+    }
+}
