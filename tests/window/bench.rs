@@ -43,7 +43,7 @@ impl Bench {
         let loaded = source.load().unwrap().scene;
         let camera = loaded.home;
         let session = Session::new(Arc::new(loaded), source, rasterscope::chain::Recipe::default(), camera);
-        let window = Harness::builder().with_size(WINDOW).with_step_dt(0.1).build_eframe(|cc| {
+        let window = Harness::builder().with_size(WINDOW).with_step_dt(0.1).with_max_steps(24).build_eframe(|cc| {
             theme::install(&cc.egui_ctx);
             Workbench::new(session, worker)
         });
