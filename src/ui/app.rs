@@ -200,7 +200,7 @@ impl Workbench {
                 }
                 self.session.view = Some(*view);
             }
-            Answer::Stages(times) => self.session.stages = Some(times),
+            Answer::Stages(figures) => self.session.stages = Some(figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
