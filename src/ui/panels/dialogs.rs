@@ -212,7 +212,14 @@ fn key_name(binding: &crate::ui::command::Binding) -> String {
     if binding.modifiers.shift {
         name.push_str("Shift + ");
     }
-    name + binding.key.symbol_or_name()
+    name + match binding.key {
+        // The toolkit's own signs for these are in none of the fonts.
+        Key::ArrowLeft => "←",
+        Key::ArrowRight => "→",
+        Key::ArrowUp => "↑",
+        Key::ArrowDown => "↓",
+        key => key.symbol_or_name(),
+    }
 }
 
 #[cfg(test)]

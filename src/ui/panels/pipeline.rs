@@ -227,7 +227,7 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Projection::Perspective { fov_y } => {
             row(ui, "Field of view", "Vertical angle that is seen", |ui| {
                 let mut degrees = fov_y.to_degrees();
-                if ui.add(Slider::new(&mut degrees, 5.0..=150.0).suffix("°").max_decimals(1)).changed() {
+                if degree_slider(ui, &mut degrees, 5.0..=150.0, 1) {
                     *fov_y = degrees.to_radians();
                 }
             });
@@ -388,6 +388,13 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     });
 }
 
+/// An angle; true when the user changed it. Only the text is rounded: a slider that rounds its value changes it by being
+/// drawn.
+fn degree_slider(ui: &mut Ui, degrees: &mut f32, range: std::ops::RangeInclusive<f32>, decimals: usize) -> bool {
+    let text = move |value: f64, _| format!("{value:.decimals$}");
+    ui.add(Slider::new(degrees, range).suffix("°").custom_formatter(text)).changed()
+}
+
 fn light(ui: &mut Ui, recipe: &mut Recipe) {
     let light = &mut recipe.pipeline.light;
     let direction = light.direction.normalize_or(glam::Vec3::Y);
@@ -395,10 +402,10 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
         (direction.x.atan2(direction.z).to_degrees(), direction.y.clamp(-1.0, 1.0).asin().to_degrees());
     let mut turned = false;
     row(ui, "Light azimuth", "Where the light comes from, around the vertical axis; 0° is +z", |ui| {
-        turned |= ui.add(Slider::new(&mut azimuth, -180.0..=180.0).suffix("°").max_decimals(0)).changed();
+        turned |= degree_slider(ui, &mut azimuth, -180.0..=180.0, 0);
     });
     row(ui, "Light elevation", "How high the light stands", |ui| {
-        turned |= ui.add(Slider::new(&mut elevation, -90.0..=90.0).suffix("°").max_decimals(0)).changed();
+        turned |= degree_slider(ui, &mut elevation, -90.0..=90.0, 0);
     });
     if turned {
         let (sin_a, cos_a) = azimuth.to_radians().sin_cos();

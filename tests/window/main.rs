@@ -1,0 +1,10 @@
+//! Drives the window through its accessibility tree, without a display.
+
+mod appearance;
+mod bench;
+mod camera;
+mod files;
+mod measuring;
+mod picking;
+mod settings;
+mod stepping;

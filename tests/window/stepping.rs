@@ -1,0 +1,130 @@
+//! Stepping through the frame: stage by stage, buffer by buffer, triangle by triangle.
+
+use eframe::egui::{Key, Role};
+use egui_kittest::kittest::Queryable as _;
+use rasterscope::inspect::{Buffer, Stage, stages};
+use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::ui::engine::Shown;
+
+use crate::bench::Bench;
+
+/// The canvas shows the picture after this stage.
+fn assert_shows(bench: &Bench, stage: Stage) {
+    let view = bench.view();
+    let request = bench.session().request();
+    assert_eq!(request.shown, Shown::Stage(stage));
+    let expected = stages::picture(&request.scene, &request.camera, &request.recipe, &bench.expected(), stage);
+    assert_eq!(*view.picture, expected, "{}", stage.name());
+}
+
+#[test]
+fn brackets_step_through_all_stages_and_stop_at_the_ends() {
+    let mut bench = Bench::small("interpenetrating");
+    for stage in Stage::ALL.iter().rev().skip(1) {
+        bench.press(Key::OpenBracket);
+        assert_shows(&bench, *stage);
+    }
+    bench.press(Key::OpenBracket);
+    assert_shows(&bench, Stage::ALL[0]);
+    for stage in &Stage::ALL[1..] {
+        bench.press(Key::CloseBracket);
+        assert_shows(&bench, *stage);
+    }
+    bench.press(Key::CloseBracket);
+    assert_shows(&bench, Stage::Upscale);
+}
+
+#[test]
+fn every_stage_s_eye_shows_its_picture_and_hides_it_again() {
+    let mut bench = Bench::small("interpenetrating");
+    for stage in Stage::ALL {
+        let eye = format!("Show the picture after “{}”", stage.name());
+        bench.click(&eye);
+        assert_shows(&bench, *stage);
+        bench.click(&eye);
+        assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
+    }
+}
+
+#[test]
+fn stages_differ_from_one_another() {
+    let mut bench = Bench::small("cubes");
+    let mut pictures = Vec::new();
+    for _ in Stage::ALL {
+        bench.press(Key::OpenBracket);
+        pictures.push(bench.view().picture.clone());
+    }
+    pictures.dedup();
+    assert!(pictures.len() >= 7, "only {} different pictures", pictures.len());
+}
+
+#[test]
+fn the_view_menu_shows_every_buffer() {
+    let mut bench = Bench::small("interpenetrating");
+    for buffer in Buffer::ALL {
+        bench.click("View");
+        bench.click("Buffer");
+        bench.click(buffer.name());
+        assert_eq!(bench.session().shown, Shown::Buffer(*buffer));
+        assert_eq!(bench.view().request.shown, Shown::Buffer(*buffer));
+    }
+}
+
+#[test]
+fn keys_draw_the_frame_triangle_by_triangle() {
+    let mut bench = Bench::small("shared-edges");
+    let all = bench.view().rasterized;
+    assert_eq!(all, 8);
+    let drawn = |bench: &Bench| bench.view().frame.geometry.triangles.len();
+    let complete = bench.image();
+
+    bench.press(Key::Home);
+    assert_eq!(drawn(&bench), 0);
+    let empty = bench.image();
+    assert!(empty.pixels().iter().all(|pixel| *pixel == empty.at(0, 0)), "only the background is left");
+    for count in 1..=all {
+        bench.press(Key::Period);
+        assert_eq!(drawn(&bench), count);
+    }
+    assert_eq!(bench.session().triangle_limit, None, "all triangles are no limit");
+    assert_eq!(bench.image(), complete);
+    bench.press(Key::Period);
+    assert_eq!(drawn(&bench), all);
+    bench.press(Key::Comma);
+    assert_eq!(drawn(&bench), all - 1);
+    assert_ne!(bench.image(), complete);
+    bench.press(Key::End);
+    assert_eq!(bench.image(), complete);
+}
+
+#[test]
+fn the_slider_and_its_buttons_limit_the_triangles() {
+    let mut bench = Bench::small("shared-edges");
+    bench.window.get_by_role_and_label(Role::Slider, "Triangles drawn").set_value_accesskit(3.0);
+    bench.rest();
+    assert_eq!(bench.session().triangle_limit, Some(3));
+    assert_eq!(bench.view().frame.geometry.triangles.len(), 3);
+    assert!(bench.says("3 / 8"));
+    let buttons = [
+        ("One triangle more  (.)", Some(4)),
+        ("One triangle fewer  (,)", Some(3)),
+        ("Before the first triangle  (Home)", Some(0)),
+        ("One triangle fewer  (,)", Some(0)),
+        ("After the last triangle  (End)", None),
+    ];
+    for (name, limit) in buttons {
+        bench.click(name);
+        assert_eq!(bench.session().triangle_limit, limit, "{name}");
+    }
+}
+
+#[test]
+fn the_inspector_answers_for_the_triangles_that_are_drawn() {
+    let mut bench = Bench::small("shared-edges");
+    let place = bench.place_of((80, 45));
+    bench.click_at(place);
+    assert!(!bench.view().report.as_ref().expect("picked").fragments.is_empty());
+    bench.press(Key::Home);
+    assert!(bench.view().report.as_ref().expect("picked").fragments.is_empty());
+    assert!(bench.says("Fragments (0)"));
+}

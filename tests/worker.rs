@@ -1,0 +1,192 @@
+//! The renderer's thread: newest request first, nothing for nothing, measurements in rounds.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use rasterscope::chain::{Recipe, run};
+use rasterscope::inspect::Buffer;
+use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::scene::SceneSource;
+use rasterscope::ui::engine::{Request, Shown};
+use rasterscope::ui::worker::{Answer, Job, MEASURE_ROUNDS, Worker};
+use rasterscope::upscale::Upscaling;
+
+/// Longer than any answer takes, even on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+fn request(scene: &str, (width, height): (u32, u32)) -> Request {
+    let scene = SceneSource::named(scene.into()).load().unwrap().scene;
+    Request {
+        camera: scene.home,
+        scene: Arc::new(scene),
+        recipe: Recipe::default(),
+        viewport: Viewport { width, height },
+        shown: Shown::Buffer(Buffer::Color),
+        triangle_limit: None,
+        pick: None,
+    }
+}
+
+fn show(request: &Request) -> Job {
+    Job::Show(Box::new(request.clone()))
+}
+
+/// The answers up to the first that `last` accepts, that one included.
+fn answers_until(worker: &mut Worker, last: impl Fn(&Answer) -> bool) -> Vec<Answer> {
+    let start = Instant::now();
+    let mut answers = Vec::new();
+    while start.elapsed() < PATIENCE {
+        match worker.poll() {
+            Some(answer) => {
+                answers.push(answer);
+                if answers.last().is_some_and(&last) {
+                    return answers;
+                }
+            }
+            None => std::thread::sleep(Duration::from_millis(1)),
+        }
+    }
+    panic!("no such answer among {} ones", answers.len());
+}
+
+/// Everything that comes within `time`.
+fn answers_within(worker: &mut Worker, time: Duration) -> Vec<Answer> {
+    std::thread::sleep(time);
+    std::iter::from_fn(|| worker.poll()).collect()
+}
+
+#[test]
+fn a_request_is_answered_with_its_frame_and_then_its_stage_times() {
+    let mut worker = Worker::spawn(|| ());
+    let request = request("triangle", (64, 48));
+    worker.send(show(&request));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
+    let [Answer::View(view), Answer::Stages(times)] = &answers[..] else { panic!("{} answers", answers.len()) };
+    let expected = run(&request.scene, &request.camera, &request.recipe, request.viewport, &mut ());
+    assert_eq!(*view.picture, expected.image);
+    assert!(view.fresh);
+    assert!(times.rasterize > Duration::ZERO);
+}
+
+#[test]
+fn only_the_newest_of_the_waiting_requests_is_answered() {
+    let mut worker = Worker::spawn(|| ());
+    let busy = request("chess", (640, 480));
+    worker.send(show(&busy));
+    // The thread is still at the first, or has not begun it, when these arrive.
+    let mut newest = request("triangle", (32, 32));
+    for x in 0..50 {
+        newest.pick = Some((x % 32, 7));
+        worker.send(show(&newest));
+    }
+    let is_newest = |answer: &Answer| matches!(answer, Answer::View(view) if view.request.same_view(&newest));
+    let answers = answers_until(&mut worker, is_newest);
+    let views = answers.iter().filter(|answer| matches!(answer, Answer::View(_))).count();
+    assert!(views <= 3, "{views} of 51 requests were answered");
+    assert!(answers_within(&mut worker, Duration::from_millis(300)).iter().all(|a| matches!(a, Answer::Stages(_))));
+}
+
+#[test]
+fn the_window_is_woken_for_every_answer() {
+    let wakes = Arc::new(AtomicUsize::new(0));
+    let counter = wakes.clone();
+    let mut worker = Worker::spawn(move || {
+        counter.fetch_add(1, Ordering::SeqCst);
+    });
+    assert_eq!(wakes.load(Ordering::SeqCst), 0);
+    worker.send(show(&request("triangle", (16, 16))));
+    answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
+    std::thread::sleep(Duration::from_millis(100));
+    assert_eq!(wakes.load(Ordering::SeqCst), 2, "once for the view, once for its stage times");
+}
+
+#[test]
+fn an_idle_worker_does_nothing() {
+    let wakes = Arc::new(AtomicUsize::new(0));
+    let counter = wakes.clone();
+    let mut worker = Worker::spawn(move || {
+        counter.fetch_add(1, Ordering::SeqCst);
+    });
+    worker.send(show(&request("triangle", (16, 16))));
+    answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
+    std::thread::sleep(Duration::from_millis(100));
+    let before = wakes.load(Ordering::SeqCst);
+    assert!(answers_within(&mut worker, Duration::from_millis(300)).is_empty());
+    assert_eq!(wakes.load(Ordering::SeqCst), before);
+}
+
+#[test]
+fn another_pick_keeps_the_frame() {
+    let mut worker = Worker::spawn(|| ());
+    let mut request = request("triangle", (64, 48));
+    worker.send(show(&request));
+    let is_view = |answer: &Answer| matches!(answer, Answer::View(_));
+    let first = answers_until(&mut worker, is_view).pop();
+    request.pick = Some((32, 24));
+    worker.send(show(&request));
+    let second = answers_until(&mut worker, is_view).pop();
+    let (Some(Answer::View(first)), Some(Answer::View(second))) = (first, second) else { panic!("two views") };
+    assert!(Arc::ptr_eq(&first.frame, &second.frame) && Arc::ptr_eq(&first.picture, &second.picture));
+    assert!(!second.fresh);
+    assert_eq!(second.report.as_ref().map(|report| (report.x, report.y)), Some((32, 24)));
+}
+
+#[test]
+fn a_measurement_times_every_method_once_per_round() {
+    let mut worker = Worker::spawn(|| ());
+    worker.send(Job::Measure(Box::new(request("triangle", (32, 24)))));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Measured));
+    let samples: Vec<_> = answers
+        .iter()
+        .filter_map(|answer| match answer {
+            Answer::Sample { upscaling, milliseconds, progress } => Some((*upscaling, *milliseconds, *progress)),
+            _ => None,
+        })
+        .collect();
+    let methods: Vec<_> = Upscaling::every().collect();
+    assert_eq!(samples.len(), MEASURE_ROUNDS * methods.len());
+    for round in samples.chunks(methods.len()) {
+        assert!(round.iter().map(|(upscaling, ..)| upscaling).eq(&methods), "{round:?}");
+    }
+    assert!(samples.is_sorted_by(|a, b| a.2 < b.2), "progress grows");
+    assert_eq!(samples.last().map(|sample| sample.2), Some(1.0));
+    assert!(samples.iter().all(|sample| sample.1 > 0.0));
+}
+
+#[test]
+fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
+    let mut worker = Worker::spawn(|| ());
+    worker.send(Job::Measure(Box::new(request("chess", (320, 240)))));
+    answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
+    worker.send(Job::CancelMeasure);
+    let wanted = request("triangle", (16, 16));
+    worker.send(show(&wanted));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
+    assert!(!answers.iter().any(|answer| matches!(answer, Answer::Measured)));
+    assert!(answers_within(&mut worker, Duration::from_millis(300)).is_empty(), "no samples after cancelling");
+}
+
+#[test]
+fn requests_come_before_measuring() {
+    let mut worker = Worker::spawn(|| ());
+    let measured = request("chess", (320, 240));
+    worker.send(Job::Measure(Box::new(measured)));
+    answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
+    worker.send(show(&request("triangle", (16, 16))));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::View(_)));
+    assert!(answers.len() <= 4, "{} samples were taken first", answers.len() - 1);
+}
+
+#[test]
+fn the_inline_worker_gives_the_same_answers_at_once() {
+    let request = request("triangle", (64, 48));
+    let mut inline = Worker::inline();
+    inline.send(show(&request));
+    let answers: Vec<_> = std::iter::from_fn(|| inline.poll()).collect();
+    let [Answer::View(view), Answer::Stages(_)] = &answers[..] else { panic!("{} answers", answers.len()) };
+    let mut threaded = Worker::spawn(|| ());
+    threaded.send(show(&request));
+    let other = answers_until(&mut threaded, |answer| matches!(answer, Answer::View(_))).pop();
+    assert!(matches!(other, Some(Answer::View(other)) if other.picture == view.picture));
+}
