@@ -266,7 +266,8 @@ impl Workbench {
         }
     }
 
-    fn measure(&mut self) {
+    /// Starts timing all upscalers on what is shown.
+    pub fn measure(&mut self) {
         let request = Request { triangle_limit: None, ..self.session.request() };
         self.session.timings.begin_measurement(request.clone());
         self.session.measuring = Some(Measuring { progress: 0.0 });
