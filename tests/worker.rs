@@ -62,11 +62,11 @@ fn a_request_is_answered_with_its_frame_and_then_its_stage_times() {
     let request = request("triangle", (64, 48));
     worker.send(show(&request));
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
-    let [Answer::View(view), Answer::Stages(times)] = &answers[..] else { panic!("{} answers", answers.len()) };
+    let [Answer::View(view), Answer::Stages(figures)] = &answers[..] else { panic!("{} answers", answers.len()) };
     let expected = run(&request.scene, &request.camera, &request.recipe, request.viewport, &mut ());
     assert_eq!(*view.picture, expected.image);
     assert!(view.fresh);
-    assert!(times.rasterize > Duration::ZERO);
+    assert!(figures.times.rasterize > Duration::ZERO);
 }
 
 #[test]

@@ -42,11 +42,15 @@ pub(crate) struct Look {
     /// Column and row of the scene's pixel that is selected, so that the inspector tells about it
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
+
+    /// Time all upscalers first, some seconds, and show their frame times
+    #[arg(long)]
+    pub(crate) measure: bool,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { size: Viewport { width: 1280, height: 800 }, scale: 1.0, theme: Theme::Dark, at: None }
+        Self { size: Viewport { width: 1280, height: 800 }, scale: 1.0, theme: Theme::Dark, at: None, measure: false }
     }
 }
 

@@ -34,6 +34,7 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
             Theme::Dark => ui::Theme::Dark,
             Theme::Light => ui::Theme::Light,
         },
+        measure: look.measure,
         selected: look.at,
     }))
 }

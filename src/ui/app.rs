@@ -200,7 +200,7 @@ impl Workbench {
                 }
                 self.session.view = Some(*view);
             }
-            Answer::Stages(times) => self.session.stages = Some(times),
+            Answer::Stages(figures) => self.session.stages = Some(figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
@@ -266,7 +266,8 @@ impl Workbench {
         }
     }
 
-    fn measure(&mut self) {
+    /// Starts timing all upscalers on what is shown.
+    pub fn measure(&mut self) {
         let request = Request { triangle_limit: None, ..self.session.request() };
         self.session.timings.begin_measurement(request.clone());
         self.session.measuring = Some(Measuring { progress: 0.0 });

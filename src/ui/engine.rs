@@ -11,10 +11,11 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::view::{self, Range};
 use crate::inspect::{PixelReport, Stage, inspect, stages};
+use crate::measure::stages::{StageTimes, stage_times};
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Counters;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Until, draw};
+use crate::pipeline::{Extent, Until, draw, prepare};
 use crate::scene::{Camera, Scene};
 
 /// What the canvas shows of a frame.
@@ -67,8 +68,6 @@ pub struct View {
     pub request: Request,
     /// The frame.
     pub frame: Arc<Frame>,
-    /// What happened in it.
-    pub counters: Counters,
     /// Triangles that are rasterized without a limit.
     pub rasterized: usize,
     /// The picture to show.
@@ -94,15 +93,16 @@ impl Engine {
     pub fn answer(&mut self, request: Request) -> View {
         let last = self.last.take().filter(|view| view.request.same_frame(&request));
         let fresh = last.is_none();
-        let (rendered, kept_buffers, kept_picture) = match last {
+        let (frame, rasterized, kept_buffers, kept_picture) = match last {
             Some(view) => {
                 let same_picture = (view.request.shown == request.shown).then_some(view.picture);
-                let rendered = Rendered { frame: view.frame, counters: view.counters, rasterized: view.rasterized };
-                (rendered, view.buffers, same_picture)
+                (view.frame, view.rasterized, view.buffers, same_picture)
             }
-            None => (render(&request), None, None),
+            None => {
+                let (frame, rasterized) = render(&request);
+                (Arc::new(frame), rasterized, None, None)
+            }
         };
-        let Rendered { frame, counters, rasterized } = rendered;
         let buffers = needs_buffers(request.shown)
             .then(|| kept_buffers.unwrap_or_else(|| Arc::new(capture(&request.scene, &request.recipe, &frame))));
         let range = match request.shown {
@@ -112,7 +112,7 @@ impl Engine {
         let picture = kept_picture.unwrap_or_else(|| Arc::new(picture(&request, &frame, buffers.as_deref(), range)));
         let report =
             request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
-        let view = View { request, frame, counters, rasterized, picture, buffers, range, report, fresh };
+        let view = View { request, frame, rasterized, picture, buffers, range, report, fresh };
         self.last = Some(view.clone());
         view
     }
@@ -122,24 +122,16 @@ fn needs_buffers(shown: Shown) -> bool {
     !matches!(shown, Shown::Stage(_) | Shown::Buffer(Buffer::Color | Buffer::Depth))
 }
 
-/// What drawing gives.
-struct Rendered {
-    frame: Arc<Frame>,
-    counters: Counters,
-    rasterized: usize,
-}
-
-fn render(request: &Request) -> Rendered {
+/// A frame, and how many triangles it would have without a limit.
+fn render(request: &Request) -> (Frame, usize) {
     let Request { scene, camera, recipe, viewport, .. } = request;
-    let mut counters = Counters::default();
     let mut frame = run(scene, camera, recipe, *viewport, &mut ());
     let rasterized = frame.geometry.triangles.len();
     if let Some(limit) = request.triangle_limit {
         frame.geometry.triangles.truncate(limit);
         redraw(scene, recipe, &mut frame);
     }
-    count(request, &frame, &mut counters);
-    Rendered { frame: Arc::new(frame), counters, rasterized }
+    (frame, rasterized)
 }
 
 /// Draws a frame whose list of triangles has changed.
@@ -155,15 +147,33 @@ fn redraw(scene: &Scene, recipe: &Recipe, frame: &mut Frame) {
     frame.drawn = drawn;
 }
 
-/// Counts in a second pass, so that the timed one has no observer. Shading is skipped: it counts as the passed ones.
-fn count(request: &Request, frame: &Frame, counters: &mut Counters) {
-    let Request { scene, camera, recipe, viewport, .. } = request;
-    crate::pipeline::prepare(scene, camera, &recipe.pipeline, *viewport, counters);
-    let mut again =
-        Framebuffer::new(frame.drawn.grid, viewport.width, viewport.height, scene.background, &recipe.pipeline);
-    let extent = Extent::all(&frame.geometry, *viewport);
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Depth, &mut again, counters);
+/// What happened in each stage of a frame, and how long it took. Found out after the frame is on screen, by drawing it a
+/// few more times: the frame itself is neither watched nor slowed.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct StageFigures {
+    /// Wall-clock times.
+    pub times: StageTimes,
+    /// Counts.
+    pub counters: Counters,
+}
+
+/// Counts and times the stages of a frame that was drawn for `request`; costs about three more frames.
+pub fn stage_figures(request: &Request, frame: &Frame) -> StageFigures {
+    let Request { scene, recipe, .. } = request;
+    StageFigures { times: stage_times(scene, recipe, frame), counters: count(request, frame) }
+}
+
+/// Counts without shading: as many fragments are shaded as pass.
+fn count(request: &Request, frame: &Frame) -> Counters {
+    let Request { scene, camera, recipe, .. } = request;
+    let Viewport { width, height } = frame.viewport;
+    let mut counters = Counters::default();
+    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counters);
+    let mut again = Framebuffer::new(frame.drawn.grid, width, height, scene.background, &recipe.pipeline);
+    let extent = Extent::all(&frame.geometry, frame.viewport);
+    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Depth, &mut again, &mut counters);
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
+    counters
 }
 
 fn picture(request: &Request, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {

@@ -9,11 +9,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::command::Command;
-use super::engine::{Request, Shown, View};
+use super::engine::{Request, Shown, StageFigures, View};
 use super::timings::Timings;
 use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
-use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource};
@@ -143,8 +142,8 @@ pub struct Session {
     pub canvas_px: (u32, u32),
     /// The newest answer of the renderer.
     pub view: Option<View>,
-    /// Stage times of the frame on screen.
-    pub stages: Option<StageTimes>,
+    /// Counts and times of the stages of the last frame that stayed.
+    pub stages: Option<StageFigures>,
     /// Frame times.
     pub timings: Timings,
     /// A measurement that is running.

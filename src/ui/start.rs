@@ -53,6 +53,8 @@ pub struct ScreenshotRequest {
     pub pixels_per_point: f32,
     /// Colours.
     pub theme: Theme,
+    /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
+    pub measure: bool,
     /// The picked pixel; one near the middle if none is given.
     pub selected: Option<(u32, u32)>,
 }
@@ -131,6 +133,11 @@ pub fn screenshot(request: &ScreenshotRequest) -> Image<Rgba8> {
     let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
     app.session_mut().pick = request.selected;
     for _ in 0..SCREENSHOT_PASSES {
+        headless.pass(Vec::new(), |ui| app.show(ui));
+    }
+    if request.measure {
+        app.measure();
+        headless.pass(Vec::new(), |ui| app.show(ui));
         headless.pass(Vec::new(), |ui| app.show(ui));
     }
     headless.picture()

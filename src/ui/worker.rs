@@ -5,12 +5,11 @@
 //! in a stage is caught and reported, and the next request is served by a new engine.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{Receiver, Sender, TryRecvError, channel};
-use std::time::Instant;
+use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::time::{Duration, Instant};
 
-use super::engine::{Engine, Request, View};
+use super::engine::{Engine, Request, StageFigures, View, stage_figures};
 use crate::chain::{Recipe, run};
-use crate::measure::stages::{StageTimes, stage_times};
 use crate::upscale::Upscaling;
 
 /// Rounds of a measurement; every round times every method once, so that drift of the machine's speed hits all alike.
@@ -18,6 +17,9 @@ pub const MEASURE_ROUNDS: usize = 25;
 
 /// Rounds before those, which do not count: caches and clocks settle.
 const WARM_UP_ROUNDS: usize = 2;
+
+/// A frame that stays this long is taken apart into stages; while the view moves, all time goes to new frames.
+const SETTLED: Duration = Duration::from_millis(120);
 
 /// What the window asks for.
 #[derive(Debug)]
@@ -35,8 +37,8 @@ pub enum Job {
 pub enum Answer {
     /// A view.
     View(Box<View>),
-    /// Stage times of the last frame.
-    Stages(StageTimes),
+    /// Counts and times of the stages of the last frame.
+    Stages(StageFigures),
     /// One timed frame of a measurement, and how much of it is done, in [0, 1].
     Sample {
         /// The method.
@@ -123,11 +125,10 @@ struct Measurement {
 impl Loop {
     fn serve(mut self, inbox: &Receiver<Job>, outbox: &Sender<Answer>, wake: impl Fn()) {
         loop {
-            if !self.has_work() {
-                match inbox.recv() {
-                    Ok(job) => self.take(job),
-                    Err(_) => return,
-                }
+            match self.wait(inbox) {
+                Ok(Some(job)) => self.take(job),
+                Ok(None) => {}
+                Err(RecvError) => return,
             }
             loop {
                 match inbox.try_recv() {
@@ -146,8 +147,20 @@ impl Loop {
         }
     }
 
-    fn has_work(&self) -> bool {
-        self.to_show.is_some() || self.to_time.is_some() || self.measurement.is_some()
+    /// Waits for a job as long as the present work allows: for ever without any, not at all for what a person waits for,
+    /// and a moment before taking apart a frame that the next one may replace.
+    fn wait(&self, inbox: &Receiver<Job>) -> Result<Option<Job>, RecvError> {
+        if self.to_show.is_some() || self.measurement.is_some() {
+            return Ok(None);
+        }
+        if self.to_time.is_none() {
+            return inbox.recv().map(Some);
+        }
+        match inbox.recv_timeout(SETTLED) {
+            Ok(job) => Ok(Some(job)),
+            Err(RecvTimeoutError::Timeout) => Ok(None),
+            Err(RecvTimeoutError::Disconnected) => Err(RecvError),
+        }
     }
 
     fn take(&mut self, job: Job) {
@@ -166,10 +179,7 @@ impl Loop {
         if let Some(request) = self.to_show.take() {
             self.show(*request);
         } else if let Some(view) = self.to_time.take() {
-            let times = catch_unwind(AssertUnwindSafe(|| {
-                let Request { scene, recipe, .. } = &view.request;
-                stage_times(scene, recipe, &view.frame)
-            }));
+            let times = catch_unwind(AssertUnwindSafe(|| stage_figures(&view.request, &view.frame)));
             self.done.extend(times.ok().map(Answer::Stages));
         } else if let Some(mut measurement) = self.measurement.take() {
             self.done.extend(measurement.step());

@@ -16,6 +16,9 @@ use crate::upscale::Upscaling;
 /// Width of the table, in points.
 const TABLE_POINTS: f32 = 430.0;
 
+/// The frame axis is at least this long.
+const LEAST_FRAMES: f64 = 10.0;
+
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 64.0;
 
@@ -92,6 +95,8 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         .width(size.x)
         .height(size.y)
         .x_axis_label("frame")
+        .include_x(0.0)
+        .include_x(LEAST_FRAMES)
         .y_axis_label("ms")
         .include_y(0.0)
         .allow_scroll(false)

@@ -15,7 +15,7 @@ use crate::pipeline::plan::Part;
 use crate::pipeline::settings::{Choice as _, DepthTest, Shading};
 use crate::scene::{Camera, Projection, SceneSource, builtin};
 use crate::ui::command::Command;
-use crate::ui::engine::{Shown, View};
+use crate::ui::engine::{Shown, StageFigures, View};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::{self, Icon, tokens};
@@ -97,7 +97,7 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
         let next = if shown { Shown::Buffer(crate::inspect::Buffer::Color) } else { Shown::Stage(stage) };
         commands.push(Command::Show(next));
     }
-    let time = session.stages.as_ref().and_then(|times| time_of(stage, times));
+    let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
     let help = "Time of this stage for the frame on screen. Rasterize, depth and shade are told apart by drawing the frame three times, each time one stage further";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
@@ -131,7 +131,7 @@ fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
 }
 
 fn count_of(stage: Stage, session: &Session, view: &View) -> Option<(u64, &'static str)> {
-    let (counters, geometry) = (&view.counters, &view.frame.geometry);
+    let (counters, geometry) = (session.stages?.counters, &view.frame.geometry);
     match stage {
         Stage::Assemble => Some((session.scene.triangle_count() as u64, "triangles in the scene")),
         Stage::Transform => Some((geometry.vertices as u64, "vertices transformed")),
@@ -269,18 +269,18 @@ fn note(ui: &mut Ui, text: impl Into<String>) {
 }
 
 fn clip(ui: &mut Ui, session: &Session) {
-    let Some(view) = &session.view else { return };
-    value_row(ui, "Cut", &format::count(view.counters.clipped), "Triangles that crossed a plane and were cut");
+    let (Some(view), Some(figures)) = (&session.view, &session.stages) else { return };
+    value_row(ui, "Cut", &format::count(figures.counters.clipped), "Triangles that crossed a plane and were cut");
     for fate in [Fate::Outside, Fate::ClippedAway, Fate::NotFinite] {
-        fate_row(ui, view, fate);
+        fate_row(ui, figures, fate);
     }
     left_out(ui, view, Part::Clipping);
 }
 
-fn fate_row(ui: &mut Ui, view: &View, fate: Fate) {
+fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
     let mut name = fate.name().to_owned();
     name[..1].make_ascii_uppercase();
-    value_row(ui, &name, &format::count(view.counters.fate(fate)), "Triangles that ended here for this reason");
+    value_row(ui, &name, &format::count(figures.counters.fate(fate)), "Triangles that ended here for this reason");
 }
 
 fn left_out(ui: &mut Ui, view: &View, part: Part) {
@@ -312,9 +312,9 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     row(ui, "Culling", "Which triangles are dropped because of the side that they show", |ui| {
         pick(ui, &mut recipe.pipeline.culling)
     });
-    let Some(view) = &session.view else { return };
+    let Some(figures) = &session.stages else { return };
     for fate in [Fate::BackFacing, Fate::FrontFacing, Fate::ZeroArea] {
-        fate_row(ui, view, fate);
+        fate_row(ui, figures, fate);
     }
 }
 
@@ -328,12 +328,12 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     row(ui, "Wireframe", "Lays the snapped edges of all drawn triangles over the picture", |ui| {
         ui.checkbox(&mut recipe.wireframe, "");
     });
-    let Some(view) = &session.view else { return };
-    value_row(ui, "Samples visited", &format::count(view.counters.visited), "Samples that the algorithm looked at");
+    let Some(figures) = &session.stages else { return };
+    value_row(ui, "Samples visited", &format::count(figures.counters.visited), "Samples that the algorithm looked at");
     value_row(
         ui,
         "Samples covered",
-        &format::count(view.counters.covered),
+        &format::count(figures.counters.covered),
         "Samples inside a triangle, over all triangles",
     );
 }
