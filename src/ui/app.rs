@@ -30,6 +30,9 @@ const SLOW_LOAD: Duration = Duration::from_millis(300);
 /// Height of the bars over and under the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 
+/// Most of the window's width that each panel beside the canvas takes at first.
+const SIDE_SHARE: f32 = 0.29;
+
 /// A model that is being loaded on a thread of its own.
 struct Loading {
     source: SceneSource,
@@ -100,6 +103,9 @@ impl Workbench {
 
     fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let frame = theme::panel_frame(ui);
+        // In a narrow window the canvas still has the largest share.
+        let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
+        let (left, right) = (share(292.0), share(316.0));
         Panel::top("menu").frame(frame).show(ui, |ui| menu::ui(ui, &self.session, commands));
         if let Some(error) = self.session.error.clone() {
             Panel::top("error").frame(frame.fill(tokens(ui).error.gamma_multiply(0.22))).show(ui, |ui| {
@@ -109,10 +115,10 @@ impl Workbench {
         Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(90.0).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
-        Panel::left("pipeline").frame(frame).resizable(true).default_size(292.0).min_size(230.0).show(ui, |ui| {
+        Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| pipeline::ui(ui, &self.session, commands));
         });
-        Panel::right("inspector").frame(frame).resizable(true).default_size(316.0).min_size(250.0).show(ui, |ui| {
+        Panel::right("inspector").frame(frame).resizable(true).default_size(right).min_size(250.0).show(ui, |ui| {
             self.inspector.ui(ui, &self.session, self.canvas.hovered, commands);
         });
         CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| {

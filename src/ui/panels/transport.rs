@@ -63,8 +63,12 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn triangles(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     /// Width of the two buttons and the figures to the right of the slider, in points.
     const REST_POINTS: f32 = 220.0;
+    /// The row has no room for its name if it is narrower, in points.
+    const NAME_FROM_POINTS: f32 = 360.0;
     let all = session.triangle_count();
-    ui.label(RichText::new("Triangles").color(tokens(ui).text_weak));
+    if ui.available_width() >= NAME_FROM_POINTS {
+        ui.label(RichText::new("Triangles").color(tokens(ui).text_weak));
+    }
     if icon_button(ui, Icon::ChevronFirst, "Before the first triangle  (Home)").clicked() {
         commands.push(Command::LimitTriangles(Some(0)));
     }
@@ -115,7 +119,16 @@ fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
 }
 
+/// Room for the two buttons of the enlargement, in points. Where there is less, menu and keys have to do.
+const ZOOM_POINTS: f32 = 64.0;
+
+/// Room for size and enlargement in figures, in points.
+const FIGURES_POINTS: f32 = 160.0;
+
 fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+    if ui.available_width() < ZOOM_POINTS {
+        return;
+    }
     if icon_button(ui, Icon::Maximize, "Fit the picture into the canvas  (F)").clicked() {
         commands.push(Command::ZoomFit);
     }
@@ -130,6 +143,8 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
     let viewport = session.viewport();
     let zoom = scale.map_or_else(|| "fit".to_owned(), |s| format!("{:.0} %", s * 100.0));
     let text = format!("{} × {}  {zoom}", viewport.width, viewport.height);
-    ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
-        .on_hover_text("Size of the picture in px, and its enlargement on screen");
+    if ui.available_width() >= FIGURES_POINTS {
+        ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
+            .on_hover_text("Size of the picture in px, and its enlargement on screen");
+    }
 }
