@@ -163,9 +163,11 @@ fn two_runs_differ_only_in_live_numbers() {
     }
     let (first, second) = (a.headless.picture(), b.headless.picture());
     let is_live = |x: u32, y: u32| live.iter().any(|rect| rect.contains(Pos2::new(x as f32 + 0.5, y as f32 + 0.5)));
+    // Glyphs of other times put the common ones elsewhere into the texture of glyphs, which may round differently.
+    let same = |a: Rgba8, b: Rgba8| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 1);
     for y in 0..first.height() {
         for x in 0..first.width() {
-            assert!(first.at(x, y) == second.at(x, y) || is_live(x, y), "{x}, {y} differs");
+            assert!(same(first.at(x, y), second.at(x, y)) || is_live(x, y), "{x}, {y} differs");
         }
     }
 }
@@ -254,7 +256,14 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             resume: false,
         };
         let size = Viewport { width, height };
-        let request = ScreenshotRequest { start, size, pixels_per_point, theme: Theme::Light, selected: Some((3, 4)) };
+        let request = ScreenshotRequest {
+            start,
+            size,
+            pixels_per_point,
+            theme: Theme::Light,
+            selected: Some((3, 4)),
+            measure: false,
+        };
         assert_eq!(screenshot(&request).size(), (width, height));
     }
 }
