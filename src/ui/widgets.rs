@@ -4,9 +4,12 @@
 //! where it must be, and a control or a number on the right, so that both line up down the panel. Every part has a
 //! name in the accessibility tree, which is also how tests find it: a control in a row is named by the row's label.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{
-    self, Align, Button, Color32, ComboBox, Id, Label, Layout, Rect, Response, RichText, Role, Sense, Stroke,
-    StrokeKind, TextStyle, TextWrapMode, Ui, UiBuilder, Vec2, WidgetAtom, WidgetInfo, vec2,
+    self, Align, Button, Color32, ComboBox, DragValue, Id, Label, Layout, Rect, Response, RichText, Role, Sense,
+    Slider, SliderClamping, Stroke, StrokeKind, TextStyle, TextWrapMode, Ui, UiBuilder, Vec2, WidgetAtom, WidgetInfo,
+    vec2,
 };
 
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
@@ -144,6 +147,22 @@ pub fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
     ui.painter().text(rect.right_center(), egui::Align2::RIGHT_CENTER, text, font, color);
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, text));
     response
+}
+
+/// A slider that changes `value` only when the user does: out-of-range values stay, and only the text is rounded to
+/// `decimals`. True when changed.
+pub fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str, decimals: usize) -> bool {
+    let text = move |value: f64, _| super::format::fixed(value, decimals);
+    let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(suffix).custom_formatter(text);
+    ui.add(slider).changed()
+}
+
+/// A number to drag or type that changes `value` only when the user does. It moves by a fiftieth of itself per point.
+pub fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
+    let speed = f64::from(*value) * 0.02;
+    let text = |value: f64, _| format!("{}", value as f32);
+    let drag = DragValue::new(value).speed(speed).range(range).clamp_existing_to_range(false).custom_formatter(text);
+    ui.add(drag).changed()
 }
 
 /// The title of a group of rows, with room above it. `add_actions` adds small controls at the right end, from the right.

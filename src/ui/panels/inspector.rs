@@ -6,7 +6,6 @@ use eframe::egui::{self, Align2, Color32, FontId, Label, Pos2, RichText, ScrollA
 use crate::image::Rgba8;
 use crate::inspect::pixel::{ShadingRecord, sample_position_px};
 use crate::inspect::{FragmentRecord, Outcome, PixelReport};
-use crate::scene::Scene;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
@@ -49,7 +48,7 @@ impl Inspector {
             self.fragments(ui, report);
             sources(ui, report, commands);
             if let Some(fragment) = explained {
-                numbers(ui, fragment, &session.scene);
+                numbers(ui, fragment);
             }
         });
     }
@@ -232,7 +231,7 @@ fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
     value_row(ui, "Sum of weights", &format::f32_full(sum), "One, so that a flat area keeps its colour");
 }
 
-fn numbers(ui: &mut Ui, fragment: &FragmentRecord, scene: &Scene) {
+fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     section_header(ui, "Depth", |_| {});
     float_row(ui, "Depth of the fragment", fragment.depth, "z/w, interpolated with λ on the screen");
     match fragment.stored_depth {
@@ -253,13 +252,13 @@ fn numbers(ui: &mut Ui, fragment: &FragmentRecord, scene: &Scene) {
         );
     }
     value_row(ui, "Doubled area", &fragment.doubled_area.to_string(), "The sum of the three edge values, exactly");
-    let triangle = format!("{} of {}", fragment.triangle.0, scene.triangle_count());
-    value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order");
+    let triangle = fragment.triangle.0.to_string();
+    value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order, counted from 0");
     value_row(
         ui,
         "Rasterized as",
-        &fragment.submission.to_string(),
-        "Its position among the triangles that are rasterized: the number for the triangle slider",
+        &(fragment.submission + 1).to_string(),
+        "Where the triangle slider must stand for this fragment to be there",
     );
     if let Some(shading) = &fragment.shading {
         shading_numbers(ui, shading);

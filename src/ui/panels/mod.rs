@@ -16,6 +16,8 @@ pub mod pipeline;
 
 pub mod plan;
 
+pub mod switches;
+
 pub mod transport;
 
 use eframe::egui::Ui;
