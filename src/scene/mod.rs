@@ -122,6 +122,7 @@ impl Scene {
     pub fn memory(&self) -> Memory {
         Memory {
             shared_bytes: self.library.bytes(),
+            mesh_bytes: self.library.meshes().iter().map(Mesh::bytes).sum(),
             instance_bytes: self.instances.iter().map(|i| size_of::<Instance>() + i.name.capacity()).sum(),
             unshared_bytes: self.instances.iter().map(|i| self.library.mesh(i.mesh).bytes()).sum(),
         }
@@ -133,6 +134,8 @@ impl Scene {
 pub struct Memory {
     /// Meshes and textures, each counted once.
     pub shared_bytes: usize,
+    /// The meshes' part of it.
+    pub mesh_bytes: usize,
     /// Instance records.
     pub instance_bytes: usize,
     /// What the meshes alone would take if every instance held its own copy.

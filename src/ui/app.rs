@@ -3,7 +3,7 @@
 //! the session.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
@@ -19,13 +19,16 @@ use super::session::{Level, Measuring, Session};
 use super::theme::{self, Icon, tokens};
 use super::widgets::icon_button;
 use super::worker::{Answer, Job, Worker};
-use crate::image::file::write_png;
+use crate::image::file::{ImageFileError, write_png};
 use crate::inspect::Buffer;
 use crate::scene::obj::Loaded;
 use crate::scene::{SceneError, SceneSource};
 
 /// A model is called slow, and its progress shown, after this time.
 const SLOW_LOAD: Duration = Duration::from_millis(300);
+
+/// A frame is called slow, and a mark turns, after this time.
+const SLOW_FRAME: Duration = Duration::from_millis(150);
 
 /// Height of the bars over and under the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
@@ -45,7 +48,10 @@ pub struct Workbench {
     session: Session,
     worker: Worker,
     asked: Option<Request>,
+    /// When the renderer was asked for something that is not there yet.
+    asked_at: Option<Instant>,
     loading: Option<Loading>,
+    saving: Option<Receiver<Result<PathBuf, ImageFileError>>>,
     canvas: Canvas,
     inspector: Inspector,
     dialog: Dialog,
@@ -65,6 +71,8 @@ impl Workbench {
             worker,
             asked: None,
             loading: None,
+            saving: None,
+            asked_at: None,
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             dialog: Dialog::default(),
@@ -95,7 +103,7 @@ impl Workbench {
             self.run(ui, command);
         }
         if !ui.input(|i| i.pointer.any_down()) {
-            self.session.settle();
+            self.session.settle(ui.input(|i| i.time));
         }
         self.ask(ui);
         self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
@@ -157,7 +165,19 @@ impl Workbench {
             self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
             self.canvas.ui(ui, &self.session, commands);
             self.drop_hint(ui);
+            self.busy_mark(ui);
         });
+    }
+
+    /// Turns in the canvas's corner while the renderer takes long enough to wonder.
+    fn busy_mark(&self, ui: &Ui) {
+        let Some(since) = self.asked_at else { return };
+        if since.elapsed() >= SLOW_FRAME {
+            let corner = ui.max_rect().right_top() + egui::vec2(-28.0, 8.0);
+            egui::Spinner::new().paint_at(ui, egui::Rect::from_min_size(corner, egui::Vec2::splat(20.0)));
+        } else {
+            ui.request_repaint_after(SLOW_FRAME);
+        }
     }
 
     fn drop_hint(&self, ui: &Ui) {
@@ -178,8 +198,9 @@ impl Workbench {
                 commands.push((binding.command)());
             }
         }
-        if ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, egui::Key::C)) {
-            commands.push(Command::SetPointerMode(self.session.pointer_mode.other()));
+        // The toolkit turns the key of copying into an event of its own.
+        if ui.input(|i| i.events.contains(&egui::Event::Copy)) {
+            commands.push(Command::CopyPicture);
         }
     }
 
@@ -188,12 +209,24 @@ impl Workbench {
         while let Some(answer) = self.worker.poll() {
             self.hear(answer);
         }
-        if let Some(loading) = &self.loading
-            && let Ok(result) = loading.result.try_recv()
-        {
+        if let Some(outcome) = self.saving.as_ref().and_then(|saving| saving.try_recv().ok()) {
+            self.saving = None;
+            self.saved(outcome);
+        }
+        if let Some(loading) = &self.loading {
             let source = loading.source.clone();
-            self.loading = None;
-            self.loaded(source, result);
+            match loading.result.try_recv() {
+                Ok(result) => {
+                    self.loading = None;
+                    self.loaded(source, result);
+                }
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => {
+                    self.loading = None;
+                    let text = format!("Loading {} stopped by an error of the program", source.title());
+                    self.session.report(Level::Error, text);
+                }
+            }
         }
     }
 
@@ -205,6 +238,7 @@ impl Workbench {
                     self.session.timings.record_recent(&view.request, ms);
                 }
                 self.session.view = Some(*view);
+                self.asked_at = None;
             }
             Answer::Stages(figures) => self.session.stages = Some(figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
@@ -226,6 +260,7 @@ impl Workbench {
         let same = self.asked.as_ref().is_some_and(|asked| asked.same_view(&request));
         if !same && self.session.canvas_px != (0, 0) {
             self.asked = Some(request.clone());
+            self.asked_at.get_or_insert_with(Instant::now);
             self.worker.send(Job::Show(Box::new(request)));
             if self.waits {
                 self.listen();
@@ -251,7 +286,7 @@ impl Workbench {
                 let viewport = self.session.viewport();
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
-            Command::SavePicture => self.save_picture(),
+            Command::SavePicture => self.save_picture(ui),
             Command::CopyPicture => self.copy_picture(ui),
             Command::ToggleTheme => {
                 let dark = ui.visuals().dark_mode;
@@ -302,6 +337,7 @@ impl Workbench {
         match result {
             Ok(Loaded { scene, warnings }) => {
                 self.session.show_scene(scene, source);
+                self.worker.send(Job::CancelMeasure);
                 self.canvas.fit();
                 self.warn(&warnings);
             }
@@ -327,13 +363,30 @@ impl Workbench {
         }
     }
 
-    fn save_picture(&mut self) {
+    /// Writes the picture on a thread of its own: encoding a large one takes a while.
+    fn save_picture(&mut self, ui: &Ui) {
         let Some(view) = &self.session.view else { return };
-        let path = free_name(Path::new("."), "picture");
-        match write_png(&path, &view.picture) {
-            Ok(()) => {
-                let full = std::path::absolute(&path).unwrap_or(path);
-                self.session.report(Level::Info, format!("Saved the picture as {}", full.display()));
+        let (picture, context) = (view.picture.clone(), ui.ctx().clone());
+        let path = free_name(&std::env::current_dir().unwrap_or_default(), "picture");
+        let (sender, result) = channel();
+        let save = move || {
+            let outcome = write_png(&path, &picture).map(|()| path);
+            // The window may be gone by now.
+            drop(sender.send(outcome));
+            context.request_repaint();
+        };
+        if self.waits {
+            save();
+        } else {
+            std::thread::spawn(save);
+        }
+        self.saving = Some(result);
+    }
+
+    fn saved(&mut self, outcome: Result<PathBuf, ImageFileError>) {
+        match outcome {
+            Ok(path) => {
+                self.session.report(Level::Info, format!("Saved the picture as {}", path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, error.to_string()),

@@ -275,14 +275,14 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
 }
 
 /// A button that puts `text` on the clipboard and says for a moment that it did. `what` completes "Copy …".
-pub fn copy_button(ui: &mut Ui, what: &str, text: &str) -> Response {
+pub fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {
     let id = Id::unique(("copied", ui.next_auto_id()));
     let now = ui.input(|input| input.time);
     let copied_at: Option<f64> = ui.data(|data| data.get_temp(id));
     let confirms = copied_at.is_some_and(|then| now - then < COPIED_SECONDS);
     let response = icon_button(ui, if confirms { Icon::Check } else { Icon::Copy }, &format!("Copy {what}"));
     if response.clicked() {
-        ui.copy_text(text.to_owned());
+        ui.copy_text(text());
         ui.data_mut(|data| data.insert_temp(id, now));
         ui.request_repaint_after_secs(COPIED_SECONDS as f32);
     }

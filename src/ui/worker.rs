@@ -180,9 +180,15 @@ impl Loop {
             self.show(*request);
         } else if let Some(view) = self.to_time.take() {
             let times = catch_unwind(AssertUnwindSafe(|| stage_figures(&view.request, &view.frame)));
-            self.done.extend(times.ok().map(Answer::Stages));
+            self.done.push_back(times.map_or_else(|panic| Answer::Panicked(panic_text(&*panic)), Answer::Stages));
         } else if let Some(mut measurement) = self.measurement.take() {
-            self.done.extend(measurement.step());
+            match catch_unwind(AssertUnwindSafe(|| measurement.step())) {
+                Ok(sample) => self.done.extend(sample),
+                Err(panic) => {
+                    self.done.extend([Answer::Panicked(panic_text(&*panic)), Answer::Measured]);
+                    return true;
+                }
+            }
             if measurement.is_complete() {
                 self.done.push_back(Answer::Measured);
             } else {

@@ -60,7 +60,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     ui.separator();
-    entry(ui, "Save picture …", Command::SavePicture, commands);
+    entry(ui, "Save picture", Command::SavePicture, commands);
     entry(ui, "Copy picture", Command::CopyPicture, commands);
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {

@@ -65,24 +65,16 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         "Pictures laid on surfaces, each held once",
     );
     let memory = scene.memory();
-    value_row(
-        ui,
-        "Shared buffers",
-        &format::bytes(memory.shared_bytes as u64),
-        "Memory of meshes and textures, each counted once",
-    );
-    value_row(
-        ui,
-        "Instance records",
-        &format::bytes(memory.instance_bytes as u64),
-        "Memory of the records that place meshes in the scene",
-    );
-    value_row(
-        ui,
-        "Meshes unshared",
-        &format::bytes(memory.unshared_bytes as u64),
-        "What the meshes alone would take if every instance held its own copy",
-    );
+    let bytes = |number: usize| format::bytes(number as u64);
+    let figures = [
+        ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory of all textures, each held once"),
+        ("Mesh memory", memory.mesh_bytes, "Memory of all meshes, each held once however many instances show it"),
+        ("… if not shared", memory.unshared_bytes, "What the meshes would take if every instance held its own copy"),
+        ("Instance records", memory.instance_bytes, "Memory of the records that place meshes in the scene"),
+    ];
+    for (label, number, help) in figures {
+        value_row(ui, label, &bytes(number), help);
+    }
 }
 
 fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
