@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
+use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::canvas::Canvas;
 use super::command::{BINDINGS, Command};
@@ -14,10 +14,9 @@ use super::engine::{Request, Shown};
 use super::panels::bottom::Tab;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
-use super::panels::{bottom, menu, pipeline, transport};
+use super::panels::{bottom, menu, message, pipeline, transport};
 use super::session::{Level, Measuring, Session};
-use super::theme::{self, Icon, tokens};
-use super::widgets::icon_button;
+use super::theme;
 use super::worker::{Answer, Job, Worker};
 use crate::image::file::{ImageFileError, write_png};
 use crate::inspect::Buffer;
@@ -26,6 +25,9 @@ use crate::scene::{SceneError, SceneSource};
 
 /// A model is called slow, and its progress shown, after this time.
 const SLOW_LOAD: Duration = Duration::from_millis(300);
+
+/// Height of the line under the menu, in points.
+const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
 
 /// A frame is called slow, and a mark turns, after this time.
 const SLOW_FRAME: Duration = Duration::from_millis(150);
@@ -115,11 +117,10 @@ impl Workbench {
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
         let (left, right) = (share(292.0), share(316.0));
         Panel::top("menu").frame(frame).show(ui, |ui| menu::ui(ui, &self.session, commands));
-        if let Some(error) = self.session.error.clone() {
-            Panel::top("error").frame(frame.fill(tokens(ui).error.gamma_multiply(0.22))).show(ui, |ui| {
-                bar(ui, Icon::OctagonAlert, tokens(ui).error, &error, Command::CloseError, commands);
-            });
-        }
+        let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, 2));
+        Panel::top("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
+            message::ui(ui, &self.session, self.slow_load(), commands);
+        });
         Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(90.0).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
@@ -133,6 +134,9 @@ impl Workbench {
             self.center(ui, commands);
         });
         self.dialog.ui(ui, &self.session, commands);
+        if self.loading.is_some() {
+            ui.request_repaint_after(SLOW_LOAD);
+        }
     }
 
     fn center(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -143,23 +147,6 @@ impl Workbench {
         Panel::bottom("scrubber").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
             transport::scrubber(ui, &self.session, commands);
         });
-        if let Some(path) = self.slow_load() {
-            Panel::top("loading").frame(frame).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.spinner();
-                    ui.label(format!("Loading {} …", path.display()));
-                    if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
-                        commands.push(Command::CancelLoading);
-                    }
-                });
-            });
-            ui.request_repaint_after(Duration::from_millis(100));
-        } else if !self.session.hint_closed {
-            Panel::top("hint").frame(frame).show(ui, |ui| {
-                let hint = "Click a pixel: its story is at the right. Wheel enlarges, middle-drag turns the scene, ? shows all keys.";
-                bar(ui, Icon::Lightbulb, tokens(ui).accent, hint, Command::CloseHint, commands);
-            });
-        }
         CentralPanel::no_frame().show(ui, |ui| {
             let size = ui.available_size() * ui.pixels_per_point();
             self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
@@ -412,22 +399,6 @@ impl eframe::App for Workbench {
         let preferences = self.session.preferences(self.look.0, self.look.1);
         eframe::set_value(storage, eframe::APP_KEY, &preferences);
     }
-}
-
-/// A line with an icon in its colour, and a button that closes it.
-fn bar(ui: &mut Ui, icon: Icon, color: egui::Color32, text: &str, close: Command, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(theme::ICON_SIZE), egui::Sense::hover());
-        theme::paint_icon(ui.painter(), rect.center(), icon, theme::ICON_SIZE, color);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if icon_button(ui, Icon::X, "Close this message").clicked() {
-                commands.push(close);
-            }
-            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate().selectable(true));
-            });
-        });
-    });
 }
 
 fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {

@@ -12,6 +12,8 @@ pub mod log;
 
 pub mod menu;
 
+pub mod message;
+
 pub mod pipeline;
 
 pub mod plan;
