@@ -20,18 +20,15 @@ pub(crate) enum Failure {
     /// The command line itself is wrong.
     #[error("{0}")]
     Usage(String),
-    /// A model cannot be loaded.
+    /// A model or a view cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Neither an id nor a file.
     #[error("{}: there is no such file, and no such built-in scene ({known})", name.display())]
     UnknownScene { name: PathBuf, known: String },
     /// A `--set` that changes nothing.
-    #[error("--set {assignment}: {source}")]
-    Setting { assignment: String, source: SetError },
-    /// A view that cannot be used.
-    #[error("{place}: {reason}")]
-    Camera { place: String, reason: String },
+    #[error("--set {0}")]
+    Setting(#[from] SetError),
     /// `--at` names no pixel.
     #[error("--at {x},{y}: the picture has columns 0 to {} and rows 0 to {}", width - 1, height - 1)]
     OutsidePicture { x: u32, y: u32, width: u32, height: u32 },

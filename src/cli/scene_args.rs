@@ -1,22 +1,16 @@
 //! What is drawn and how: the options that all commands share.
 
-use std::fs::File;
-use std::io::Read as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::camera::CameraFile;
 use rasterscope::scene::obj::Loaded;
-use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin};
+use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin, camera_file};
 
 use super::failure::Failure;
 use super::{output, parse};
-
-/// Largest camera file that is read, bytes; real ones have some hundred.
-const MAX_CAMERA_BYTES: u64 = 1 << 20;
 
 /// A scene, a view and a recipe.
 #[derive(Args, Clone, Debug)]
@@ -71,7 +65,7 @@ impl SceneArgs {
     /// Reads everything; warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         let recipe = self.recipe()?;
-        let camera = self.camera.as_deref().map(read_camera).transpose()?;
+        let camera = self.camera.as_deref().map(camera_file::read).transpose()?;
         let source = self.source()?;
         let Loaded { scene, warnings } = source.load()?;
         for warning in &warnings {
@@ -91,9 +85,7 @@ impl SceneArgs {
 
     fn recipe(&self) -> Result<Recipe, Failure> {
         let mut recipe = Recipe::default();
-        for assignment in &self.set {
-            recipe.set(assignment).map_err(|source| Failure::Setting { assignment: assignment.clone(), source })?;
-        }
+        recipe.set_all(&self.set)?;
         Ok(recipe)
     }
 
@@ -107,21 +99,6 @@ impl SceneArgs {
         }
         Ok(source)
     }
-}
-
-fn read_camera(path: &Path) -> Result<Camera, Failure> {
-    let failure = |place: String, reason: String| Failure::Camera { place, reason };
-    let file_name = path.display();
-    let mut text = String::new();
-    File::open(path)
-        .and_then(|file| file.take(MAX_CAMERA_BYTES).read_to_string(&mut text))
-        .map_err(|e| failure(file_name.to_string(), format!("cannot read it: {e}")))?;
-    let file: CameraFile = serde_json::from_str(&text).map_err(|e| {
-        let (line, column, reason) = (e.line(), e.column(), e.to_string());
-        let reason = reason.trim_end_matches(&format!(" at line {line} column {column}"));
-        failure(format!("{file_name}:{line}:{column}"), reason.to_owned())
-    })?;
-    Camera::try_from(file).map_err(|reason| failure(file_name.to_string(), reason))
 }
 
 /// A scene, a view, a recipe and a size: what gives one frame.
