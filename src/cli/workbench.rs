@@ -9,6 +9,7 @@ use std::panic::{self, AssertUnwindSafe};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
 
+use super::failure::Failure;
 use super::scene_args::View;
 use super::screenshot::{Look, Theme};
 
@@ -25,8 +26,8 @@ pub(crate) fn open(view: View) -> Result<(), String> {
 }
 
 /// The whole workbench as a picture.
-pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
-    Ok(ui::screenshot(&ScreenshotRequest {
+pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
+    let request = ScreenshotRequest {
         start: start(view),
         size: look.size,
         pixels_per_point: look.scale,
@@ -36,7 +37,11 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
         },
         measure: look.measure,
         selected: look.at,
-    }))
+    };
+    ui::screenshot(&request).map_err(|picture| {
+        let (x, y) = look.at.unwrap_or_default();
+        Failure::OutsidePicture { x, y, picture }
+    })
 }
 
 fn start(view: View) -> WindowStart {
