@@ -402,6 +402,20 @@ mod workbench {
         }
     }
 
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn warnings_are_told_once_although_the_program_starts_over_on_x11() {
+        let folder = folder();
+        let model = "mtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        fs::write(folder.path().join("model.obj"), model).unwrap();
+        let mut command = program(&folder, &["window", "model.obj"]);
+        let output = command.env("WAYLAND_DISPLAY", "wayland-4711").env("DISPLAY", ":4711").output().unwrap();
+        assert_eq!(output.status.code(), Some(3));
+        let lines: Vec<_> = stderr(&output).lines().collect();
+        let [warning, error] = lines[..] else { panic!("{lines:?}") };
+        assert!(warning.contains("missing.mtl") && error.starts_with("error: no window"), "{lines:?}");
+    }
+
     #[test]
     fn screenshots_have_the_size_asked_for_and_follow_the_options() {
         let folder = folder();

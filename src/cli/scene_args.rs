@@ -18,7 +18,7 @@ pub(crate) struct SceneArgs {
     /// A built-in scene by its id (see `rasterscope scenes`) or the path of an OBJ file; the first built-in if omitted
     scene: Option<PathBuf>,
 
-    /// Change one setting; may be given several times
+    /// Change one setting; may be given several times, in any order
     #[arg(long, value_name = "KEY=VALUE", long_help = set_help())]
     set: Vec<String>,
 
@@ -37,13 +37,16 @@ const CAMERA_HELP: &str = "The view, from a JSON file such as\n\
 
 /// The help of `--set`: every key, its values, and what it is if nothing is said.
 fn set_help() -> String {
-    let mut help = "Change one setting; may be given several times. Keys and their values:\n".to_owned();
+    let mut help = "Change one setting; may be given several times, in any order. Keys and their values:\n".to_owned();
     for (key, values) in Recipe::keys() {
         help.push_str(&format!("  {key}: {values}\n"));
     }
     help.push_str("Example: --set shading=gouraud --set light.direction=1,0.5,0");
     help
 }
+
+/// Environment variable of a program that was started over: the warnings of its model were told before.
+pub(crate) const WARNED: &str = "RASTERSCOPE_WARNED";
 
 /// What the shared options ask for.
 #[derive(Clone, Debug)]
@@ -68,8 +71,8 @@ impl SceneArgs {
         let camera = self.camera.as_deref().map(camera_file::read).transpose()?;
         let source = self.source()?;
         let Loaded { scene, warnings } = source.load()?;
-        for warning in &warnings {
-            output::complain("warning", warning);
+        if std::env::var_os(WARNED).is_none() {
+            warnings.iter().for_each(|warning| output::complain("warning", warning));
         }
         let scene = if self.mirror_z { scene.mirrored_z() } else { scene };
         Ok(View {

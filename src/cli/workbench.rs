@@ -10,7 +10,7 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
 
 use super::failure::Failure;
-use super::scene_args::View;
+use super::scene_args::{View, WARNED};
 use super::screenshot::{Look, Theme};
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
@@ -68,7 +68,7 @@ fn retry_on_x11() {
         let Ok(program) = std::env::current_exe() else { return };
         let mut again = std::process::Command::new(program);
         again.args(std::env::args_os().skip(1));
-        again.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        again.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env(WARNED, "1");
         // Only returns if the program cannot be started; then the first reason stands.
         let _ = again.exec();
     }
