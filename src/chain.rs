@@ -1,5 +1,6 @@
 //! The one entry for window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
 
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
@@ -13,7 +14,7 @@ use crate::pipeline::settings::Settings;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare, wireframe};
 use crate::scene::{Camera, Scene};
-use crate::upscale::Upscaling;
+use crate::upscale::{self, Upscaling};
 
 /// Everything that decides how a scene is drawn: plain data, edited by panels, parsed from the command line, swept by
 /// reports. Equal recipe and equal scene give an equal frame, bit for bit.
@@ -35,6 +36,9 @@ impl Default for Recipe {
     }
 }
 
+/// The setting whose values depend on another.
+const SCALE_KEY: &str = "upscaler.scale";
+
 /// Why a `key=value` does not change a recipe.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum SetError {
@@ -42,7 +46,7 @@ pub enum SetError {
     #[error("`{0}` is not of the form key=value")]
     NotAPair(String),
     /// No such key.
-    #[error("there is no setting `{key}`; the settings are {known}")]
+    #[error("`{key}` is no setting; the settings are {known}")]
     UnknownKey {
         /// What was asked for.
         key: String,
@@ -63,8 +67,8 @@ impl Recipe {
     /// Changes one setting by its dotted key, as in `light.direction=0.4,0.7,0.6`. Keys and values may be written with
     /// `-` or `_`. On error nothing changes.
     pub fn set(&mut self, assignment: &str) -> Result<(), SetError> {
-        let (key, value) = assignment.split_once('=').ok_or_else(|| SetError::NotAPair(assignment.to_owned()))?;
-        let key = key.trim().replace('-', "_");
+        let (_, value) = assignment.split_once('=').ok_or_else(|| SetError::NotAPair(assignment.to_owned()))?;
+        let key = key_of(assignment);
         let mut tree = json(self);
         let pointer = format!("/{}", key.replace('.', "/"));
         let leaf = tree.pointer_mut(&pointer).filter(|leaf| !leaf.is_object()).ok_or_else(|| {
@@ -75,9 +79,22 @@ impl Recipe {
         *leaf = parse_like(leaf, value.trim()).map_err(bad)?;
         let changed: Self = serde_json::from_value(tree).map_err(|e| bad(e.to_string()))?;
         changed.check().map_err(bad)?;
-        if key == "upscaler.scale" && changed.upscaler.scale().to_string() != value.trim() {
+        if key == SCALE_KEY && changed.upscaler.scale().to_string() != value.trim() {
             let offered: Vec<_> = changed.upscaler.upscaler().scales().iter().map(u32::to_string).collect();
             return Err(bad(format!("`{}` offers {}", changed.upscaler.method(), offered.join(", "))));
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// Changes several settings, in any order: enlargements come last, as the methods decide which ones there are.
+    /// On error nothing changes.
+    pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), SetError> {
+        let mut changed = *self;
+        let is_scale = |assignment: &&str| key_of(assignment) == SCALE_KEY;
+        let all = || assignments.iter().map(AsRef::as_ref);
+        for assignment in all().filter(|a| !is_scale(a)).chain(all().filter(is_scale)) {
+            changed.set(assignment)?;
         }
         *self = changed;
         Ok(())
@@ -90,8 +107,8 @@ impl Recipe {
         keys
     }
 
-    /// Ranges that types do not express.
-    fn check(&self) -> Result<(), String> {
+    /// Why these numbers cannot be drawn with: ranges that types do not express.
+    pub fn check(&self) -> Result<(), String> {
         let light = &self.pipeline.light;
         if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
             return Err("the direction must be finite and not zero".to_owned());
@@ -105,6 +122,11 @@ impl Recipe {
         }
         Ok(())
     }
+}
+
+/// The dotted key of an assignment.
+fn key_of(assignment: &str) -> String {
+    assignment.split('=').next().unwrap_or_default().trim().replace('-', "_")
 }
 
 fn json(recipe: &Recipe) -> Value {
@@ -150,12 +172,14 @@ fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
     }
 }
 
-/// What a key takes. For words, asked of the parser itself by giving it one that cannot exist.
+/// What a key takes: ranges as [`Recipe::check`] has them; words asked of the parser itself by giving it one that cannot exist.
 fn describe_values(key: &str, value: &Value) -> String {
     match value {
         Value::Bool(_) => "true, false".to_owned(),
-        Value::Number(n) if n.is_u64() => "whole number".to_owned(),
+        _ if key == SCALE_KEY => format!("{}, where the method offers a choice", offered_scales()),
+        Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),
         Value::Number(_) => "number".to_owned(),
+        Value::Array(_) if key == "light.direction" => "3 numbers with commas between, not all of them 0".to_owned(),
         Value::Array(items) => format!("{} numbers with commas between", items.len()),
         _ => {
             let complaint = Recipe::default().set(&format!("{key}=?")).err().map(|e| e.to_string()).unwrap_or_default();
@@ -163,6 +187,13 @@ fn describe_values(key: &str, value: &Value) -> String {
             words.join(", ")
         }
     }
+}
+
+/// Every enlargement of the methods that have a choice.
+fn offered_scales() -> String {
+    let choices = upscale::ALL.iter().map(|u| u.scales()).filter(|scales| scales.len() > 1);
+    let scales: BTreeSet<_> = choices.flatten().collect();
+    scales.into_iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Wall-clock time of each part of a frame.
@@ -276,6 +307,17 @@ mod tests {
             assert!(message.contains(word), "{assignment}: {message}");
         }
         assert_eq!(recipe, Recipe::default());
+    }
+
+    #[test]
+    fn an_enlargement_may_stand_before_its_method() {
+        let mut recipe = Recipe::default();
+        recipe.set_all(&["upscaler.scale=4", "upscaler.method=bicubic"]).unwrap();
+        assert_eq!((recipe.upscaler.method(), recipe.upscaler.scale()), ("bicubic", 4));
+        let before = recipe;
+        assert!(recipe.set_all(&["wireframe=true", "Upscaler.scale=2"]).is_err(), "keys are in lower case");
+        assert!(recipe.set_all(&["wireframe=true", "upscaler.scale=3"]).is_err());
+        assert_eq!(recipe, before);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8, file};
-use rasterscope::inspect::Buffer;
+use rasterscope::inspect::{Buffer, Stage};
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::builtin;
 use rasterscope::upscale;
@@ -76,7 +76,18 @@ fn help_names_every_setting() {
             assert!(stdout(&output).contains(&format!("{key}: ")), "{command:?}: {key}");
         }
     }
-    assert_success(&run(&folder, &["scenes", "--help"]));
+}
+
+#[test]
+fn help_tells_ranges_and_exit_codes() {
+    let folder = folder();
+    let help = |args: &[&str]| stdout(&run(&folder, &[args, &["--help"]].concat())).to_owned();
+    for (key, values) in [("light.ambient", "number, 0…1"), ("upscaler.scale", "2, 4")] {
+        assert!(help(&["render"]).contains(&format!("{key}: {values}")), "{key}");
+    }
+    for command in COMMANDS_WITH_SETTINGS.into_iter().chain([&["scenes"][..]]) {
+        assert_eq!(help(command).matches("Exit codes: 0 done; 2 ").count(), 1, "{command:?}");
+    }
 }
 
 #[test]
@@ -133,6 +144,53 @@ fn every_buffer_is_a_picture_of_its_own() {
 }
 
 #[test]
+fn every_stage_is_a_picture_and_the_last_one_is_the_frame() {
+    let folder = folder();
+    let shot = |options: &[&str]| {
+        assert_success(&run(&folder, &[&["render", "cubes", "--size", "64x48", "-o", "out.png"], options].concat()));
+        picture(&folder, "out.png")
+    };
+    let stages: Vec<_> = Stage::ALL.iter().map(|stage| shot(&["--stage", stage.id()])).collect();
+    for (image, stage) in stages.iter().zip(Stage::ALL) {
+        assert_eq!(image.size(), (64, 48));
+        assert!(!is_one_color(image), "{}", stage.id());
+    }
+    assert_eq!(stages.last(), Some(&shot(&[])));
+    assert_ne!(stages.first(), stages.last());
+    let both = run(&folder, &["render", "--stage", "clip", "--buffer", "depth", "-o", "out.png"]);
+    assert_failure(&both, 2, "--buffer");
+}
+
+#[test]
+fn times_are_one_line_per_stage_after_the_result() {
+    let folder = folder();
+    let output = run(&folder, &["render", "cubes", "--size", "64x48", "--times", "3", "-o", "out.png"]);
+    assert_success(&output);
+    let lines: Vec<_> = stdout(&output).lines().collect();
+    assert!(lines[0].starts_with("out.png: ") && lines.len() > 3, "{lines:?}");
+    for line in &lines[1..] {
+        let words: Vec<_> = line.split_whitespace().collect();
+        let [_stage, time, "ms"] = words[..] else { panic!("{line}") };
+        assert!(time.parse::<f64>().is_ok_and(|ms| ms >= 0.0), "{line}");
+    }
+    for frames in ["0", "1001", "many"] {
+        assert_failure(&run(&folder, &["render", "--times", frames, "-o", "out.png"]), 2, frames);
+    }
+}
+
+#[test]
+fn settings_are_taken_in_any_order() {
+    let folder = folder();
+    let shot = |settings: [&str; 2]| {
+        let sets = settings.map(|setting| ["--set", setting]).concat();
+        assert_success(&run(&folder, &[&["render", "--size", "64x48", "-o", "out.png"], &sets[..]].concat()));
+        picture(&folder, "out.png")
+    };
+    let (method, scale) = ("upscaler.method=bicubic", "upscaler.scale=4");
+    assert_eq!(shot([scale, method]), shot([method, scale]));
+}
+
+#[test]
 fn the_share_of_drawn_pixels_is_told() {
     let args = ["render", "--size", "64x48", "--set", "upscaler.method=checkerboard", "-o", "out.png"];
     let output = run(&folder(), &args);
@@ -182,10 +240,10 @@ fn a_camera_file_changes_the_view() {
 #[test]
 fn bad_input_is_one_line_that_names_the_culprit() {
     let inputs: [(&[&str], &str); 15] = [
-        (&["--set", "shadign=gouraud"], "shadign"),
-        (&["--set", "shading=phong"], "phong"),
-        (&["--set", "shading"], "key=value"),
-        (&["--set", "light.direction=0,0,0"], "light.direction"),
+        (&["--set", "shadign=gouraud"], "error: --set `shadign` is no setting"),
+        (&["--set", "shading=phong"], "error: --set shading: unknown variant `phong`"),
+        (&["--set", "shading"], "error: --set `shading` is not of the form key=value"),
+        (&["--set", "light.direction=0,0,0"], "error: --set light.direction: the direction"),
         (&["--size", "0x48"], "0x48"),
         (&["--size", "16385x1"], "16385x1"),
         (&["--size", "16384x16384"], "16384x16384"),
@@ -239,6 +297,13 @@ fn bad_camera_files_are_named_with_their_line() {
         let args = ["render", "--size", "8x8", "--camera", "camera.json", "-o", "out.png"];
         assert_failure(&run(&folder, &args), 2, place);
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_view_that_may_never_end_is_not_opened() {
+    let output = run(&folder(), &["render", "--camera", "/dev/zero", "-o", "out.png"]);
+    assert_failure(&output, 2, "/dev/zero: cannot read it: it is not a regular file");
 }
 
 #[test]
@@ -313,6 +378,16 @@ mod workbench {
         assert!(!is_one_color(&image));
     }
 
+    #[test]
+    fn where_neither_window_nor_picture_is_possible_both_reasons_are_told() {
+        let folder = folder();
+        fs::create_dir(folder.path().join("rasterscope.png")).unwrap();
+        let output = run(&folder, &[]);
+        assert_eq!(output.status.code(), Some(2));
+        let lines: Vec<_> = stderr(&output).lines().collect();
+        assert!(lines[0].contains("no display") && lines[1].starts_with("error: rasterscope.png: "), "{lines:?}");
+    }
+
     #[cfg(target_os = "linux")]
     #[test]
     fn a_plain_start_with_a_dead_display_leaves_a_picture_too() {
@@ -325,6 +400,20 @@ mod workbench {
             let output = program(&folder, &["window"]).env(variable, value).output().unwrap();
             assert_failure(&output, 3, "no window");
         }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn warnings_are_told_once_although_the_program_starts_over_on_x11() {
+        let folder = folder();
+        let model = "mtllib missing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+        fs::write(folder.path().join("model.obj"), model).unwrap();
+        let mut command = program(&folder, &["window", "model.obj"]);
+        let output = command.env("WAYLAND_DISPLAY", "wayland-4711").env("DISPLAY", ":4711").output().unwrap();
+        assert_eq!(output.status.code(), Some(3));
+        let lines: Vec<_> = stderr(&output).lines().collect();
+        let [warning, error] = lines[..] else { panic!("{lines:?}") };
+        assert!(warning.contains("missing.mtl") && error.starts_with("error: no window"), "{lines:?}");
     }
 
     #[test]
@@ -341,6 +430,22 @@ mod workbench {
             assert_eq!(other.size(), (1000, 640), "{options:?}");
             assert_ne!(other, dark, "{options:?}");
         }
+    }
+
+    #[test]
+    fn a_screenshot_may_be_as_wide_as_any_picture() {
+        let folder = folder();
+        assert_success(&run(&folder, &["screenshot", "triangle", "--size", "16384x640", "-o", "out.png"]));
+        assert_eq!(picture(&folder, "out.png").size(), (16_384, 640));
+    }
+
+    #[test]
+    fn a_pixel_outside_of_the_scenes_picture_is_refused_with_its_size() {
+        let folder = folder();
+        let args = ["screenshot", "triangle", "--size", "1000x640", "-o", "out.png", "--at"];
+        assert_failure(&run(&folder, &[&args[..], &["1000,5"]].concat()), 2, "--at 1000,5: the scene's picture is ");
+        assert!(is_empty(folder.path()));
+        assert_success(&run(&folder, &[&args[..], &["5,5"]].concat()));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use rasterscope::chain::SetError;
 use rasterscope::image::file::ImageFileError;
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneError;
 use thiserror::Error;
 
@@ -20,21 +21,21 @@ pub(crate) enum Failure {
     /// The command line itself is wrong.
     #[error("{0}")]
     Usage(String),
-    /// A model cannot be loaded.
+    /// A model or a view cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// Neither an id nor a file.
     #[error("{}: there is no such file, and no such built-in scene ({known})", name.display())]
     UnknownScene { name: PathBuf, known: String },
     /// A `--set` that changes nothing.
-    #[error("--set {assignment}: {source}")]
-    Setting { assignment: String, source: SetError },
-    /// A view that cannot be used.
-    #[error("{place}: {reason}")]
-    Camera { place: String, reason: String },
+    #[error("--set {0}")]
+    Setting(#[from] SetError),
     /// `--at` names no pixel.
-    #[error("--at {x},{y}: the picture has columns 0 to {} and rows 0 to {}", width - 1, height - 1)]
-    OutsidePicture { x: u32, y: u32, width: u32, height: u32 },
+    #[error(
+        "--at {x},{y}: the scene's picture is {} × {} px, so columns are 0 to {} and rows 0 to {}",
+        picture.width, picture.height, picture.width - 1, picture.height - 1
+    )]
+    OutsidePicture { x: u32, y: u32, picture: Viewport },
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] ImageFileError),

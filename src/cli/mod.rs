@@ -46,14 +46,19 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Open the window, and fail where that is impossible
+    #[command(after_help = EXIT_CODES)]
     Window(SceneArgs),
     /// Draw one frame, or one of its buffers, into a PNG
+    #[command(after_help = EXIT_CODES)]
     Render(render::RenderArgs),
     /// Tell why a pixel looks as it does: every fragment there, who won and why, down to the texels
+    #[command(after_help = EXIT_CODES)]
     Pixel(pixel::PixelArgs),
     /// Draw the whole workbench into a PNG, without a window
+    #[command(after_help = EXIT_CODES)]
     Screenshot(screenshot::ScreenshotArgs),
     /// List the built-in scenes
+    #[command(after_help = EXIT_CODES)]
     Scenes,
 }
 

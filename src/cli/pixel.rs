@@ -26,9 +26,9 @@ pub(crate) struct PixelArgs {
 /// Draws, replays the pixel, and prints what happened there.
 pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let (x, y) = args.at;
-    let size = args.frame.size();
-    let outside = || Failure::OutsidePicture { x, y, width: size.width, height: size.height };
-    if x >= size.width || y >= size.height {
+    let picture = args.frame.size();
+    let outside = || Failure::OutsidePicture { x, y, picture };
+    if x >= picture.width || y >= picture.height {
         return Err(outside());
     }
     let Drawn { scene, recipe, frame, .. } = args.frame.draw()?;

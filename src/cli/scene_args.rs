@@ -1,22 +1,16 @@
 //! What is drawn and how: the options that all commands share.
 
-use std::fs::File;
-use std::io::Read as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::camera::CameraFile;
 use rasterscope::scene::obj::Loaded;
-use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin};
+use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin, camera_file};
 
 use super::failure::Failure;
 use super::{output, parse};
-
-/// Largest camera file that is read, bytes; real ones have some hundred.
-const MAX_CAMERA_BYTES: u64 = 1 << 20;
 
 /// A scene, a view and a recipe.
 #[derive(Args, Clone, Debug)]
@@ -24,7 +18,7 @@ pub(crate) struct SceneArgs {
     /// A built-in scene by its id (see `rasterscope scenes`) or the path of an OBJ file; the first built-in if omitted
     scene: Option<PathBuf>,
 
-    /// Change one setting; may be given several times
+    /// Change one setting; may be given several times, in any order
     #[arg(long, value_name = "KEY=VALUE", long_help = set_help())]
     set: Vec<String>,
 
@@ -43,13 +37,16 @@ const CAMERA_HELP: &str = "The view, from a JSON file such as\n\
 
 /// The help of `--set`: every key, its values, and what it is if nothing is said.
 fn set_help() -> String {
-    let mut help = "Change one setting; may be given several times. Keys and their values:\n".to_owned();
+    let mut help = "Change one setting; may be given several times, in any order. Keys and their values:\n".to_owned();
     for (key, values) in Recipe::keys() {
         help.push_str(&format!("  {key}: {values}\n"));
     }
     help.push_str("Example: --set shading=gouraud --set light.direction=1,0.5,0");
     help
 }
+
+/// Environment variable of a program that was started over: the warnings of its model were told before.
+pub(crate) const WARNED: &str = "RASTERSCOPE_WARNED";
 
 /// What the shared options ask for.
 #[derive(Clone, Debug)]
@@ -71,11 +68,11 @@ impl SceneArgs {
     /// Reads everything; warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         let recipe = self.recipe()?;
-        let camera = self.camera.as_deref().map(read_camera).transpose()?;
+        let camera = self.camera.as_deref().map(camera_file::read).transpose()?;
         let source = self.source()?;
         let Loaded { scene, warnings } = source.load()?;
-        for warning in &warnings {
-            output::complain("warning", warning);
+        if std::env::var_os(WARNED).is_none() {
+            warnings.iter().for_each(|warning| output::complain("warning", warning));
         }
         let scene = if self.mirror_z { scene.mirrored_z() } else { scene };
         Ok(View {
@@ -91,9 +88,7 @@ impl SceneArgs {
 
     fn recipe(&self) -> Result<Recipe, Failure> {
         let mut recipe = Recipe::default();
-        for assignment in &self.set {
-            recipe.set(assignment).map_err(|source| Failure::Setting { assignment: assignment.clone(), source })?;
-        }
+        recipe.set_all(&self.set)?;
         Ok(recipe)
     }
 
@@ -107,21 +102,6 @@ impl SceneArgs {
         }
         Ok(source)
     }
-}
-
-fn read_camera(path: &Path) -> Result<Camera, Failure> {
-    let failure = |place: String, reason: String| Failure::Camera { place, reason };
-    let file_name = path.display();
-    let mut text = String::new();
-    File::open(path)
-        .and_then(|file| file.take(MAX_CAMERA_BYTES).read_to_string(&mut text))
-        .map_err(|e| failure(file_name.to_string(), format!("cannot read it: {e}")))?;
-    let file: CameraFile = serde_json::from_str(&text).map_err(|e| {
-        let (line, column, reason) = (e.line(), e.column(), e.to_string());
-        let reason = reason.trim_end_matches(&format!(" at line {line} column {column}"));
-        failure(format!("{file_name}:{line}:{column}"), reason.to_owned())
-    })?;
-    Camera::try_from(file).map_err(|reason| failure(file_name.to_string(), reason))
 }
 
 /// A scene, a view, a recipe and a size: what gives one frame.

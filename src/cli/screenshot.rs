@@ -4,10 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
+use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
-use super::scene_args::{SceneArgs, View};
+use super::scene_args::SceneArgs;
 use super::{output, parse, workbench};
 
 /// What `screenshot` takes.
@@ -70,13 +71,12 @@ fn scale(text: &str) -> Result<f32, String> {
 
 /// Draws the workbench into a file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
-    draw(args.scene.view()?, &args.look, &args.output)
+    save(&workbench::draw(args.scene.view()?, &args.look)?, &args.output)
 }
 
-/// Draws the workbench and says in one line what was made.
-pub(crate) fn draw(view: View, look: &Look, path: &Path) -> Result<(), Failure> {
-    let image = workbench::draw(view, look).map_err(Failure::NoWindow)?;
-    write_png(path, &image)?;
+/// Writes a picture of the workbench and says in one line what was made.
+pub(crate) fn save(image: &Image<Rgba8>, path: &Path) -> Result<(), Failure> {
+    write_png(path, image)?;
     let (width, height) = image.size();
     output::print(&format!("{}: the workbench, {width} × {height} px\n", output::display(path)))
 }

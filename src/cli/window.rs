@@ -22,7 +22,8 @@ pub(crate) fn run(args: &SceneArgs) -> Result<(), Failure> {
 pub(crate) fn run_or_draw(args: &SceneArgs) -> Result<(), Failure> {
     let view = args.view()?;
     let Err(reason) = workbench::open(view.clone()) else { return Ok(()) };
-    screenshot::draw(view, &Look::default(), Path::new(FALLBACK_PICTURE))?;
+    let image = workbench::draw(view, &Look::default())?;
+    // Said before the picture is written: should that fail too, both reasons are told.
     output::complain("note", format!("{reason}; the workbench is drawn into {FALLBACK_PICTURE} instead"));
-    Ok(())
+    screenshot::save(&image, Path::new(FALLBACK_PICTURE))
 }

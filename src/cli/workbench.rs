@@ -9,7 +9,8 @@ use std::panic::{self, AssertUnwindSafe};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
 
-use super::scene_args::View;
+use super::failure::Failure;
+use super::scene_args::{View, WARNED};
 use super::screenshot::{Look, Theme};
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
@@ -25,8 +26,8 @@ pub(crate) fn open(view: View) -> Result<(), String> {
 }
 
 /// The whole workbench as a picture.
-pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
-    Ok(ui::screenshot(&ScreenshotRequest {
+pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
+    let request = ScreenshotRequest {
         start: start(view),
         size: look.size,
         pixels_per_point: look.scale,
@@ -36,7 +37,11 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, String> {
         },
         measure: look.measure,
         selected: look.at,
-    }))
+    };
+    ui::screenshot(&request).map_err(|picture| {
+        let (x, y) = look.at.unwrap_or_default();
+        Failure::OutsidePicture { x, y, picture }
+    })
 }
 
 fn start(view: View) -> WindowStart {
@@ -63,7 +68,7 @@ fn retry_on_x11() {
         let Ok(program) = std::env::current_exe() else { return };
         let mut again = std::process::Command::new(program);
         again.args(std::env::args_os().skip(1));
-        again.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");
+        again.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env(WARNED, "1");
         // Only returns if the program cannot be started; then the first reason stands.
         let _ = again.exec();
     }

@@ -2,6 +2,7 @@
 
 use rasterscope::image::{Image, Rgba8};
 
+use super::failure::Failure;
 use super::scene_args::View;
 use super::screenshot::Look;
 
@@ -14,6 +15,6 @@ pub(crate) fn open(_view: View) -> Result<(), String> {
 }
 
 /// There is nothing to draw.
-pub(crate) fn draw(_view: View, _look: &Look) -> Result<Image<Rgba8>, String> {
-    Err(BUILT_WITHOUT.to_owned())
+pub(crate) fn draw(_view: View, _look: &Look) -> Result<Image<Rgba8>, Failure> {
+    Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }

@@ -4,6 +4,8 @@
 //! near = 0, or near = 1 when depth is reversed (then float precision grows where perspective eats it; Reed, "Depth
 //! Precision Visualized", 2015). Navigation is plain arithmetic here, so that window and tests share it.
 
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 use glam::{DMat4, Mat4, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
@@ -43,7 +45,7 @@ pub struct Camera {
 }
 
 /// Default vertical field of view: 45°, near a 50 mm lens's diagonal on a desktop window.
-pub const DEFAULT_FOV_Y: f32 = std::f32::consts::FRAC_PI_4;
+pub const DEFAULT_FOV_Y: f32 = FRAC_PI_4;
 
 /// Closest that orbiting may come to straight up or down, radians: at the pole the up vector would lose its meaning.
 const POLE_MARGIN: f32 = 0.01;
@@ -65,23 +67,30 @@ impl Camera {
     /// A perspective view from `direction` (towards the eye) that shows all of `bounds` in a picture of any shape
     /// at least as wide as high.
     pub fn fit(bounds: Aabb, direction: Vec3) -> Self {
+        Self::fit_into(bounds, direction, 1.0)
+    }
+
+    /// This view's direction and projection kind, moved so that all of `bounds` is seen in a picture whose width is
+    /// `aspect` times its height.
+    pub fn refit(&self, bounds: Aabb, aspect: f32) -> Self {
+        let fitted = Self { up: self.up, ..Self::fit_into(bounds, self.eye - self.target, aspect) };
+        match self.projection {
+            Projection::Perspective { .. } => fitted,
+            Projection::Orthographic { .. } => fitted.with_orthographic(true),
+        }
+    }
+
+    /// A view whose cone of sight, as wide as the narrower side of the picture, touches the ball around `bounds`.
+    fn fit_into(bounds: Aabb, direction: Vec3, aspect: f32) -> Self {
         let (center, radius) = if bounds.is_empty() { (Vec3::ZERO, 1.0) } else { (bounds.center(), bounds.radius()) };
         // Bounded so that planes and distances derived from it stay finite.
         let radius = radius.clamp(1e-30, 1e34);
-        let distance = radius / (DEFAULT_FOV_Y * 0.5).sin();
+        let half_angle = ((DEFAULT_FOV_Y * 0.5).tan() * aspect.clamp(0.01, 1.0)).atan();
+        let distance = radius / half_angle.sin();
         Self {
             near: (distance - radius) * 0.25,
             far: distance + radius * 2.0,
             ..Self::look_at(center + unit_or(direction.as_dvec3(), Vec3::Z) * distance, center)
-        }
-    }
-
-    /// This view's direction and projection kind, moved so that all of `bounds` is seen.
-    pub fn refit(&self, bounds: Aabb) -> Self {
-        let fitted = Self { up: self.up, ..Self::fit(bounds, self.eye - self.target) };
-        match self.projection {
-            Projection::Perspective { .. } => fitted,
-            Projection::Orthographic { .. } => fitted.with_orthographic(true),
         }
     }
 
@@ -167,7 +176,7 @@ impl Camera {
         let up = self.up.normalize_or(Vec3::Y);
         let offset = self.eye - self.target;
         let elevation = unit_or(offset.as_dvec3(), Vec3::Z).dot(up).clamp(-1.0, 1.0).asin();
-        let limit = std::f32::consts::FRAC_PI_2 - POLE_MARGIN;
+        let limit = FRAC_PI_2 - POLE_MARGIN;
         let pitch = (elevation + pitch).clamp(-limit, limit) - elevation;
         let lifted = glam::Quat::from_axis_angle(self.right(), -pitch) * offset;
         self.eye = self.target + glam::Quat::from_axis_angle(up, -yaw) * lifted;
@@ -192,8 +201,10 @@ impl Camera {
         self.target += shift;
     }
 
-    /// Multiplies the distance to the target (perspective) or the visible height (orthographic) by `factor`.
+    /// Multiplies the distance to the target, and the visible height (orthographic), by `factor`. Comes no closer than
+    /// eye and target can be told apart.
     pub fn dolly(&mut self, factor: f32) {
+        let factor = factor.max((self.least_distance() / self.distance()).min(1.0));
         if let Projection::Orthographic { height } = &mut self.projection {
             *height = (*height * factor).clamp(1e-30, 1e34);
         }
@@ -201,6 +212,11 @@ impl Camera {
         if offset.is_finite() && offset != Vec3::ZERO {
             self.eye = self.target + offset;
         }
+    }
+
+    /// Closest that eye and target may come: nearer, rounding of their coordinates would turn the line of sight.
+    fn least_distance(&self) -> f32 {
+        (self.eye.abs().max(self.target.abs()).max_element() * 1e-5).max(1e-30)
     }
 
     /// Moves eye and target along right, up and forward by `steps`, in units of the distance to the target.
@@ -220,82 +236,55 @@ impl Camera {
         }
     }
 
-    /// The same view in the other projection, with the target at the same size.
-    pub fn with_orthographic(mut self, orthographic: bool) -> Self {
-        self.projection = if orthographic {
-            Projection::Orthographic { height: self.visible_height() }
-        } else {
-            Projection::Perspective { fov_y: DEFAULT_FOV_Y }
-        };
-        self
+    /// The same view in the projection asked for, with the target at the same size: a perspective one has the default
+    /// field of view, from a distance that suits it.
+    pub fn with_orthographic(self, orthographic: bool) -> Self {
+        match self.projection {
+            Projection::Perspective { .. } if orthographic => {
+                Self { projection: Projection::Orthographic { height: self.visible_height() }, ..self }
+            }
+            Projection::Orthographic { height } if !orthographic => self.perspective_of(height),
+            _ => self,
+        }
     }
-}
 
-/// A view as written in camera files: `{"eye": [..], "target": [..], "up": [..], "fov_y_degrees": .., "near": .., "far": ..}`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CameraFile {
-    /// World space.
-    pub eye: Vec3,
-    /// World space.
-    pub target: Vec3,
-    /// World space.
-    #[serde(default = "y_up")]
-    pub up: Vec3,
-    /// Vertical field of view.
-    pub fov_y_degrees: f32,
-    /// Distance of the near plane.
-    pub near: f32,
-    /// Distance of the far plane.
-    pub far: f32,
-}
+    /// The perspective view that shows `height` at the target. The planes stay where they are in the world, as far as
+    /// they are in front of the eye.
+    fn perspective_of(self, height: f32) -> Self {
+        let distance = (height * 0.5 / (DEFAULT_FOV_Y * 0.5).tan()).max(self.least_distance());
+        let shift = distance - self.distance();
+        let near = (self.near + shift).max(distance * 0.01);
+        Self {
+            eye: self.target - self.forward() * distance,
+            projection: Projection::Perspective { fov_y: DEFAULT_FOV_Y },
+            near,
+            far: (self.far + shift).max(near * 2.0),
+            ..self
+        }
+    }
 
-fn y_up() -> Vec3 {
-    Vec3::Y
-}
-
-impl TryFrom<CameraFile> for Camera {
-    type Error = String;
-
-    fn try_from(file: CameraFile) -> Result<Self, String> {
-        let CameraFile { eye, target, up, fov_y_degrees, near, far } = file;
+    /// Why nothing can be drawn from here: numbers that are not finite or out of their range, no line of sight.
+    pub fn check(&self) -> Result<(), String> {
+        let Self { eye, target, up, projection, near, far } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
             return Err("eye, target and up must be finite".to_owned());
         }
         if eye == target {
             return Err("eye and target are the same point".to_owned());
         }
-        if !(fov_y_degrees > 0.0 && fov_y_degrees < 180.0) {
-            return Err(format!("fov_y_degrees must lie between 0 and 180, not {fov_y_degrees}"));
+        match projection {
+            Projection::Perspective { fov_y } if !(fov_y > 0.0 && fov_y < PI) => {
+                return Err(format!("fov_y_degrees must lie between 0 and 180, not {}", fov_y.to_degrees()));
+            }
+            Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
+                return Err(format!("the visible height must be above 0 and finite, not {height}"));
+            }
+            _ => {}
         }
         if !(near > 0.0 && far > near && far.is_finite()) {
             return Err(format!("near and far must satisfy 0 < near < far, not {near} and {far}"));
         }
-        Ok(Self {
-            eye,
-            target,
-            up,
-            projection: Projection::Perspective { fov_y: fov_y_degrees.to_radians() },
-            near,
-            far,
-        })
-    }
-}
-
-impl From<Camera> for CameraFile {
-    fn from(camera: Camera) -> Self {
-        let fov_y = match camera.projection {
-            Projection::Perspective { fov_y } => fov_y,
-            Projection::Orthographic { .. } => DEFAULT_FOV_Y,
-        };
-        Self {
-            eye: camera.eye,
-            target: camera.target,
-            up: camera.up,
-            fov_y_degrees: fov_y.to_degrees(),
-            near: camera.near,
-            far: camera.far,
-        }
+        Ok(())
     }
 }
 
@@ -362,16 +351,66 @@ mod tests {
     }
 
     #[test]
-    fn camera_files_are_checked() {
-        let good = CameraFile::from(Camera::look_at(Vec3::Z, Vec3::ZERO));
-        assert!(Camera::try_from(good).is_ok());
+    fn a_refitted_box_is_wholly_visible_in_pictures_of_any_shape() {
+        let bounds = Aabb { min: Vec3::splat(-1.0), max: Vec3::new(1.0, 2.0, 3.0) };
+        for (aspect, orthographic) in [0.05, 0.5, 1.0, 3.0].into_iter().flat_map(|a| [(a, false), (a, true)]) {
+            let view = Camera::look_at(Vec3::ONE, Vec3::ZERO).with_orthographic(orthographic).refit(bounds, aspect);
+            for corner in bounds.corners() {
+                let clip = view.clip_from_world(aspect, false) * corner.extend(1.0);
+                let p = clip.xyz() / clip.w;
+                assert!(p.abs().max_element() <= 1.0 && p.z >= 0.0, "{aspect} {orthographic}: {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_target_keeps_its_size_there_and_back_between_projections() {
+        let mut view = Camera::look_at(Vec3::new(1.0, 2.0, 5.0), Vec3::X);
+        for fov_y in [0.1, DEFAULT_FOV_Y, 2.5] {
+            view.projection = Projection::Perspective { fov_y };
+            let flat = view.with_orthographic(true);
+            let back = flat.with_orthographic(false);
+            for other in [flat, back] {
+                assert!((other.visible_height() / view.visible_height() - 1.0).abs() < 1e-5, "{fov_y}: {other:?}");
+                assert!(other.forward().distance(view.forward()) < 1e-5, "{fov_y}: {other:?}");
+                assert_eq!(other.check(), Ok(()));
+            }
+        }
+    }
+
+    #[test]
+    fn coming_ever_closer_keeps_the_line_of_sight() {
+        for target in [Vec3::ZERO, Vec3::new(3.0, -70.0, 0.1)] {
+            for orthographic in [false, true] {
+                let mut camera =
+                    Camera::look_at(target + Vec3::new(1.0, 2.0, 5.0), target).with_orthographic(orthographic);
+                let forward = camera.forward();
+                for _ in 0..1000 {
+                    camera.dolly(0.9);
+                }
+                assert!(camera.forward().dot(forward) > 0.99, "{target} {orthographic}: {}", camera.forward());
+                assert!(camera.distance() < 0.01 && camera.visible_height() > 0.0);
+                camera.dolly(2.0);
+                assert!(camera.forward().dot(forward) > 0.99);
+            }
+        }
+    }
+
+    #[test]
+    fn views_from_which_nothing_can_be_drawn_are_told_apart() {
+        let good = Camera::look_at(Vec3::Z, Vec3::ZERO);
+        assert_eq!((good.check(), good.with_orthographic(true).check()), (Ok(()), Ok(())));
         for bad in [
-            CameraFile { near: 0.0, ..good },
-            CameraFile { far: good.near, ..good },
-            CameraFile { fov_y_degrees: 180.0, ..good },
-            CameraFile { target: good.eye, ..good },
+            Camera { near: 0.0, ..good },
+            Camera { far: good.near, ..good },
+            Camera { far: f32::INFINITY, ..good },
+            Camera { target: good.eye, ..good },
+            Camera { up: Vec3::NAN, ..good },
+            Camera { projection: Projection::Perspective { fov_y: PI }, ..good },
+            Camera { projection: Projection::Orthographic { height: 0.0 }, ..good },
+            Camera { projection: Projection::Orthographic { height: f32::INFINITY }, ..good },
         ] {
-            assert!(Camera::try_from(bad).is_err());
+            assert!(bad.check().is_err(), "{bad:?}");
         }
     }
 }

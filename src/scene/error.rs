@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-/// Why a scene could not be loaded.
+/// Why a scene or a view could not be loaded.
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// The file cannot be read.
@@ -18,7 +18,7 @@ pub enum SceneError {
     },
     /// The file is something else than what it should be.
     #[error("{}: {reason}", path.display())]
-    NotAModel {
+    Unusable {
         /// The file.
         path: PathBuf,
         /// What it is instead, and what to do.

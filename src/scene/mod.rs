@@ -4,6 +4,8 @@ pub mod builtin;
 
 pub mod camera;
 
+pub mod camera_file;
+
 pub mod error;
 
 pub mod library;

@@ -15,8 +15,8 @@ use crate::image::{Image, Rgba8};
 /// Time from one pass to the next. Two of them finish any animation of the theme.
 pub const STEP_SECONDS: f64 = 0.1;
 
-/// The largest texture side that the toolkit may ask for, as on common graphics cards.
-const LARGEST_TEXTURE_SIDE: usize = 8192;
+/// The largest texture side that the toolkit may ask for: as long as the longest side of a picture.
+const LARGEST_TEXTURE_SIDE: usize = 16_384;
 
 /// An egui context with the theme installed, its painter, and the shapes of its last pass.
 pub struct Headless {

@@ -343,7 +343,10 @@ impl Session {
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,
             Command::ResetCamera => self.state.camera = self.scene.home,
-            Command::FitCamera => self.state.camera = self.state.camera.refit(self.scene.bounds()),
+            Command::FitCamera => {
+                let Viewport { width, height } = self.viewport();
+                self.state.camera = self.state.camera.refit(self.scene.bounds(), width as f32 / height as f32);
+            }
             Command::ResetRecipe => self.state.recipe = Recipe::default(),
             Command::Pick(pixel) => self.pick = pixel,
             Command::NudgePick(dx, dy) => self.nudge(dx, dy),

@@ -121,8 +121,9 @@ fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Wo
     workbench
 }
 
-/// The whole workbench as a picture, drawn by the CPU, with no window and no display.
-pub fn screenshot(request: &ScreenshotRequest) -> Image<Rgba8> {
+/// The whole workbench as a picture, drawn by the CPU, with no window and no display. The error is the size of the
+/// scene's picture, where that has no pixel such as the one to be picked.
+pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport> {
     let Viewport { width, height } = request.size;
     let theme = match request.theme {
         Theme::Dark => egui::Theme::Dark,
@@ -135,12 +136,16 @@ pub fn screenshot(request: &ScreenshotRequest) -> Image<Rgba8> {
     for _ in 0..SCREENSHOT_PASSES {
         headless.pass(Vec::new(), |ui| app.show(ui));
     }
+    let picture = app.session().viewport();
+    if request.selected.is_some_and(|(x, y)| x >= picture.width || y >= picture.height) {
+        return Err(picture);
+    }
     if request.measure {
         app.measure();
         headless.pass(Vec::new(), |ui| app.show(ui));
         headless.pass(Vec::new(), |ui| app.show(ui));
     }
-    headless.picture()
+    Ok(headless.picture())
 }
 
 /// Errors of the toolkit may span lines; ours never do.

@@ -62,6 +62,6 @@ pub(super) fn parse(path: &Path, text: &str) -> Result<Vec<tobj::Mesh>, SceneErr
     let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
     let no_library = |_: &Path| Ok((Vec::new(), std::collections::HashMap::new()));
     let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_library)
-        .map_err(|e| SceneError::NotAModel { path: path.to_owned(), reason: e.to_string() })?;
+        .map_err(|e| SceneError::Unusable { path: path.to_owned(), reason: e.to_string() })?;
     Ok(models.into_iter().map(|model| model.mesh).collect())
 }

@@ -85,7 +85,7 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
 fn read_text(path: &Path, warnings: &mut Warnings) -> Result<String, SceneError> {
     let bytes =
         disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
-    let decoded = decode::decode(bytes).map_err(|reason| SceneError::NotAModel { path: path.to_owned(), reason })?;
+    let decoded = decode::decode(bytes).map_err(|reason| SceneError::Unusable { path: path.to_owned(), reason })?;
     if decoded.padded {
         let line = decode::lines(&decoded.text).count() + usize::from(decoded.text.ends_with(['\n', '\r']));
         warnings.add(path, Some(line), "NUL bytes from here to the end; left out");
@@ -100,7 +100,7 @@ fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
             let reason = format!("{text}; the file contains no face that can be drawn");
             SceneError::Line { path: path.to_owned(), line: *line, reason }
         }
-        _ => SceneError::NotAModel { path: path.to_owned(), reason: "it contains no faces".to_owned() },
+        _ => SceneError::Unusable { path: path.to_owned(), reason: "it contains no faces".to_owned() },
     }
 }
 
@@ -128,7 +128,7 @@ fn assemble(
         let data = mesh_data(part_name.clone(), &mesh, scale);
         let material = materials.of(part, !data.colors.is_empty(), &mut library, warnings);
         let mesh =
-            Mesh::new(data).map_err(|e| SceneError::NotAModel { path: path.to_owned(), reason: e.to_string() })?;
+            Mesh::new(data).map_err(|e| SceneError::Unusable { path: path.to_owned(), reason: e.to_string() })?;
         instances.push(Instance {
             name: part_name,
             mesh: library.add_mesh(mesh),

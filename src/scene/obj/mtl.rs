@@ -2,8 +2,9 @@
 //!
 //! As for geometry, the text is first checked line by line and rewritten: `newmtl`, `Kd`, `d`, `Tr` and `map_Kd`
 //! alone, with complete and finite numbers, names replaced by numbers, texture options taken out of the file name.
-//! What the pipeline does not shade (`Ks`, `illum`, bump maps …) is left out silently. A colour with one number is
-//! grey, as the format's description has it; `d` wins over `Tr`, its reverse.
+//! What the pipeline does not shade (`Ks`, `illum`, bump maps …) is left out silently; only of opacity below 1 one is
+//! told, as it hides what should be seen. A colour with one number is grey, as the format's description has it; `d`
+//! wins over `Tr`, its reverse.
 
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
@@ -50,7 +51,12 @@ pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warning
         Ok((materials, _)) => {
             for (number, (name, material)) in rewritten.names.into_iter().zip(materials).enumerate() {
                 let line = rewritten.picture_lines.get(&number).copied().unwrap_or(0);
-                known.insert(name, describe(material, library, line));
+                let description = describe(material, library, line);
+                if description.opacity < 1.0 {
+                    let line = rewritten.opacity_lines.get(&number).copied();
+                    warnings.add(library, line, "opacity below 1: drawn opaque, as there is no transparency");
+                }
+                known.insert(name, description);
             }
         }
         Err(error) => warnings.add(library, None, format!("the material library is not understood: {error}")),
@@ -74,6 +80,8 @@ struct Rewritten {
     names: Vec<String>,
     /// For materials with a picture, the line that names it.
     picture_lines: HashMap<usize, usize>,
+    /// For materials with an opacity, the first line that sets it.
+    opacity_lines: HashMap<usize, usize>,
 }
 
 fn rewrite(library: &Path, text: &str, warnings: &mut Warnings) -> Rewritten {
@@ -100,6 +108,9 @@ fn rewrite(library: &Path, text: &str, warnings: &mut Warnings) -> Rewritten {
                 let _ = writeln!(out.text, "map_Kd {name}");
             }
         } else {
+            if keyword != "Kd" {
+                out.opacity_lines.entry(out.names.len() - 1).or_insert(line);
+            }
             let _ = writeln!(out.text, "{}", numbers(keyword, rest, &mut warn));
         }
     }
@@ -172,4 +183,27 @@ fn without_options(rest: &str) -> (String, bool) {
     }
     let name: Vec<&str> = words.by_ref().take_while(|word| option(word).is_none()).collect();
     (name.join(" ").trim_matches('"').replace('\\', "/"), moved)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn remarks(text: &str) -> Vec<String> {
+        let library = Path::new("a.mtl");
+        let (mut known, mut warnings) = (Descriptions::new(), Warnings::default());
+        read(library, text, &mut known, &mut warnings);
+        warnings.finish(library).iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn of_transparent_materials_one_is_told_once() {
+        let told = remarks("newmtl a\nd 1\nTr 0.5\nnewmtl b\nKd 1 1 1\nTr 0.25\nnewmtl c\nd 0\n");
+        assert_eq!(told, ["a.mtl:6: opacity below 1: drawn opaque, as there is no transparency (2 times, here first)"]);
+    }
+
+    #[test]
+    fn opaque_materials_are_read_silently() {
+        assert!(remarks("newmtl a\nd 1.0\nTr 0.0\nnewmtl b\nTr 0\nnewmtl c\nillum 4\n").is_empty());
+    }
 }
