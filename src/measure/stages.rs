@@ -6,10 +6,8 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use crate::chain::{Frame, Recipe};
-use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Until, draw};
+use crate::chain::{Frame, Recipe, redraw};
+use crate::pipeline::Until;
 use crate::scene::Scene;
 
 /// Time of each stage of a frame.
@@ -52,13 +50,8 @@ impl StageTimes {
 /// Times every stage of a frame that was drawn of `scene` by `recipe`; costs about two more frames.
 pub fn stage_times(scene: &Scene, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let time_until = |until| {
-        let Viewport { width, height } = frame.viewport;
-        let settings = &recipe.pipeline;
-        let mut target = Framebuffer::new(frame.drawn.grid, width, height, scene.background, settings);
-        let extent = Extent::all(&frame.geometry, frame.viewport);
         let start = Instant::now();
-        draw(scene, &frame.geometry, settings, &extent, until, &mut target, &mut ());
-        black_box(&target);
+        black_box(redraw(scene, recipe, frame, until, &mut ()));
         start.elapsed()
     };
     let [coverage, depth, shade] = [Until::Coverage, Until::Depth, Until::Shade].map(time_until);
