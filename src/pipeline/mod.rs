@@ -231,8 +231,8 @@ pub fn draw<O: Observer>(
             if until == Until::Coverage {
                 return;
             }
-            let new = depth_at(triangle, &sample);
             if let Some(buffer) = depth {
+                let new = depth_at(triangle, &sample);
                 let stored = buffer.at(column, row);
                 let passed = comparison.passes(new, stored);
                 observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed });
@@ -244,8 +244,8 @@ pub fn draw<O: Observer>(
             if until == Until::Depth {
                 return;
             }
-            let fragment = interpolate(triangle, sample, new);
-            let rgba = shader.shade(&fragment, triangle.id);
+            let fragment = interpolate(triangle, sample, shader.attributes());
+            let rgba = shader.shade(&fragment, triangle);
             color.set(column, row, rgba);
             observer.shaded(triangle, &fragment, rgba);
         });

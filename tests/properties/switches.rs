@@ -5,11 +5,12 @@ use rasterscope::chain::{Frame, Recipe};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::framebuffer::Framebuffer;
 use rasterscope::pipeline::grid::SampleGrid;
-use rasterscope::pipeline::interpolate::Fragment;
+use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::raster::{Sample, Scissor};
 use rasterscope::pipeline::settings::{Choice, DepthTest, Shading};
+use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
 use rasterscope::pipeline::{Extent, Until, clip, draw, vertex};
 use rasterscope::scene::{Scene, TriangleId};
@@ -222,6 +223,38 @@ fn leaving_out_the_perspective_division_of_an_orthographic_view_changes_no_bit()
         }
         assert_eq!(redraw(scene, &recipe, &frame, SampleGrid::FULL, &mut ()).color, frame.image, "{name}");
     }
+}
+
+#[test]
+fn leaving_out_the_interpolation_of_attributes_changes_no_bit() {
+    struct Compare<'a>(Vec<Shader<'a>>);
+    impl Observer for Compare<'_> {
+        fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
+            let all = interpolate(triangle, fragment.sample, Attributes::ALL);
+            assert_eq!(self.0[triangle.instance as usize].shade(&all, triangle), color);
+            let weights = (fragment.source_weights, all.source_weights);
+            assert_eq!(Fragment { source_weights: weights.0, ..all }, *fragment, "constants but for the weights");
+        }
+    }
+    let mut skipped = [0; 5];
+    for (_, scene) in &scenes() {
+        for shading in Shading::ALL {
+            let mut recipe = Recipe::default();
+            recipe.pipeline.shading = *shading;
+            let frame = render(scene, &recipe, SIZE);
+            let shaders = scene.instances.iter().zip(&frame.geometry.plans);
+            let shaders: Vec<_> =
+                shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect();
+            for shader in &shaders {
+                let Attributes { normal, uv, color, light, source_weights } = shader.attributes();
+                for (count, read) in skipped.iter_mut().zip([normal, uv, color, light, source_weights]) {
+                    *count += usize::from(!read);
+                }
+            }
+            redraw(scene, &recipe, &frame, SampleGrid::FULL, &mut Compare(shaders));
+        }
+    }
+    assert!(skipped.iter().all(|n| *n > 10), "each attribute is left out by some draws: {skipped:?}");
 }
 
 #[test]
