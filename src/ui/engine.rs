@@ -153,7 +153,7 @@ pub struct StageFigures {
     pub counters: Counters,
 }
 
-/// Counts and times the stages of a frame that was drawn for `request`; costs about three more frames.
+/// Counts and times the stages of a frame that was drawn for `request`; costs three to nine more frames.
 pub fn stage_figures(request: &Request, frame: &Frame) -> StageFigures {
     let Request { scene, recipe, .. } = request;
     StageFigures { times: stage_times(scene, recipe, frame), counters: count(request, frame) }

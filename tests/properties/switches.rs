@@ -338,22 +338,24 @@ fn stopping_early_counts_the_same_samples() {
     let scene = ground_and_cube();
     let recipe = Recipe::default();
     let frame = render(&scene, &recipe, SIZE);
-    let [coverage, depth, all] = [Until::Coverage, Until::Depth, Until::Shade].map(|until| {
-        let mut buffer = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
-        let mut covered = Covered::default();
-        draw(
-            &scene,
-            &frame.geometry,
-            &recipe.pipeline,
-            &Extent::all(&frame.geometry, VIEW),
-            until,
-            &mut buffer,
-            &mut covered,
-        );
-        (covered, buffer.depth)
-    });
+    let [coverage, depth, interpolate, all] =
+        [Until::Coverage, Until::Depth, Until::Interpolate, Until::Shade].map(|until| {
+            let mut buffer = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
+            let mut covered = Covered::default();
+            draw(
+                &scene,
+                &frame.geometry,
+                &recipe.pipeline,
+                &Extent::all(&frame.geometry, VIEW),
+                until,
+                &mut buffer,
+                &mut covered,
+            );
+            (covered, buffer.depth)
+        });
     assert_eq!(coverage.0, all.0);
     assert_eq!(depth, all);
+    assert_eq!(interpolate, all);
 }
 
 #[test]
