@@ -29,11 +29,6 @@ impl Framebuffer {
         Self::cleared(grid, sample, (1, 1), background, settings)
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.color.bytes() + self.depth.as_ref().map_or(0, Image::bytes)
-    }
-
     fn cleared(
         grid: SampleGrid,
         origin: (u32, u32),

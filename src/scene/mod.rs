@@ -107,19 +107,6 @@ impl Scene {
             .collect()
     }
 
-    /// The instance that `id` belongs to and the triangle's number within its mesh.
-    pub fn locate(&self, id: TriangleId) -> Option<(usize, usize)> {
-        let mut rest = id.0 as usize;
-        for (index, instance) in self.instances.iter().enumerate() {
-            let count = self.library.mesh(instance.mesh).triangles.len();
-            if rest < count {
-                return Some((index, rest));
-            }
-            rest -= count;
-        }
-        None
-    }
-
     /// Bytes held by the shared buffers and by the instance records.
     pub fn memory(&self) -> Memory {
         Memory {

@@ -95,7 +95,7 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage for the frame on screen. Rasterize, depth and shade are told apart by drawing the frame three times, each time one stage further";
+    let help = "Time of this stage for the frame on screen. Rasterize, depth, interpolate and shade are told apart by drawing the frame several times, each time one stage further; 0 means too short to tell";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));
@@ -114,13 +114,14 @@ fn short_count(number: u64) -> String {
 
 fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
     match stage {
-        Stage::Assemble | Stage::Interpolate => None,
+        Stage::Assemble => None,
         Stage::Transform => Some(times.transform),
         Stage::Clip => Some(times.clip),
         Stage::Project => Some(times.project),
         Stage::Cull => Some(times.cull),
         Stage::Rasterize => Some(times.rasterize),
-        Stage::Depth => Some(times.depth),
+        Stage::Depth => times.depth,
+        Stage::Interpolate => Some(times.interpolate),
         Stage::Shade => Some(times.shade),
         Stage::Upscale => Some(times.upscale),
     }
@@ -135,7 +136,7 @@ fn count_of(stage: Stage, session: &Session, view: &View) -> Option<(u64, &'stat
         Stage::Project => Some((geometry.triangles_clipped as u64, "triangles projected")),
         Stage::Cull => Some((view.rasterized as u64, "triangles left to rasterize")),
         Stage::Rasterize => Some((counters.covered, "samples covered")),
-        Stage::Depth => Some((counters.passed, "fragments passed")),
+        Stage::Depth => view.frame.drawn.depth.as_ref().map(|_| (counters.passed, "fragments passed")),
         Stage::Interpolate => None,
         Stage::Shade => Some((counters.shaded, "fragments shaded")),
         Stage::Upscale => {
