@@ -227,7 +227,7 @@ impl Workbench {
                 self.session.view = Some(*view);
                 self.asked_at = None;
             }
-            Answer::Stages(figures) => self.session.stages = Some(figures),
+            Answer::Stages(figures) => self.session.stages = Some(*figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);

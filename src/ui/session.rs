@@ -41,6 +41,16 @@ pub enum PictureSize {
     Fixed(u32, u32),
 }
 
+impl PictureSize {
+    /// This size, or that of the canvas if no picture may be that large.
+    pub fn checked(self) -> Self {
+        match self {
+            Self::Fixed(width, height) if Viewport { width, height }.check().is_err() => Self::Canvas,
+            size => size,
+        }
+    }
+}
+
 /// What the pointer does on the canvas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
