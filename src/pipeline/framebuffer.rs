@@ -16,6 +16,8 @@ pub struct Framebuffer {
     pub color: Image<Rgba8>,
     /// Stored depth; `None` when the depth test is off, which needs none.
     pub depth: Option<Image<f32>>,
+    /// What stored depth starts from.
+    pub clear_depth: f32,
 }
 
 impl Framebuffer {
@@ -36,8 +38,8 @@ impl Framebuffer {
         [r, g, b]: [u8; 3],
         settings: &Settings,
     ) -> Self {
-        let depth =
-            (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_value(settings)));
-        Self { grid, origin, color: Image::filled(width, height, [r, g, b, 255]), depth }
+        let clear_depth = clear_value(settings);
+        let depth = (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_depth));
+        Self { grid, origin, color: Image::filled(width, height, [r, g, b, 255]), depth, clear_depth }
     }
 }

@@ -226,7 +226,7 @@ pub fn draw<O: Observer>(
         .zip(&geometry.plans)
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
-    let Framebuffer { grid, origin, color, depth } = frame;
+    let Framebuffer { grid, origin, color, depth, .. } = frame;
     for triangle in &geometry.triangles[extent.triangles.clone()] {
         let shader = &shaders[triangle.instance as usize];
         let visited = raster::rasterize(settings.rasterizer, &triangle.edges, *grid, extent.scissor, |sample| {

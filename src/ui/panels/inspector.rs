@@ -322,12 +322,18 @@ fn corner_table(ui: &mut Ui, fragment: &FragmentRecord) {
 
 fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
     section_header(ui, "Shading", |_| {});
-    let [u, v] = shading.uv;
-    let [x, y, z] = shading.normal;
-    value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "u to the right, v down");
-    value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal, world space");
-    float_row(ui, "N·L", shading.cosine, "Cosine between normal and light");
-    float_row(ui, "Light", shading.light, "The factor that light multiplies the colour with");
+    if let Some([u, v]) = shading.uv {
+        value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "u to the right, v down");
+    }
+    if let Some([x, y, z]) = shading.normal {
+        value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal, world space");
+    }
+    if let Some(cosine) = shading.cosine {
+        float_row(ui, "N·L", cosine, "Cosine between normal and light");
+    }
+    if let Some(light) = shading.light {
+        float_row(ui, "Light", light, "The factor that light multiplies the colour with");
+    }
     for texel in &shading.texels {
         ui.horizontal(|ui| {
             swatch(ui, to_color(texel.color));
