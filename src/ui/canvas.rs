@@ -19,7 +19,7 @@ use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, to
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
-use crate::inspect::view::{Value, magnitude_color, value};
+use crate::inspect::view::{Value, absence, magnitude_color, value};
 use crate::pipeline::settings::Choice as _;
 
 /// Screen pixels per picture pixel, least and greatest.
@@ -330,7 +330,7 @@ fn legend(ui: &Ui, painter: &egui::Painter, canvas: Rect, view: &View) {
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;
     let (name, help) = match view.request.shown {
-        Shown::Buffer(buffer) => (buffer.name(), buffer.help()),
+        Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
         Shown::Stage(stage) => (stage.name(), stage.help()),
     };
     let small = FontId::proportional(font_size::SMALL);
