@@ -242,12 +242,10 @@ pub fn run<O: Observer>(
 ) -> Frame {
     let start = Instant::now();
     let Viewport { width, height } = viewport;
-    let settings = &recipe.pipeline;
-    let geometry = prepare(scene, camera, settings, viewport, observer);
+    let geometry = prepare(scene, camera, &recipe.pipeline, viewport, observer);
     let geometry_done = Instant::now();
 
-    let mut drawn = Framebuffer::new(recipe.upscaler.grid(), width, height, scene.background, settings);
-    draw(scene, &geometry, settings, &Extent::all(&geometry, viewport), Until::Shade, &mut drawn, observer);
+    let drawn = draw_pixels(scene, recipe, &geometry, viewport, Until::Shade, observer);
     let drawn_at = Instant::now();
 
     let mut image = recipe.upscaler.upscaler().upscale(&drawn.color, recipe.upscaler.scale(), width, height);
@@ -262,6 +260,32 @@ pub fn run<O: Observer>(
         total: start.elapsed(),
     };
     Frame { image, drawn, geometry, viewport, times }
+}
+
+/// Draws the triangles of a frame once more into a framebuffer of their own, as far as `until` says. `recipe` may differ
+/// from the frame's own in what concerns samples only: depth test and shading, not geometry.
+pub fn redraw<O: Observer>(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    until: Until,
+    observer: &mut O,
+) -> Framebuffer {
+    draw_pixels(scene, recipe, &frame.geometry, frame.viewport, until, observer)
+}
+
+fn draw_pixels<O: Observer>(
+    scene: &Scene,
+    recipe: &Recipe,
+    geometry: &Geometry,
+    viewport: Viewport,
+    until: Until,
+    observer: &mut O,
+) -> Framebuffer {
+    let (Viewport { width, height }, settings) = (viewport, &recipe.pipeline);
+    let mut drawn = Framebuffer::new(recipe.upscaler.grid(), width, height, scene.background, settings);
+    draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut drawn, observer);
+    drawn
 }
 
 #[cfg(test)]

@@ -4,23 +4,12 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rasterscope::pipeline::settings::Choice;
 use rasterscope::pipeline::viewport::Viewport;
 
-/// Longest side of a picture, px: coordinates stay far within what the rasterizer's fixed point holds.
-const MAX_SIDE_PX: u32 = 16_384;
-
-/// Most pixels of a picture: enough for 8K (7680 × 4320); with every buffer kept, about 2 GB of memory.
-const MAX_PIXELS: u64 = 1 << 25;
-
 /// A size written as `1280x720`.
 pub(crate) fn size(text: &str) -> Result<Viewport, String> {
     let (width, height) = pair(text, &['x', 'X', '×']).ok_or("a size is written like 1280x720")?;
-    let sides = 1..=MAX_SIDE_PX;
-    if !sides.contains(&width) || !sides.contains(&height) {
-        return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
-    }
-    if u64::from(width) * u64::from(height) > MAX_PIXELS {
-        return Err(format!("these are more than {MAX_PIXELS} pixels, the most that are drawn"));
-    }
-    Ok(Viewport { width, height })
+    let size = Viewport { width, height };
+    size.check()?;
+    Ok(size)
 }
 
 /// A pixel written as `640,360`: column and row.

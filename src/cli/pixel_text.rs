@@ -46,10 +46,15 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
 }
 
 fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
-    let mut rows = vec![
-        ("normal", format!("{}, N·L {:?}, light {:?}", numbers(&shading.normal), shading.cosine, shading.light)),
-        ("uv", numbers(&shading.uv)),
-    ];
+    let normal = shading.normal.map(|n| numbers(&n));
+    let cosine = shading.cosine.map(|c| format!("N·L {c:?}"));
+    let light = shading.light.map(|l| format!("light {l:?}"));
+    let lighting: Vec<_> = [normal, cosine, light].into_iter().flatten().collect();
+    let mut rows = Vec::new();
+    if !lighting.is_empty() {
+        rows.push(("normal", lighting.join(", ")));
+    }
+    rows.extend(shading.uv.map(|uv| ("uv", numbers(&uv))));
     rows.extend(shading.texels.iter().map(|texel| {
         let tap = texel.tap;
         ("texel", format!("({}, {}) × {:?}: {}", tap.x, tap.y, tap.weight, color(texel.color)))

@@ -74,5 +74,5 @@ fn print_times(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, f
         }
     }
     let medians = samples_ms.into_values().filter_map(|(name, ms)| Some((name, summarize(&ms)?.median)));
-    output::print(&medians.map(|(name, median)| format!("{name:10} {median:8.3} ms\n")).collect::<String>())
+    output::print(&medians.map(|(name, median)| format!("{name:11} {median:8.3} ms\n")).collect::<String>())
 }

@@ -2,15 +2,14 @@
 //!
 //! The frame is drawn once more with an observer that keeps these quantities; the frame itself pays nothing for them.
 
-use crate::chain::{Frame, Recipe};
+use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::Until;
 use crate::pipeline::interpolate::{Fragment, affine_weights};
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::ScreenTriangle;
-use crate::pipeline::{Extent, Until, draw};
 use crate::scene::{Scene, TriangleId};
 
 choice! {
@@ -51,11 +50,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
         overdraw: Image::filled(width, height, 0),
         shaded: Image::filled(width, height, 0),
     };
-    let viewport = frame.viewport;
-    let mut again =
-        Framebuffer::new(frame.drawn.grid, viewport.width, viewport.height, scene.background, &recipe.pipeline);
-    let extent = Extent::all(&frame.geometry, viewport);
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut again, &mut buffers);
+    redraw(scene, recipe, frame, Until::Shade, &mut buffers);
     buffers
 }
 

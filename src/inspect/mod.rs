@@ -10,6 +10,8 @@ pub mod pixel;
 
 pub mod stages;
 
+mod verdict;
+
 pub mod view;
 
 pub use buffers::{Buffer, capture};

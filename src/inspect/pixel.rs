@@ -2,14 +2,15 @@
 
 use serde::Serialize;
 
+use super::verdict::verdict;
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
 use crate::pipeline::depth::{Comparison, depth_at};
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::observe::{DepthOutcome, Observer};
+use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::raster::{Sample, Scissor};
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::shade::Shader;
@@ -65,17 +66,17 @@ pub struct FragmentRecord {
     pub shading: Option<ShadingRecord>,
 }
 
-/// How a fragment got its colour.
+/// How a fragment got its colour. What its draw leaves out is `None`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ShadingRecord {
     /// Texture coordinates, v down.
-    pub uv: [f32; 2],
+    pub uv: Option<[f32; 2]>,
     /// Unit normal, world space.
-    pub normal: [f32; 3],
+    pub normal: Option<[f32; 3]>,
     /// N·L.
-    pub cosine: f32,
+    pub cosine: Option<f32>,
     /// The factor that light contributes.
-    pub light: f32,
+    pub light: Option<f32>,
     /// Texels read, with their weights.
     pub texels: Vec<TexelRecord>,
     /// The colour that was written.
@@ -162,7 +163,7 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         sources,
         wireframe,
     };
-    report.verdict = verdict(&report, frame.drawn.grid);
+    report.verdict = verdict(&report, frame.drawn.grid, Comparison::of(&recipe.pipeline));
     Some(report)
 }
 
@@ -274,79 +275,64 @@ impl Observer for Recorder<'_> {
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
-        let shader = &self.shaders[triangle.instance as usize];
+        let instance = triangle.instance as usize;
+        let (shader, plan) = (&self.shaders[instance], &self.frame.geometry.plans[instance]);
         if let Some(record) = self.records.last_mut() {
-            record.shading = Some(shading_record(shader, fragment, color));
+            record.shading = Some(shading_record(shader, plan, fragment, color));
         }
     }
 }
 
-fn shading_record(shader: &Shader<'_>, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
+fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
+    let lit = plan.runs(Part::Light);
     let texels = shader.texture_for(fragment).map_or_else(Vec::new, |texture| {
         let (taps, count) = shader.sampler().taps(texture.size(), fragment.uv);
         taps[..count].iter().map(|tap| TexelRecord { tap: *tap, color: texture.at(tap.x, tap.y) }).collect()
     });
     ShadingRecord {
-        uv: fragment.uv.into(),
-        normal: shader.unit_normal(fragment).into(),
-        cosine: shader.cosine(fragment),
-        light: shader.light(fragment),
+        uv: plan.runs(Part::TextureCoordinates).then(|| fragment.uv.into()),
+        normal: plan.runs(Part::Normals).then(|| shader.unit_normal(fragment).into()),
+        cosine: lit.then(|| shader.cosine(fragment)),
+        light: lit.then(|| shader.light(fragment)),
         texels,
         color,
     }
 }
 
-/// What happened at a pixel, in one sentence.
-fn verdict(report: &PixelReport, grid: SampleGrid) -> String {
-    let story = fragment_verdict(&report.fragments);
-    if let Some(triangle) = report.wireframe {
-        return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
-    }
-    if grid.sample_at(report.x, report.y).is_some() {
-        return story;
-    }
-    let [x, y] = report.drawn_at;
-    let count = report.sources.len();
-    let made_of =
-        if count == 1 { "copied from one drawn pixel".to_owned() } else { format!("mixed from {count} drawn pixels") };
-    format!("Not drawn: {made_of}. The weightiest, ({x}, {y}): {story}")
-}
-
-fn fragment_verdict(fragments: &[FragmentRecord]) -> String {
-    let Some(winner) = fragments.iter().find(|f| f.outcome == Outcome::Visible) else {
-        return match fragments.len() {
-            0 => "Background: no triangle covers this pixel's centre.".to_owned(),
-            1 => "Background: the one triangle here lost the depth test.".to_owned(),
-            n => format!("Background: all {n} triangles here lost the depth test."),
-        };
-    };
-    let name = format!("triangle {} of “{}”", winner.triangle.0, winner.instance);
-    let rivals = fragments.len() - 1;
-    let closest =
-        fragments.iter().filter(|f| !std::ptr::eq(*f, winner)).map(|f| ulps_apart(f.depth, winner.depth)).min();
-    match (rivals, closest, winner.stored_depth) {
-        (0, _, _) => format!("Won by {name}, the only one here."),
-        (_, _, None) => format!("Won by {name}, drawn last of {} (no depth test).", rivals + 1),
-        (_, Some(0), Some(_)) => {
-            format!("Depth tie: {name} and another triangle have the very same depth; drawing order decides.")
-        }
-        (_, Some(ulps), Some(_)) if ulps <= Z_FIGHT_ULPS => {
-            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest steps a float can make.")
-        }
-        (1, _, _) => format!("Won by {name} against one other."),
-        (_, _, _) => format!("Won by {name} against {rivals} others."),
-    }
-}
-
-/// Depths this close differ by no more than rounding: three values of three roundings each.
-const Z_FIGHT_ULPS: u32 = 8;
-
-/// How many floats lie between two depths in [0, 1].
-fn ulps_apart(a: f32, b: f32) -> u32 {
-    a.to_bits().abs_diff(b.to_bits())
-}
-
 /// Where the sample of a full-picture pixel lies, in px.
 pub fn sample_position_px(x: u32, y: u32) -> [f32; 2] {
     [x, y].map(|c| to_pixels(i64::from(c) * SUBPIXELS + HALF_PIXEL))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::pipeline::settings::Shading;
+    use crate::scene::builtin;
+
+    #[test]
+    fn a_record_tells_only_what_its_shading_reads() {
+        let scene = builtin::by_id("chess").unwrap().build();
+        // Which of texture coordinates, normal, N·L and light there are.
+        for (shading, expected) in [
+            (Shading::TriangleId, [false, false, false, false]),
+            (Shading::Uv, [true, false, false, false]),
+            (Shading::Normals, [false, true, false, false]),
+            (Shading::Lambert, [true, true, true, true]),
+        ] {
+            let mut recipe = Recipe::default();
+            recipe.pipeline.shading = shading;
+            let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
+            let reports = (0..32 * 24).filter_map(|i| inspect(&scene, &recipe, &frame, i % 32, i / 32));
+            let records: Vec<_> = reports.filter_map(|r| r.visible()?.shading.clone()).collect();
+            let told: Vec<_> = records
+                .iter()
+                .map(|s| [s.uv.is_some(), s.normal.is_some(), s.cosine.is_some(), s.light.is_some()])
+                .collect();
+            assert!(told.contains(&expected), "{shading:?}");
+            // Meshes without texture coordinates tell less, none tells more.
+            assert!(told.iter().flat_map(|t| t.iter().zip(expected)).all(|(t, e)| e || !t), "{shading:?}");
+        }
+    }
 }

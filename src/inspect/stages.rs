@@ -1,24 +1,31 @@
 //! The picture after each stage: the same view, drawn as far as the pipeline has come.
+//!
+//! Up to culling they are lines and dots of the whole scene: what clipping left, projected, before anything
+//! was culled for its facing; only triangles without area are missing, which have no facing.
+//! From rasterizing on they show the pixels that the frame really drew, of the triangles that it drew; those left to the
+//! upscaler are dark.
 
-use crate::chain::{Frame, Recipe, run};
+use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
+use crate::pipeline::cull::cull;
+use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::settings::{Choice, Culling, DepthTest, Shading, choice};
+use crate::pipeline::raster::doubled_area;
+use crate::pipeline::settings::{Choice, Culling, DepthTest, Settings, Shading, choice};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{prepare, wireframe};
+use crate::pipeline::{Until, prepare, wireframe};
 use crate::scene::{Camera, Scene, TriangleId};
-use crate::upscale::Upscaling;
 
 choice! {
     /// A stage whose result can be looked at.
     Stage {
-        Assemble = "assemble", "Assemble", "Meshes and instances: every vertex as a dot where it will be seen.";
-        Transform = "transform", "Transform", "Vertices through model, world and view into clip space: all edges, front and back.";
-        Clip = "clip", "Clip", "Triangles that reach out of the view are cut: pieces of cut triangles in orange.";
+        Assemble = "assemble", "Assemble", "Meshes and instances make triangles: the corners of all that reach into the view, as dots; cut ones by their pieces.";
+        Transform = "transform", "Transform", "Vertices through model, world and view into clip space: the edges of all triangles that reach into the view, front and back.";
+        Clip = "clip", "Clip", "What lies wholly outside is gone; the pieces of triangles cut at the near plane, the far plane or the guard band in orange.";
         Project = "project", "Project", "Divided by w, scaled to pixels, snapped to 1/256 px: edges and snapped corners.";
-        Cull = "cull", "Cull", "What is left to rasterize in white; what was dropped for its facing or lack of area in red.";
-        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there; no depth yet.";
+        Cull = "cull", "Cull", "What is left to rasterize in white; what was dropped for its facing in red. Triangles without area are not shown.";
+        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there; no depth yet. Pixels left to the upscaler are dark.";
         Depth = "depth", "Depth", "The depth test decides who stays: the colour of the winning triangle.";
         Interpolate = "interpolate", "Interpolate", "The weights of the winner's three corners as red, green and blue.";
         Shade = "shade", "Shade", "The pixels that are really drawn, shaded; those left to the upscaler are dark.";
@@ -36,8 +43,11 @@ pub const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// The picture after `stage` of the frame that `recipe` gives.
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
-    let redrawn = |recipe: Recipe| run(scene, camera, &recipe, frame.viewport, &mut ()).image;
-    let native = Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..*recipe };
+    let redrawn = |shading, depth_test| {
+        let recipe = Recipe { pipeline: Settings { shading, depth_test, ..recipe.pipeline }, ..*recipe };
+        spread(&redraw(scene, &recipe, frame, Until::Shade, &mut ()), frame.viewport)
+    };
+    let depth_test = recipe.pipeline.depth_test;
     match stage {
         Stage::Assemble => Wires::of(scene, camera, recipe, frame.viewport).corners(),
         Stage::Transform => Wires::of(scene, camera, recipe, frame.viewport).edges(|_| KEPT),
@@ -54,35 +64,28 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         Stage::Cull => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
             let mut image = wires.edges(|_| DROPPED);
-            for triangle in &frame.geometry.triangles {
+            for triangle in wires.triangles.iter().filter(|t| is_kept(t, recipe.pipeline.culling)) {
                 plot(triangle, KEPT, &mut image);
             }
             image
         }
-        Stage::Rasterize => {
-            let mut recipe = native;
-            recipe.pipeline.shading = Shading::TriangleId;
-            recipe.pipeline.depth_test = DepthTest::Off;
-            redrawn(recipe)
-        }
-        Stage::Depth => redrawn(with_shading(native, Shading::TriangleId)),
-        Stage::Interpolate => redrawn(with_shading(native, Shading::Barycentric)),
-        Stage::Shade => spread(frame),
+        Stage::Rasterize => redrawn(Shading::TriangleId, DepthTest::Off),
+        Stage::Depth => redrawn(Shading::TriangleId, depth_test),
+        Stage::Interpolate => redrawn(Shading::Barycentric, depth_test),
+        Stage::Shade => spread(&frame.drawn, frame.viewport),
         Stage::Upscale => frame.image.clone(),
     }
 }
 
-fn with_shading(mut recipe: Recipe, shading: Shading) -> Recipe {
-    recipe.pipeline.shading = shading;
-    recipe
+/// The drawn pixels at their places in the full picture.
+fn spread(drawn: &Framebuffer, Viewport { width, height }: Viewport) -> Image<Rgba8> {
+    Image::from_fn(width, height, |x, y| {
+        drawn.grid.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| drawn.color.at(column, row))
+    })
 }
 
-/// The drawn pixels at their places in the full picture.
-fn spread(frame: &Frame) -> Image<Rgba8> {
-    let Viewport { width, height } = frame.viewport;
-    Image::from_fn(width, height, |x, y| {
-        frame.drawn.grid.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| frame.drawn.color.at(column, row))
-    })
+fn is_kept(triangle: &ScreenTriangle, culling: Culling) -> bool {
+    cull(doubled_area(triangle.vertices.each_ref().map(|v| (v.x, v.y))), culling).is_none()
 }
 
 /// All triangles before culling, as lines.
@@ -149,5 +152,64 @@ impl Wires {
 fn plot(triangle: &ScreenTriangle, color: Rgba8, image: &mut Image<Rgba8>) {
     for (x, y) in wireframe::edge_pixels(triangle, image.size()) {
         image.set(x, y, color);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::pipeline::shade::id_color;
+    use crate::scene::builtin;
+    use crate::upscale::Upscaling;
+
+    const VIEW: Viewport = Viewport { width: 80, height: 60 };
+
+    /// Pixels of a picture that are neither background nor left out.
+    fn covered(scene: &Scene, image: &Image<Rgba8>) -> usize {
+        let [r, g, b] = scene.background;
+        image.pixels().iter().filter(|p| ![[r, g, b, 255], NOT_DRAWN].contains(p)).count()
+    }
+
+    #[test]
+    fn pictures_of_samples_are_redrawn_bit_for_bit() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        for (stage, shading) in [(Stage::Depth, Shading::TriangleId), (Stage::Interpolate, Shading::Barycentric)] {
+            let mut recipe = Recipe::default();
+            let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+            let shown = picture(&scene, &scene.home, &recipe, &frame, stage);
+            recipe.pipeline.shading = shading;
+            assert_eq!(shown, run(&scene, &scene.home, &recipe, VIEW, &mut ()).image, "{stage:?}");
+        }
+    }
+
+    #[test]
+    fn pictures_of_samples_show_no_triangle_beyond_the_limit_and_no_pixel_beyond_the_grid() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        let recipe = Recipe { upscaler: Upscaling::new("nearest", 2).unwrap(), ..Recipe::default() };
+        let mut frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        for stage in [Stage::Rasterize, Stage::Depth, Stage::Interpolate] {
+            let image = picture(&scene, &scene.home, &recipe, &frame, stage);
+            assert!(covered(&scene, &image) > 50, "{stage:?}");
+            assert_eq!([image.at(1, 0), image.at(0, 1), image.at(33, 31)], [NOT_DRAWN; 3], "{stage:?}");
+        }
+        frame.geometry.triangles.truncate(1);
+        let only = id_color(frame.geometry.triangles[0].id);
+        for stage in [Stage::Rasterize, Stage::Depth] {
+            let image = picture(&scene, &scene.home, &recipe, &frame, stage);
+            let of_it = image.pixels().iter().filter(|p| **p == only).count();
+            assert!(of_it > 0 && of_it == covered(&scene, &image), "{stage:?}");
+        }
+    }
+
+    #[test]
+    fn the_limit_of_triangles_makes_none_look_culled() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.pipeline.culling = Culling::None;
+        let mut frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        frame.geometry.triangles.truncate(3);
+        let image = picture(&scene, &scene.home, &recipe, &frame, Stage::Cull);
+        assert!(image.pixels().contains(&KEPT) && !image.pixels().contains(&DROPPED));
     }
 }

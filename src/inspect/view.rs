@@ -40,10 +40,6 @@ pub fn magnitude_color(position: f32) -> Rgba8 {
     [r, g, b, 255]
 }
 
-/// What the depth buffer is cleared to, by its format and test; nothing was drawn there.
-const CLEARED_NEAR: f32 = 0.0;
-const CLEARED_FAR: f32 = 1.0;
-
 /// The value of a buffer at a pixel of the full picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
@@ -72,7 +68,7 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
         return Value::NotDrawn;
     };
     if buffer == Buffer::Depth {
-        return frame.drawn.depth.as_ref().map_or(Value::Nothing, |d| Value::Number(d.at(column, row)));
+        return depth_of(frame, buffers, column, row).map_or(Value::Nothing, Value::Number);
     }
     let Some(buffers) = buffers else {
         return Value::Nothing;
@@ -88,12 +84,29 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
     }
 }
 
-/// The range of a buffer that is shown by a colour map: least to greatest, for depth without the cleared pixels.
+/// Why a buffer has nothing to show for this frame, if it has nothing.
+pub fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
+    (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
+}
+
+/// Stored depth of a sample, if anything was drawn there. Without `buffers` that is told by the depth itself, and a
+/// fragment at exactly the depth that the buffer starts from counts as nothing.
+fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> Option<f32> {
+    let stored = frame.drawn.depth.as_ref()?.at(column, row);
+    let drawn = match buffers {
+        Some(buffers) => buffers.triangle.at(column, row) != TriangleId::NONE,
+        None => stored != frame.drawn.clear_depth,
+    };
+    drawn.then_some(stored)
+}
+
+/// The range of a buffer that is shown by a colour map: least to greatest, for depth where anything was drawn.
 pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
     match buffer {
         Buffer::Depth => {
-            let depth = frame.drawn.depth.as_ref()?;
-            Range::fit(depth.pixels().iter().copied().filter(|d| *d > CLEARED_NEAR && *d < CLEARED_FAR))
+            let (width, height) = frame.drawn.color.size();
+            let samples = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+            Range::fit(samples.filter_map(|(column, row)| depth_of(frame, buffers, column, row)))
         }
         Buffer::Overdraw | Buffer::Shaded => {
             let buffers = buffers?;
@@ -109,7 +122,7 @@ pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: 
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image.size();
     Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
-        Value::NotDrawn | Value::Nothing | Value::Number(CLEARED_NEAR | CLEARED_FAR) => NOT_DRAWN,
+        Value::NotDrawn | Value::Nothing => NOT_DRAWN,
         Value::Color(color) => color,
         Value::Number(number) => magnitude_color(range.position(number)),
         Value::Count(count) => magnitude_color(range.position(count as f32)),
@@ -121,6 +134,54 @@ pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chain::{Recipe, run};
+    use crate::inspect::capture;
+    use crate::pipeline::settings::{DepthFormat, DepthTest};
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    /// A frame of one triangle, whose buffer holds `depth` wherever it was drawn.
+    fn frame_at_depth(test: DepthTest, format: DepthFormat, depth: f32) -> (Frame, Buffers) {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe::default();
+        (recipe.pipeline.depth_test, recipe.pipeline.depth_format) = (test, format);
+        let mut frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
+        let buffers = capture(&scene, &recipe, &frame);
+        for (stored, id) in frame.drawn.depth.iter_mut().flat_map(Image::pixels_mut).zip(buffers.triangle.pixels()) {
+            if *id != TriangleId::NONE {
+                *stored = depth;
+            }
+        }
+        (frame, buffers)
+    }
+
+    #[test]
+    fn a_depth_of_0_or_1_is_shown_where_something_was_drawn() {
+        for (format, nearest) in [(DepthFormat::F32, 0.0), (DepthFormat::ReversedF32, 1.0)] {
+            // Only the buffers can tell what was drawn at the depth that the buffer starts from.
+            for (depth, with_buffers) in [(nearest, true), (nearest, false), (1.0 - nearest, true)] {
+                let (frame, buffers) = frame_at_depth(DepthTest::LessEqual, format, depth);
+                let known = with_buffers.then_some(&buffers);
+                let range = range(Buffer::Depth, &frame, known);
+                assert_eq!(range, Some(Range { low: depth, high: depth }));
+                let image = picture(Buffer::Depth, &frame, known, range);
+                for (pixel, id) in image.pixels().iter().zip(buffers.triangle.pixels()) {
+                    assert_eq!(*pixel == NOT_DRAWN, *id == TriangleId::NONE, "{format:?} {depth}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn without_a_depth_test_it_is_said_why_there_is_no_depth() {
+        let (frame, buffers) = frame_at_depth(DepthTest::Off, DepthFormat::F32, 0.0);
+        assert!(absence(Buffer::Depth, &frame).is_some_and(|why| why.contains("depth test is off")));
+        assert_eq!(absence(Buffer::Color, &frame), None);
+        assert_eq!(range(Buffer::Depth, &frame, Some(&buffers)), None);
+        assert_eq!(value(Buffer::Depth, &frame, Some(&buffers), 16, 12), Value::Nothing);
+        let (frame, _) = frame_at_depth(DepthTest::Less, DepthFormat::F32, 0.0);
+        assert_eq!(absence(Buffer::Depth, &frame), None);
+    }
 
     #[test]
     fn ranges_ignore_what_is_not_finite_and_survive_constants() {

@@ -16,6 +16,8 @@ pub struct Framebuffer {
     pub color: Image<Rgba8>,
     /// Stored depth; `None` when the depth test is off, which needs none.
     pub depth: Option<Image<f32>>,
+    /// What stored depth starts from.
+    pub clear_depth: f32,
 }
 
 impl Framebuffer {
@@ -29,11 +31,6 @@ impl Framebuffer {
         Self::cleared(grid, sample, (1, 1), background, settings)
     }
 
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.color.bytes() + self.depth.as_ref().map_or(0, Image::bytes)
-    }
-
     fn cleared(
         grid: SampleGrid,
         origin: (u32, u32),
@@ -41,8 +38,8 @@ impl Framebuffer {
         [r, g, b]: [u8; 3],
         settings: &Settings,
     ) -> Self {
-        let depth =
-            (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_value(settings)));
-        Self { grid, origin, color: Image::filled(width, height, [r, g, b, 255]), depth }
+        let clear_depth = clear_value(settings);
+        let depth = (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_depth));
+        Self { grid, origin, color: Image::filled(width, height, [r, g, b, 255]), depth, clear_depth }
     }
 }

@@ -5,11 +5,14 @@
 //! to the largest. With equal w every rᵢ is exactly 1, so leaving the division out changes no bit.
 //!
 //! All three weights are computed from their own edge and divided by their *sum*: none absorbs the error of the others.
-//! Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which returns a constant exactly.
+//! Attributes take the form a₀ + p₁·(a₁ − a₀) + p₂·(a₂ − a₀), which returns a constant exactly. So an attribute that the
+//! vertex stage left out, the same at all corners, need not be interpolated: the result is the first corner's value.
 
 use glam::{Vec2, Vec3};
 
+use super::plan::{DrawPlan, Part};
 use super::raster::Sample;
+use super::settings::{Settings, Shading};
 use super::viewport::ScreenTriangle;
 
 /// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
@@ -28,13 +31,42 @@ pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3]
     q.map(|q| q * inverse_sum)
 }
 
-/// Everything that shading reads at a sample.
+/// Which attributes a draw interpolates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Attributes {
+    /// [`Fragment::normal`].
+    pub normal: bool,
+    /// [`Fragment::uv`].
+    pub uv: bool,
+    /// [`Fragment::color`].
+    pub color: bool,
+    /// [`Fragment::light`].
+    pub light: bool,
+    /// [`Fragment::source_weights`].
+    pub source_weights: bool,
+}
+
+impl Attributes {
+    /// All of them.
+    pub const ALL: Self = Self { normal: true, uv: true, color: true, light: true, source_weights: true };
+
+    /// What a draw reads.
+    pub fn read_by(plan: &DrawPlan, settings: &Settings) -> Self {
+        Self {
+            normal: plan.runs(Part::Normals),
+            uv: plan.runs(Part::TextureCoordinates),
+            color: plan.runs(Part::VertexColors),
+            light: settings.shading == Shading::Gouraud,
+            source_weights: settings.shading == Shading::Barycentric,
+        }
+    }
+}
+
+/// Everything that shading reads at a sample. Attributes that the draw does not interpolate have the first corner's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fragment {
     /// The sample.
     pub sample: Sample,
-    /// Depth as it is stored.
-    pub depth: f32,
     /// Weights of the three corners for attributes.
     pub weights: [f32; 3],
     /// World-space normal, not normalised.
@@ -49,22 +81,36 @@ pub struct Fragment {
     pub source_weights: Vec3,
 }
 
-/// Interpolates the attributes of a covered sample.
+/// Interpolates the `attributes` of a covered sample.
 #[inline]
-pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, depth: f32) -> Fragment {
+pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attributes) -> Fragment {
     let weights = attribute_weights(triangle, &sample);
     let [_, p1, p2] = weights;
     let [a, b, c] = triangle.vertices.each_ref().map(|v| &v.varyings);
-    Fragment {
+    let mut fragment = Fragment {
         sample,
-        depth,
         weights,
-        normal: a.normal + (b.normal - a.normal) * p1 + (c.normal - a.normal) * p2,
-        uv: a.uv + (b.uv - a.uv) * p1 + (c.uv - a.uv) * p2,
-        color: a.color + (b.color - a.color) * p1 + (c.color - a.color) * p2,
-        light: a.light + (b.light - a.light) * p1 + (c.light - a.light) * p2,
-        source_weights: a.source_weights
-            + (b.source_weights - a.source_weights) * p1
-            + (c.source_weights - a.source_weights) * p2,
+        normal: a.normal,
+        uv: a.uv,
+        color: a.color,
+        light: a.light,
+        source_weights: a.source_weights,
+    };
+    if attributes.normal {
+        fragment.normal = a.normal + (b.normal - a.normal) * p1 + (c.normal - a.normal) * p2;
     }
+    if attributes.uv {
+        fragment.uv = a.uv + (b.uv - a.uv) * p1 + (c.uv - a.uv) * p2;
+    }
+    if attributes.color {
+        fragment.color = a.color + (b.color - a.color) * p1 + (c.color - a.color) * p2;
+    }
+    if attributes.light {
+        fragment.light = a.light + (b.light - a.light) * p1 + (c.light - a.light) * p2;
+    }
+    if attributes.source_weights {
+        let [wa, wb, wc] = [a, b, c].map(|v| v.source_weights);
+        fragment.source_weights = wa + (wb - wa) * p1 + (wc - wa) * p2;
+    }
+    fragment
 }

@@ -40,6 +40,7 @@ pub mod viewport;
 
 pub mod wireframe;
 
+use std::hint::black_box;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
@@ -86,13 +87,16 @@ pub struct GeometryTimes {
     pub cull: Duration,
 }
 
-/// How far [`draw`] goes with each covered sample. Stopping early is for timing the stages apart.
+/// How far [`draw`] goes with each covered sample. Stopping early is for timing the stages apart; what it computed last
+/// then goes to a black box, lest the compiler leave it out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Until {
     /// Only find covered samples.
     Coverage,
     /// Also test and store depth.
     Depth,
+    /// Also interpolate attributes.
+    Interpolate,
     /// Everything.
     Shade,
 }
@@ -222,17 +226,18 @@ pub fn draw<O: Observer>(
         .zip(&geometry.plans)
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
-    let Framebuffer { grid, origin, color, depth } = frame;
+    let Framebuffer { grid, origin, color, depth, .. } = frame;
     for triangle in &geometry.triangles[extent.triangles.clone()] {
         let shader = &shaders[triangle.instance as usize];
         let visited = raster::rasterize(settings.rasterizer, &triangle.edges, *grid, extent.scissor, |sample| {
             observer.covered(triangle, &sample);
             let (column, row) = (sample.column - origin.0, sample.row - origin.1);
             if until == Until::Coverage {
+                black_box(sample);
                 return;
             }
-            let new = depth_at(triangle, &sample);
             if let Some(buffer) = depth {
+                let new = depth_at(triangle, &sample);
                 let stored = buffer.at(column, row);
                 let passed = comparison.passes(new, stored);
                 observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed });
@@ -244,8 +249,12 @@ pub fn draw<O: Observer>(
             if until == Until::Depth {
                 return;
             }
-            let fragment = interpolate(triangle, sample, new);
-            let rgba = shader.shade(&fragment, triangle.id);
+            let fragment = interpolate(triangle, sample, shader.attributes());
+            if until == Until::Interpolate {
+                black_box(fragment);
+                return;
+            }
+            let rgba = shader.shade(&fragment, triangle);
             color.set(column, row, rgba);
             observer.shaded(triangle, &fragment, rgba);
         });

@@ -1,7 +1,8 @@
 //! What a draw needs, and what is left out of it, each with its reason.
 //!
 //! A plan is made once per draw from mesh, material, view and settings; the stages read it instead of finding out per
-//! triangle or per pixel. Leaving a part out never changes the picture.
+//! triangle or per pixel. Leaving a part out never changes the picture. An attribute that is left out keeps one value at
+//! all vertices: it is neither transformed nor interpolated, but clipping carries it along.
 
 use serde::Serialize;
 
@@ -22,15 +23,15 @@ pub enum Part {
     Depth,
     /// Dividing weights by w.
     PerspectiveDivision,
-    /// Setting up and interpolating texture coordinates.
+    /// Fetching and interpolating texture coordinates.
     TextureCoordinates,
     /// Transforming and interpolating normals.
     Normals,
-    /// Interpolating vertex colours.
+    /// Fetching and interpolating vertex colours.
     VertexColors,
     /// Reading texels.
     Texels,
-    /// Computing light.
+    /// Computing light, at vertices (Gouraud) or per fragment.
     Light,
 }
 

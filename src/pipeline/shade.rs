@@ -7,10 +7,12 @@
 
 use glam::Vec3;
 
-use super::interpolate::Fragment;
+use super::depth::depth_at;
+use super::interpolate::{Attributes, Fragment};
 use super::plan::{DrawPlan, Part};
 use super::sample::Sampler;
 use super::settings::{ColorSpace, Settings, Shading};
+use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
@@ -39,7 +41,7 @@ pub struct Shader<'a> {
     diffuse: Vec3,
     texture: Option<&'a Image<Rgba8>>,
     dark_texture: Option<&'a Image<Rgba8>>,
-    has_vertex_colors: bool,
+    attributes: Attributes,
 }
 
 impl<'a> Shader<'a> {
@@ -56,8 +58,14 @@ impl<'a> Shader<'a> {
             diffuse: to_working_space(material.diffuse * instance.tint, settings.color_space),
             texture: material.texture.filter(|_| reads_texels).map(image),
             dark_texture: material.dark_texture.filter(|_| reads_texels).map(image),
-            has_vertex_colors: plan.runs(Part::VertexColors),
+            attributes: Attributes::read_by(plan, settings),
         }
+    }
+
+    /// What its fragments are made of.
+    #[inline]
+    pub fn attributes(&self) -> Attributes {
+        self.attributes
     }
 
     /// The texture that is read for a fragment, if any.
@@ -96,9 +104,9 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Colour of a fragment of triangle `id`; opaque.
+    /// Colour of a fragment of `triangle`; opaque.
     #[inline]
-    pub fn shade(&self, fragment: &Fragment, id: TriangleId) -> Rgba8 {
+    pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
             Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel => {
                 self.encode(self.albedo(fragment) * self.light(fragment))
@@ -108,8 +116,8 @@ impl<'a> Shader<'a> {
             Shading::Normals => quantized(self.unit_normal(fragment) * 0.5 + 0.5),
             Shading::Uv => quantized(Vec3::new(fragment.uv.x.rem_euclid(1.0), fragment.uv.y.rem_euclid(1.0), 0.0)),
             Shading::Barycentric => quantized(fragment.source_weights),
-            Shading::Depth => quantized(Vec3::splat(fragment.depth)),
-            Shading::TriangleId => id_color(id),
+            Shading::Depth => quantized(Vec3::splat(depth_at(triangle, &fragment.sample))),
+            Shading::TriangleId => id_color(triangle.id),
         }
     }
 
@@ -117,7 +125,7 @@ impl<'a> Shader<'a> {
     #[inline]
     fn albedo(&self, fragment: &Fragment) -> Vec3 {
         let mut albedo = self.diffuse;
-        if self.has_vertex_colors {
+        if self.attributes.color {
             albedo *= fragment.color;
         }
         match self.texture_for(fragment) {

@@ -49,7 +49,25 @@ pub struct Viewport {
     pub height: u32,
 }
 
+/// Longest side of a picture, px: coordinates stay far within what the rasterizer's fixed point holds.
+pub const MAX_SIDE_PX: u32 = 16_384;
+
+/// Most pixels of a picture: enough for 8K (7680 × 4320); with every buffer kept, about 2 GB of memory.
+pub const MAX_PIXELS: u64 = 1 << 25;
+
 impl Viewport {
+    /// Says what is wrong with a picture of this size, if anything is.
+    pub fn check(self) -> Result<(), String> {
+        let sides = 1..=MAX_SIDE_PX;
+        if !sides.contains(&self.width) || !sides.contains(&self.height) {
+            return Err(format!("each side must be 1 to {MAX_SIDE_PX} pixels long"));
+        }
+        if u64::from(self.width) * u64::from(self.height) > MAX_PIXELS {
+            return Err(format!("these are more than {MAX_PIXELS} pixels, the most that are drawn"));
+        }
+        Ok(())
+    }
+
     /// Width over height.
     pub fn aspect(self) -> f32 {
         self.width as f32 / self.height as f32

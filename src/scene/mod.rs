@@ -107,23 +107,11 @@ impl Scene {
             .collect()
     }
 
-    /// The instance that `id` belongs to and the triangle's number within its mesh.
-    pub fn locate(&self, id: TriangleId) -> Option<(usize, usize)> {
-        let mut rest = id.0 as usize;
-        for (index, instance) in self.instances.iter().enumerate() {
-            let count = self.library.mesh(instance.mesh).triangles.len();
-            if rest < count {
-                return Some((index, rest));
-            }
-            rest -= count;
-        }
-        None
-    }
-
     /// Bytes held by the shared buffers and by the instance records.
     pub fn memory(&self) -> Memory {
         Memory {
             shared_bytes: self.library.bytes(),
+            mesh_bytes: self.library.meshes().iter().map(Mesh::bytes).sum(),
             instance_bytes: self.instances.iter().map(|i| size_of::<Instance>() + i.name.capacity()).sum(),
             unshared_bytes: self.instances.iter().map(|i| self.library.mesh(i.mesh).bytes()).sum(),
         }
@@ -135,6 +123,8 @@ impl Scene {
 pub struct Memory {
     /// Meshes and textures, each counted once.
     pub shared_bytes: usize,
+    /// The meshes' part of it.
+    pub mesh_bytes: usize,
     /// Instance records.
     pub instance_bytes: usize,
     /// What the meshes alone would take if every instance held its own copy.

@@ -3,10 +3,10 @@
 //! the session.
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, CentralPanel, Panel, RichText, Ui};
+use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::canvas::Canvas;
 use super::command::{BINDINGS, Command};
@@ -14,18 +14,23 @@ use super::engine::{Request, Shown};
 use super::panels::bottom::Tab;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
-use super::panels::{bottom, menu, pipeline, transport};
+use super::panels::{bottom, menu, message, pipeline, transport};
 use super::session::{Level, Measuring, Session};
-use super::theme::{self, Icon, tokens};
-use super::widgets::icon_button;
+use super::theme;
 use super::worker::{Answer, Job, Worker};
-use crate::image::file::write_png;
+use crate::image::file::{ImageFileError, write_png};
 use crate::inspect::Buffer;
 use crate::scene::obj::Loaded;
 use crate::scene::{SceneError, SceneSource};
 
 /// A model is called slow, and its progress shown, after this time.
 const SLOW_LOAD: Duration = Duration::from_millis(300);
+
+/// Height of the line under the menu, in points.
+const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
+
+/// A frame is called slow, and a mark turns, after this time.
+const SLOW_FRAME: Duration = Duration::from_millis(150);
 
 /// Height of the bars over and under the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
@@ -45,7 +50,10 @@ pub struct Workbench {
     session: Session,
     worker: Worker,
     asked: Option<Request>,
+    /// When the renderer was asked for something that is not there yet.
+    asked_at: Option<Instant>,
     loading: Option<Loading>,
+    saving: Option<Receiver<Result<PathBuf, ImageFileError>>>,
     canvas: Canvas,
     inspector: Inspector,
     dialog: Dialog,
@@ -65,6 +73,8 @@ impl Workbench {
             worker,
             asked: None,
             loading: None,
+            saving: None,
+            asked_at: None,
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             dialog: Dialog::default(),
@@ -95,7 +105,7 @@ impl Workbench {
             self.run(ui, command);
         }
         if !ui.input(|i| i.pointer.any_down()) {
-            self.session.settle();
+            self.session.settle(ui.input(|i| i.time));
         }
         self.ask(ui);
         self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
@@ -107,11 +117,10 @@ impl Workbench {
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
         let (left, right) = (share(292.0), share(316.0));
         Panel::top("menu").frame(frame).show(ui, |ui| menu::ui(ui, &self.session, commands));
-        if let Some(error) = self.session.error.clone() {
-            Panel::top("error").frame(frame.fill(tokens(ui).error.gamma_multiply(0.22))).show(ui, |ui| {
-                bar(ui, Icon::OctagonAlert, tokens(ui).error, &error, Command::CloseError, commands);
-            });
-        }
+        let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, 2));
+        Panel::top("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
+            message::ui(ui, &self.session, self.slow_load(), commands);
+        });
         Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(90.0).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
@@ -125,6 +134,9 @@ impl Workbench {
             self.center(ui, commands);
         });
         self.dialog.ui(ui, &self.session, commands);
+        if self.loading.is_some() {
+            ui.request_repaint_after(SLOW_LOAD);
+        }
     }
 
     fn center(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -135,29 +147,24 @@ impl Workbench {
         Panel::bottom("scrubber").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
             transport::scrubber(ui, &self.session, commands);
         });
-        if let Some(path) = self.slow_load() {
-            Panel::top("loading").frame(frame).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.spinner();
-                    ui.label(format!("Loading {} …", path.display()));
-                    if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
-                        commands.push(Command::CancelLoading);
-                    }
-                });
-            });
-            ui.request_repaint_after(Duration::from_millis(100));
-        } else if !self.session.hint_closed {
-            Panel::top("hint").frame(frame).show(ui, |ui| {
-                let hint = "Click a pixel: its story is at the right. Wheel enlarges, middle-drag turns the scene, ? shows all keys.";
-                bar(ui, Icon::Lightbulb, tokens(ui).accent, hint, Command::CloseHint, commands);
-            });
-        }
         CentralPanel::no_frame().show(ui, |ui| {
             let size = ui.available_size() * ui.pixels_per_point();
             self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
             self.canvas.ui(ui, &self.session, commands);
             self.drop_hint(ui);
+            self.busy_mark(ui);
         });
+    }
+
+    /// Turns in the canvas's corner while the renderer takes long enough to wonder.
+    fn busy_mark(&self, ui: &Ui) {
+        let Some(since) = self.asked_at else { return };
+        if since.elapsed() >= SLOW_FRAME {
+            let corner = ui.max_rect().right_top() + egui::vec2(-28.0, 8.0);
+            egui::Spinner::new().paint_at(ui, egui::Rect::from_min_size(corner, egui::Vec2::splat(20.0)));
+        } else {
+            ui.request_repaint_after(SLOW_FRAME);
+        }
     }
 
     fn drop_hint(&self, ui: &Ui) {
@@ -178,8 +185,9 @@ impl Workbench {
                 commands.push((binding.command)());
             }
         }
-        if ui.input_mut(|i| i.consume_key(egui::Modifiers::NONE, egui::Key::C)) {
-            commands.push(Command::SetPointerMode(self.session.pointer_mode.other()));
+        // The toolkit turns the key of copying into an event of its own.
+        if ui.input(|i| i.events.contains(&egui::Event::Copy)) {
+            commands.push(Command::CopyPicture);
         }
     }
 
@@ -188,12 +196,24 @@ impl Workbench {
         while let Some(answer) = self.worker.poll() {
             self.hear(answer);
         }
-        if let Some(loading) = &self.loading
-            && let Ok(result) = loading.result.try_recv()
-        {
+        if let Some(outcome) = self.saving.as_ref().and_then(|saving| saving.try_recv().ok()) {
+            self.saving = None;
+            self.saved(outcome);
+        }
+        if let Some(loading) = &self.loading {
             let source = loading.source.clone();
-            self.loading = None;
-            self.loaded(source, result);
+            match loading.result.try_recv() {
+                Ok(result) => {
+                    self.loading = None;
+                    self.loaded(source, result);
+                }
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => {
+                    self.loading = None;
+                    let text = format!("Loading {} stopped by an error of the program", source.title());
+                    self.session.report(Level::Error, text);
+                }
+            }
         }
     }
 
@@ -205,8 +225,9 @@ impl Workbench {
                     self.session.timings.record_recent(&view.request, ms);
                 }
                 self.session.view = Some(*view);
+                self.asked_at = None;
             }
-            Answer::Stages(figures) => self.session.stages = Some(figures),
+            Answer::Stages(figures) => self.session.stages = Some(*figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
@@ -226,6 +247,7 @@ impl Workbench {
         let same = self.asked.as_ref().is_some_and(|asked| asked.same_view(&request));
         if !same && self.session.canvas_px != (0, 0) {
             self.asked = Some(request.clone());
+            self.asked_at.get_or_insert_with(Instant::now);
             self.worker.send(Job::Show(Box::new(request)));
             if self.waits {
                 self.listen();
@@ -251,7 +273,7 @@ impl Workbench {
                 let viewport = self.session.viewport();
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
-            Command::SavePicture => self.save_picture(),
+            Command::SavePicture => self.save_picture(ui),
             Command::CopyPicture => self.copy_picture(ui),
             Command::ToggleTheme => {
                 let dark = ui.visuals().dark_mode;
@@ -302,6 +324,7 @@ impl Workbench {
         match result {
             Ok(Loaded { scene, warnings }) => {
                 self.session.show_scene(scene, source);
+                self.worker.send(Job::CancelMeasure);
                 self.canvas.fit();
                 self.warn(&warnings);
             }
@@ -327,13 +350,30 @@ impl Workbench {
         }
     }
 
-    fn save_picture(&mut self) {
+    /// Writes the picture on a thread of its own: encoding a large one takes a while.
+    fn save_picture(&mut self, ui: &Ui) {
         let Some(view) = &self.session.view else { return };
-        let path = free_name(Path::new("."), "picture");
-        match write_png(&path, &view.picture) {
-            Ok(()) => {
-                let full = std::path::absolute(&path).unwrap_or(path);
-                self.session.report(Level::Info, format!("Saved the picture as {}", full.display()));
+        let (picture, context) = (view.picture.clone(), ui.ctx().clone());
+        let path = free_name(&std::env::current_dir().unwrap_or_default(), "picture");
+        let (sender, result) = channel();
+        let save = move || {
+            let outcome = write_png(&path, &picture).map(|()| path);
+            // The window may be gone by now.
+            drop(sender.send(outcome));
+            context.request_repaint();
+        };
+        if self.waits {
+            save();
+        } else {
+            std::thread::spawn(save);
+        }
+        self.saving = Some(result);
+    }
+
+    fn saved(&mut self, outcome: Result<PathBuf, ImageFileError>) {
+        match outcome {
+            Ok(path) => {
+                self.session.report(Level::Info, format!("Saved the picture as {}", path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, error.to_string()),
@@ -359,22 +399,6 @@ impl eframe::App for Workbench {
         let preferences = self.session.preferences(self.look.0, self.look.1);
         eframe::set_value(storage, eframe::APP_KEY, &preferences);
     }
-}
-
-/// A line with an icon in its colour, and a button that closes it.
-fn bar(ui: &mut Ui, icon: Icon, color: egui::Color32, text: &str, close: Command, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(theme::ICON_SIZE), egui::Sense::hover());
-        theme::paint_icon(ui.painter(), rect.center(), icon, theme::ICON_SIZE, color);
-        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if icon_button(ui, Icon::X, "Close this message").clicked() {
-                commands.push(close);
-            }
-            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate().selectable(true));
-            });
-        });
-    });
 }
 
 fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {

@@ -1,8 +1,8 @@
 //! The picture: enlarged at the pointer, moved, picked, and read pixel by pixel.
 //!
 //! The display never changes the data: pixels are shown as squares from 1:1 on, smoothed only when the picture is shown
-//! smaller than it is. Grid and numbers appear when pixels are large enough to hold them. Positions are whole screen
-//! pixels, so that squares are equal.
+//! smaller than it is. Grid and numbers appear when pixels are large enough to hold them. A fitted picture, and one
+//! enlarged a lot, is shown at a whole factor, so that all squares are equal.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use super::command::Command;
 use super::engine::{Shown, View};
 use super::format;
 use super::session::{PointerMode, Session};
-use super::theme::{RADIUS, font_size, space, tokens};
+use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
@@ -24,6 +24,9 @@ use crate::pipeline::settings::Choice as _;
 
 /// Screen pixels per picture pixel, least and greatest.
 const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
+
+/// From this enlargement on it is a whole factor.
+const WHOLE_FROM: f32 = 8.0;
 
 /// The grid is drawn from this many points per pixel on.
 const GRID_FROM: f32 = 10.0;
@@ -37,7 +40,7 @@ const WHEEL_RATE: f32 = 0.004;
 /// How fast dragging turns the scene, radians per point.
 const ORBIT_RATE: f32 = 0.008;
 
-/// How far one frame of a held key flies, in distances to the target per second.
+/// How fast a held key flies, in distances to the target per second.
 const FLY_RATE: f32 = 0.8;
 
 /// Where the picture is on the canvas, and its texture.
@@ -47,6 +50,8 @@ pub struct Canvas {
     uploaded: Option<Arc<Image<Rgba8>>>,
     /// Screen pixels per picture pixel; `None` fits the picture into the canvas.
     scale: Option<f32>,
+    /// The enlargement that the wheel has come to, before it is rounded to a whole factor.
+    zoom: f32,
     /// Picture position at the canvas's top-left corner, in picture pixels.
     origin: Vec2,
     /// The pixel under the pointer.
@@ -107,7 +112,7 @@ impl Canvas {
                 rect.center(),
                 Align2::CENTER_CENTER,
                 "Drawing the first frame …",
-                FontId::proportional(13.0),
+                FontId::proportional(font_size::BODY),
                 tokens(ui).text_weak,
             );
             return response;
@@ -190,9 +195,15 @@ impl Canvas {
         let under_pointer = placement.to_picture(pointer);
         self.keep_placement(ui, placement);
         let old = self.scale.unwrap_or(1.0);
-        let scale = (old * factor).clamp(SCALE_RANGE.0, SCALE_RANGE.1);
+        self.zoom = (self.zoom_of(old) * factor).clamp(SCALE_RANGE.0, SCALE_RANGE.1);
+        let scale = if self.zoom >= WHOLE_FROM { self.zoom.round() } else { self.zoom };
         self.scale = Some(scale);
         self.origin = under_pointer - (pointer - placement.canvas.min) * ui.pixels_per_point() / scale;
+    }
+
+    /// The unrounded enlargement behind a shown one: wheel steps smaller than one must add up.
+    fn zoom_of(&self, shown: f32) -> f32 {
+        if (self.zoom - shown).abs() <= 0.5 && shown >= WHOLE_FROM { self.zoom } else { shown }
     }
 
     fn pick(&mut self, response: &Response, placement: Placement, view: &View, commands: &mut Vec<Command>) {
@@ -273,7 +284,7 @@ fn visible(placement: Placement, (width, height): (u32, u32)) -> (std::ops::Rang
 fn grid(painter: &egui::Painter, placement: Placement, size: (u32, u32)) {
     let (columns, rows) = visible(placement, size);
     let opacity = ((placement.points_per_px - GRID_FROM) / GRID_FROM).clamp(0.15, 1.0);
-    let stroke = Stroke::new(1.0, Color32::from_gray(128).gamma_multiply(0.35 * opacity));
+    let stroke = Stroke::new(1.0, PIXEL_GRID.gamma_multiply(0.35 * opacity));
     let at = |x: u32, y: u32| placement.corner + vec2(x as f32, y as f32) * placement.points_per_px;
     for x in columns.start..=columns.end {
         painter.vline(at(x, 0).x, at(0, rows.start).y..=at(0, rows.end).y, stroke);
@@ -294,7 +305,7 @@ fn numbers(painter: &egui::Painter, placement: Placement, view: &View, bits: boo
                 Shown::Stage(_) => Value::Color(below),
                 Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
             };
-            let color = if luma(below) < 128.0 { Color32::from_gray(235) } else { Color32::from_gray(20) };
+            let color = ON_PIXEL[usize::from(luma(below) >= 128.0)];
             let cell = placement.rect_of(x, y);
             painter.text(cell.center(), Align2::CENTER_CENTER, value_lines(shown, bits), font.clone(), color);
         }
@@ -355,12 +366,12 @@ fn marker(painter: &egui::Painter, placement: Placement, (x, y): (u32, u32), acc
     const LEAST_POINTS: f32 = 7.0;
     let pixel = placement.rect_of(x, y);
     let frame = Rect::from_center_size(pixel.center(), pixel.size().max(Vec2::splat(LEAST_POINTS)));
-    painter.rect_stroke(frame.expand(1.0), 0.0, Stroke::new(3.0, Color32::from_black_alpha(200)), StrokeKind::Outside);
+    painter.rect_stroke(frame.expand(1.0), 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
     painter.rect_stroke(frame.expand(2.0), 0.0, Stroke::new(1.5, accent), StrokeKind::Outside);
     if pixel.width() < LEAST_POINTS {
         for direction in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
             let (from, to) = (frame.center() + direction * 9.0, frame.center() + direction * 16.0);
-            painter.line_segment([from, to], Stroke::new(3.0, Color32::from_black_alpha(200)));
+            painter.line_segment([from, to], Stroke::new(3.0, MARK_EDGE));
             painter.line_segment([from, to], Stroke::new(1.5, accent));
         }
     }

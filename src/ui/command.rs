@@ -53,6 +53,8 @@ pub enum Command {
     StepTriangle(i64),
     /// Change what the pointer does.
     SetPointerMode(PointerMode),
+    /// Change to the other pointer mode.
+    TogglePointerMode,
     /// Enlarge the picture to fit the canvas.
     ZoomFit,
     /// One picture pixel per screen pixel.
@@ -139,6 +141,7 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "1 … 5: choose the upscaler"),
     bind(Modifiers::NONE, Key::Num4, || Command::ChooseUpscaler(3), "1 … 5: choose the upscaler"),
     bind(Modifiers::NONE, Key::Num5, || Command::ChooseUpscaler(4), "1 … 5: choose the upscaler"),
+    bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),
     bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show the keys"),

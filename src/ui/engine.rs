@@ -6,16 +6,15 @@
 
 use std::sync::Arc;
 
-use crate::chain::{Frame, Recipe, run};
+use crate::chain::{self, Frame, Recipe, run};
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::view::{self, Range};
 use crate::inspect::{PixelReport, Stage, inspect, stages};
 use crate::measure::stages::{StageTimes, stage_times};
-use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Counters;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Extent, Until, draw, prepare};
+use crate::pipeline::{Until, prepare};
 use crate::scene::{Camera, Scene};
 
 /// What the canvas shows of a frame.
@@ -137,14 +136,11 @@ fn render(request: &Request) -> (Frame, usize) {
 /// Draws a frame whose list of triangles has changed.
 fn redraw(scene: &Scene, recipe: &Recipe, frame: &mut Frame) {
     let Viewport { width, height } = frame.viewport;
-    let mut drawn = Framebuffer::new(frame.drawn.grid, width, height, scene.background, &recipe.pipeline);
-    let extent = Extent::all(&frame.geometry, frame.viewport);
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut drawn, &mut ());
-    frame.image = recipe.upscaler.upscaler().upscale(&drawn.color, recipe.upscaler.scale(), width, height);
+    frame.drawn = chain::redraw(scene, recipe, frame, Until::Shade, &mut ());
+    frame.image = recipe.upscaler.upscaler().upscale(&frame.drawn.color, recipe.upscaler.scale(), width, height);
     if recipe.wireframe {
         crate::pipeline::wireframe::overlay(&frame.geometry.triangles, &mut frame.image);
     }
-    frame.drawn = drawn;
 }
 
 /// What happened in each stage of a frame, and how long it took. Found out after the frame is on screen, by drawing it a
@@ -157,7 +153,7 @@ pub struct StageFigures {
     pub counters: Counters,
 }
 
-/// Counts and times the stages of a frame that was drawn for `request`; costs about three more frames.
+/// Counts and times the stages of a frame that was drawn for `request`; costs three to nine more frames.
 pub fn stage_figures(request: &Request, frame: &Frame) -> StageFigures {
     let Request { scene, recipe, .. } = request;
     StageFigures { times: stage_times(scene, recipe, frame), counters: count(request, frame) }
@@ -166,12 +162,9 @@ pub fn stage_figures(request: &Request, frame: &Frame) -> StageFigures {
 /// Counts without shading: as many fragments are shaded as pass.
 fn count(request: &Request, frame: &Frame) -> Counters {
     let Request { scene, camera, recipe, .. } = request;
-    let Viewport { width, height } = frame.viewport;
     let mut counters = Counters::default();
     prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counters);
-    let mut again = Framebuffer::new(frame.drawn.grid, width, height, scene.background, &recipe.pipeline);
-    let extent = Extent::all(&frame.geometry, frame.viewport);
-    draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Depth, &mut again, &mut counters);
+    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counters);
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
     counters
 }

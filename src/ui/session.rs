@@ -24,6 +24,9 @@ const RECENT_FILES: usize = 8;
 /// Steps that can be undone.
 const UNDO_STEPS: usize = 200;
 
+/// Camera moves closer in time than this are one step of undo: wheel notches, flying.
+const ONE_MOVE_SECONDS: f64 = 0.6;
+
 /// Lines kept in the log.
 const LOG_LINES: usize = 500;
 
@@ -36,6 +39,16 @@ pub enum PictureSize {
     Canvas,
     /// Fixed, in px.
     Fixed(u32, u32),
+}
+
+impl PictureSize {
+    /// This size, or that of the canvas if no picture may be that large.
+    pub fn checked(self) -> Self {
+        match self {
+            Self::Fixed(width, height) if Viewport { width, height }.check().is_err() => Self::Canvas,
+            size => size,
+        }
+    }
 }
 
 /// What the pointer does on the canvas.
@@ -157,6 +170,8 @@ pub struct Session {
     /// Whether the first hint was closed.
     pub hint_closed: bool,
     first_pick: FirstPick,
+    /// When the camera was moved last, seconds.
+    camera_moved_at: f64,
     undo: Vec<Undoable>,
     redo: Vec<Undoable>,
     settled: Undoable,
@@ -195,6 +210,7 @@ impl Session {
             recent: Vec::new(),
             hint_closed: false,
             first_pick: FirstPick::Due,
+            camera_moved_at: f64::NEG_INFINITY,
             undo: Vec::new(),
             redo: Vec::new(),
             settled: state,
@@ -226,7 +242,10 @@ impl Session {
     /// What is kept between runs.
     pub fn preferences(&self, light_theme: bool, scale: f32) -> Preferences {
         Preferences {
-            source: Some(self.source.name()),
+            source: Some(match &self.source {
+                SceneSource::Builtin(_) => self.source.name(),
+                SceneSource::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            }),
             recipe: self.state.recipe,
             camera: Some(if self.mirrored { self.state.camera.mirrored_z() } else { self.state.camera }),
             size: self.state.size,
@@ -260,6 +279,8 @@ impl Session {
         self.source = source;
         self.mirrored = false;
         self.triangle_limit = None;
+        (self.pick, self.first_pick) = (None, FirstPick::Due);
+        (self.stages, self.measuring) = (None, None);
         self.timings.clear();
         self.error = None;
         // Undo never leads back into another scene's view.
@@ -268,17 +289,25 @@ impl Session {
         self.settled = self.state;
     }
 
-    /// Makes what changed since the last call one step of undo. Call it when no change is under way, such as a slider
-    /// being dragged.
-    pub fn settle(&mut self) {
-        if self.state != self.settled {
+    /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
+    /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
+    pub fn settle(&mut self, now: f64) {
+        if self.state == self.settled {
+            return;
+        }
+        let only_camera = Undoable { camera: self.settled.camera, ..self.state } == self.settled;
+        let goes_on = only_camera && now - self.camera_moved_at < ONE_MOVE_SECONDS;
+        if only_camera {
+            self.camera_moved_at = now;
+        }
+        if !goes_on {
             if self.undo.len() == UNDO_STEPS {
                 self.undo.remove(0);
             }
             self.undo.push(self.settled);
-            self.redo.clear();
-            self.settled = self.state;
         }
+        self.redo.clear();
+        self.settled = self.state;
     }
 
     /// Picks a pixel of the first frame, unless one is picked already: the one nearest to [`FIRST_PICK`] that shows a
@@ -339,6 +368,7 @@ impl Session {
                 self.limit_triangles(Some((shown + step).max(0) as usize));
             }
             Command::SetPointerMode(mode) => self.pointer_mode = mode,
+            Command::TogglePointerMode => self.pointer_mode = self.pointer_mode.other(),
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
             Command::CloseError => self.error = None,
@@ -363,8 +393,9 @@ impl Session {
     }
 
     fn remember(&mut self, path: &Path) {
-        self.recent.retain(|known| known != path);
-        self.recent.insert(0, path.to_owned());
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|known| *known != path);
+        self.recent.insert(0, path);
         self.recent.truncate(RECENT_FILES);
     }
 
@@ -397,6 +428,7 @@ impl Session {
             to.push(self.state);
             self.state = state;
             self.settled = state;
+            self.camera_moved_at = f64::NEG_INFINITY;
         }
     }
 }
@@ -409,4 +441,68 @@ fn nearest_drawn(frame: &Frame, place: (u32, u32)) -> Option<(u32, u32)> {
         .filter(|(column, row)| (f32::MIN_POSITIVE..1.0).contains(&depth.at(*column, *row)))
         .map(|(column, row)| frame.drawn.grid.pixel(column, row))
         .min_by_key(|(x, y)| u64::from(x.abs_diff(place.0)).pow(2) + u64::from(y.abs_diff(place.1)).pow(2))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn session() -> Session {
+        let source = SceneSource::default();
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        Session::new(Arc::new(scene), source, Recipe::default(), home)
+    }
+
+    fn move_camera(session: &mut Session, now: f64) {
+        session.state.camera.orbit(0.1, 0.0);
+        session.settle(now);
+    }
+
+    #[test]
+    fn camera_moves_that_follow_each_other_are_one_step_of_undo() {
+        let mut session = session();
+        for notch in 0..5 {
+            move_camera(&mut session, 0.1 * f64::from(notch));
+        }
+        session.apply(Command::Undo);
+        assert_eq!(session.state.camera, session.scene.home);
+        assert!(!session.can_undo());
+    }
+
+    #[test]
+    fn a_pause_or_another_setting_parts_camera_moves() {
+        let mut session = session();
+        move_camera(&mut session, 0.0);
+        let first = session.state;
+        move_camera(&mut session, 10.0);
+        session.state.recipe.wireframe = true;
+        session.settle(10.1);
+        session.apply(Command::Undo);
+        session.apply(Command::Undo);
+        assert_eq!(session.state, first);
+    }
+
+    #[test]
+    fn another_scene_starts_without_pick_limit_and_old_figures() {
+        let mut session = session();
+        (session.pick, session.triangle_limit) = (Some((1, 2)), Some(3));
+        (session.stages, session.measuring) = (Some(StageFigures::default()), Some(Measuring { progress: 0.5 }));
+        move_camera(&mut session, 0.0);
+        let source = SceneSource::named("triangle".into());
+        session.show_scene(source.load().unwrap().scene, source);
+        assert_eq!((session.pick, session.triangle_limit, session.measuring), (None, None, None));
+        assert!(session.stages.is_none() && !session.can_undo());
+    }
+
+    #[test]
+    fn mirroring_twice_changes_nothing_and_preferences_speak_of_the_original() {
+        let mut session = session();
+        let camera = session.state.camera;
+        session.apply(Command::MirrorZ);
+        assert_ne!(session.state.camera, camera);
+        assert_eq!(session.preferences(false, 1.0).camera, Some(camera));
+        session.apply(Command::MirrorZ);
+        assert_eq!(session.state.camera, camera);
+    }
 }

@@ -1,5 +1,6 @@
 //! Ways into the workbench: a window, or one picture of it.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use eframe::egui::{self, Vec2, ViewportBuilder};
@@ -94,18 +95,25 @@ fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
     workbench(start, preferences, worker)
 }
 
-/// The start with what was left last time, as far as it is still there.
+/// The start with what was left last time, as far as it is still there and makes sense: a stored file may be of an older
+/// program, or damaged.
 fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
+    let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
+    let start = WindowStart { recipe, ..start };
     let Some(source) = preferences.source.clone().map(SceneSource::named) else { return start };
-    let Ok(loaded) = source.load() else { return start };
-    WindowStart {
-        source,
-        camera: preferences.camera.unwrap_or(loaded.scene.home),
-        scene: Arc::new(loaded.scene),
-        warnings: loaded.warnings,
-        recipe: preferences.recipe,
-        mirrored: false,
-        resume: true,
+    match source.load() {
+        Ok(loaded) => WindowStart {
+            source,
+            camera: preferences.camera.filter(|camera| camera.check().is_ok()).unwrap_or(loaded.scene.home),
+            scene: Arc::new(loaded.scene),
+            warnings: loaded.warnings,
+            ..start
+        },
+        Err(error) => {
+            let path = preferences.source.as_deref().unwrap_or(Path::new(""));
+            let text = format!("was open last time and cannot be opened again: {error}");
+            WindowStart { warnings: vec![Warning::file(path, text)], ..start }
+        }
     }
 }
 
@@ -114,7 +122,7 @@ fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Wo
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;
     session.mirrored = start.mirrored;
-    session.state.size = preferences.size;
+    session.state.size = preferences.size.checked();
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
@@ -151,4 +159,55 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
 /// Errors of the toolkit may span lines; ours never do.
 fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::ui::session::PictureSize;
+
+    fn start() -> WindowStart {
+        let source = SceneSource::default();
+        let scene = source.load().unwrap().scene;
+        WindowStart {
+            source,
+            camera: scene.home,
+            scene: Arc::new(scene),
+            warnings: Vec::new(),
+            recipe: Recipe::default(),
+            mirrored: false,
+            resume: true,
+        }
+    }
+
+    #[test]
+    fn what_was_left_comes_back() {
+        let triangle = SceneSource::named("triangle".into());
+        let mut preferences = Preferences { source: Some(triangle.name()), ..Preferences::default() };
+        preferences.recipe.wireframe = true;
+        let resumed = resumed(start(), &preferences);
+        assert_eq!((resumed.source.name(), resumed.recipe.wireframe), (triangle.name(), true));
+    }
+
+    #[test]
+    fn damaged_preferences_are_not_believed() {
+        let mut preferences = Preferences { source: Some("triangle".into()), ..Preferences::default() };
+        preferences.recipe.pipeline.light.direction = Vec3::NAN;
+        preferences.camera = Some(Camera { near: f32::NAN, ..start().camera });
+        let resumed = resumed(start(), &preferences);
+        assert_eq!(resumed.recipe, Recipe::default());
+        assert_eq!(resumed.camera, resumed.scene.home);
+        assert_eq!(PictureSize::Fixed(100_000, 100_000).checked(), PictureSize::Canvas);
+        assert_eq!(PictureSize::Fixed(1280, 720).checked(), PictureSize::Fixed(1280, 720));
+    }
+
+    #[test]
+    fn a_model_that_is_gone_is_said_and_the_default_scene_stays() {
+        let preferences = Preferences { source: Some("/nowhere/model.obj".into()), ..Preferences::default() };
+        let resumed = resumed(start(), &preferences);
+        assert_eq!(resumed.source.name(), SceneSource::default().name());
+        assert!(resumed.warnings[0].to_string().contains("/nowhere/model.obj"));
+    }
 }

@@ -164,6 +164,18 @@ pub static LIGHT: Tokens = Tokens {
     shadow: Color32::from_black_alpha(0x28),
 };
 
+/// The three barycentric weights and their corners, wherever they are drawn: λ0 red, λ1 green, λ2 blue.
+pub const WEIGHTS: [Color32; 3] = [rgb(0xE0_5A5A), rgb(0x4F_B06A), rgb(0x5A_86E8)];
+
+/// Writing on a dark and on a light pixel of the picture.
+pub const ON_PIXEL: [Color32; 2] = [Color32::from_gray(0xEB), Color32::from_gray(0x14)];
+
+/// Lines between the pixels of the picture, on any colour.
+pub const PIXEL_GRID: Color32 = Color32::from_gray(0x80);
+
+/// Behind marks that lie on the picture, so that they are seen on any colour.
+pub const MARK_EDGE: Color32 = Color32::from_black_alpha(0xC8);
+
 const fn rgb(hex: u32) -> Color32 {
     let [_, red, green, blue] = hex.to_be_bytes();
     Color32::from_rgb(red, green, blue)

@@ -4,9 +4,12 @@
 //! where it must be, and a control or a number on the right, so that both line up down the panel. Every part has a
 //! name in the accessibility tree, which is also how tests find it: a control in a row is named by the row's label.
 
+use std::ops::RangeInclusive;
+
 use eframe::egui::{
-    self, Align, Button, Color32, ComboBox, Id, Label, Layout, Rect, Response, RichText, Role, Sense, Stroke,
-    StrokeKind, TextStyle, TextWrapMode, Ui, UiBuilder, Vec2, WidgetAtom, WidgetInfo, vec2,
+    self, Align, Button, Color32, ComboBox, DragValue, Id, Label, Layout, Rect, Response, RichText, Role, Sense,
+    Slider, SliderClamping, Stroke, StrokeKind, TextStyle, TextWrapMode, Ui, UiBuilder, Vec2, WidgetAtom, WidgetInfo,
+    vec2,
 };
 
 use super::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
@@ -146,6 +149,22 @@ pub fn figure(ui: &mut Ui, text: &str, width: f32, color: Color32) -> Response {
     response
 }
 
+/// A slider that changes `value` only when the user does: out-of-range values stay, and only the text is rounded to
+/// `decimals`. True when changed.
+pub fn slider(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>, suffix: &str, decimals: usize) -> bool {
+    let text = move |value: f64, _| super::format::fixed(value, decimals);
+    let slider = Slider::new(value, range).clamping(SliderClamping::Edits).suffix(suffix).custom_formatter(text);
+    ui.add(slider).changed()
+}
+
+/// A number to drag or type that changes `value` only when the user does. It moves by a fiftieth of itself per point.
+pub fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
+    let speed = f64::from(*value) * 0.02;
+    let text = |value: f64, _| format!("{}", value as f32);
+    let drag = DragValue::new(value).speed(speed).range(range).clamp_existing_to_range(false).custom_formatter(text);
+    ui.add(drag).changed()
+}
+
 /// The title of a group of rows, with room above it. `add_actions` adds small controls at the right end, from the right.
 pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui)) {
     ui.add_space(space::S);
@@ -256,14 +275,14 @@ pub fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
 }
 
 /// A button that puts `text` on the clipboard and says for a moment that it did. `what` completes "Copy …".
-pub fn copy_button(ui: &mut Ui, what: &str, text: &str) -> Response {
+pub fn copy_button(ui: &mut Ui, what: &str, text: impl FnOnce() -> String) -> Response {
     let id = Id::unique(("copied", ui.next_auto_id()));
     let now = ui.input(|input| input.time);
     let copied_at: Option<f64> = ui.data(|data| data.get_temp(id));
     let confirms = copied_at.is_some_and(|then| now - then < COPIED_SECONDS);
     let response = icon_button(ui, if confirms { Icon::Check } else { Icon::Copy }, &format!("Copy {what}"));
     if response.clicked() {
-        ui.copy_text(text.to_owned());
+        ui.copy_text(text());
         ui.data_mut(|data| data.insert_temp(id, now));
         ui.request_repaint_after_secs(COPIED_SECONDS as f32);
     }

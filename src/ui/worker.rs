@@ -38,7 +38,7 @@ pub enum Answer {
     /// A view.
     View(Box<View>),
     /// Counts and times of the stages of the last frame.
-    Stages(StageFigures),
+    Stages(Box<StageFigures>),
     /// One timed frame of a measurement, and how much of it is done, in [0, 1].
     Sample {
         /// The method.
@@ -180,9 +180,18 @@ impl Loop {
             self.show(*request);
         } else if let Some(view) = self.to_time.take() {
             let times = catch_unwind(AssertUnwindSafe(|| stage_figures(&view.request, &view.frame)));
-            self.done.extend(times.ok().map(Answer::Stages));
+            self.done.push_back(times.map_or_else(
+                |panic| Answer::Panicked(panic_text(&*panic)),
+                |figures| Answer::Stages(Box::new(figures)),
+            ));
         } else if let Some(mut measurement) = self.measurement.take() {
-            self.done.extend(measurement.step());
+            match catch_unwind(AssertUnwindSafe(|| measurement.step())) {
+                Ok(sample) => self.done.extend(sample),
+                Err(panic) => {
+                    self.done.extend([Answer::Panicked(panic_text(&*panic)), Answer::Measured]);
+                    return true;
+                }
+            }
             if measurement.is_complete() {
                 self.done.push_back(Answer::Measured);
             } else {

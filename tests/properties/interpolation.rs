@@ -5,7 +5,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::grid::SampleGrid;
-use rasterscope::pipeline::interpolate::{affine_weights, attribute_weights, interpolate};
+use rasterscope::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
 use rasterscope::pipeline::raster::{Sample, Scissor, rasterize};
 use rasterscope::pipeline::settings::{FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::Varyings;
@@ -125,7 +125,7 @@ fn attributes_are_interpolated_with_the_perspective_weights() {
         |rng| Varyings { normal: in_cube(rng), uv: Vec2::new(rng.f32(), rng.f32()), ..Varyings::default() },
         |triangle, sample| {
             let weights = oracle(triangle, sample, true);
-            let fragment = interpolate(triangle, sample, 0.0);
+            let fragment = interpolate(triangle, sample, Attributes::ALL);
             let mean = |value: fn(&Varyings) -> f32| -> f64 {
                 weights.iter().zip(&triangle.vertices).map(|(p, v)| p * f64::from(value(&v.varyings))).sum()
             };
@@ -148,7 +148,7 @@ fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
     for_samples(
         |_| same,
         |triangle, sample| {
-            let got = interpolate(triangle, sample, 0.0);
+            let got = interpolate(triangle, sample, Attributes::ALL);
             let varyings = Varyings {
                 normal: got.normal,
                 uv: got.uv,
@@ -184,8 +184,8 @@ fn cutting_changes_no_attribute_beyond_rounding() {
                 let position = SampleGrid::FULL.position(sample.column, sample.row);
                 let Some(whole) = whole.iter().find(|t| t.edges.contains(t.edges.at(position))) else { return };
                 let in_whole = Sample { edges: whole.edges.at(position), ..sample };
-                let [got, expected] =
-                    [(piece, sample), (whole, in_whole)].map(|(t, s)| interpolate(t, s, 0.0).source_weights);
+                let [got, expected] = [(piece, sample), (whole, in_whole)]
+                    .map(|(t, s)| interpolate(t, s, Attributes::ALL).source_weights);
                 // Snapping moves a cut by up to 1/512 px: on a sliver that is the whole width, so only wide ones count.
                 let wide = whole.edges.doubled_area() > 200 << 16 && piece.edges.doubled_area() > 200 << 16;
                 assert!(!wide || (got - expected).abs().max_element() < 2e-3, "{got} for {expected}");

@@ -6,7 +6,8 @@ use std::collections::{HashMap, HashSet};
 use glam::{DVec4, Mat4, Vec3, Vec4};
 use rasterscope::chain::{Recipe, run};
 use rasterscope::image::Rgba8;
-use rasterscope::pipeline::interpolate::Fragment;
+use rasterscope::pipeline::depth::depth_at;
+use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{Counters, Fate, Observer};
 use rasterscope::pipeline::settings::FillRule;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -97,9 +98,10 @@ struct OnlyFinite(usize);
 
 impl Observer for OnlyFinite {
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let all = interpolate(triangle, fragment.sample, Attributes::ALL);
         let finite = fragment.weights.iter().all(|w| w.is_finite())
-            && fragment.depth.is_finite()
-            && fragment.source_weights.is_finite();
+            && depth_at(triangle, &fragment.sample).is_finite()
+            && all.source_weights.is_finite();
         assert!(finite, "{fragment:?} of {triangle:?}");
         self.0 += 1;
     }

@@ -5,11 +5,12 @@ use rasterscope::chain::{Frame, Recipe};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::framebuffer::Framebuffer;
 use rasterscope::pipeline::grid::SampleGrid;
-use rasterscope::pipeline::interpolate::Fragment;
+use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::raster::{Sample, Scissor};
 use rasterscope::pipeline::settings::{Choice, DepthTest, Shading};
+use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
 use rasterscope::pipeline::{Extent, Until, clip, draw, vertex};
 use rasterscope::scene::{Scene, TriangleId};
@@ -225,6 +226,38 @@ fn leaving_out_the_perspective_division_of_an_orthographic_view_changes_no_bit()
 }
 
 #[test]
+fn leaving_out_the_interpolation_of_attributes_changes_no_bit() {
+    struct Compare<'a>(Vec<Shader<'a>>);
+    impl Observer for Compare<'_> {
+        fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
+            let all = interpolate(triangle, fragment.sample, Attributes::ALL);
+            assert_eq!(self.0[triangle.instance as usize].shade(&all, triangle), color);
+            let weights = (fragment.source_weights, all.source_weights);
+            assert_eq!(Fragment { source_weights: weights.0, ..all }, *fragment, "constants but for the weights");
+        }
+    }
+    let mut skipped = [0; 5];
+    for (_, scene) in &scenes() {
+        for shading in Shading::ALL {
+            let mut recipe = Recipe::default();
+            recipe.pipeline.shading = *shading;
+            let frame = render(scene, &recipe, SIZE);
+            let shaders = scene.instances.iter().zip(&frame.geometry.plans);
+            let shaders: Vec<_> =
+                shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect();
+            for shader in &shaders {
+                let Attributes { normal, uv, color, light, source_weights } = shader.attributes();
+                for (count, read) in skipped.iter_mut().zip([normal, uv, color, light, source_weights]) {
+                    *count += usize::from(!read);
+                }
+            }
+            redraw(scene, &recipe, &frame, SampleGrid::FULL, &mut Compare(shaders));
+        }
+    }
+    assert!(skipped.iter().all(|n| *n > 10), "each attribute is left out by some draws: {skipped:?}");
+}
+
+#[test]
 fn leaving_out_the_clipping_of_an_object_inside_changes_no_bit() {
     let mut compared = 0;
     for_seeds(60, |rng| {
@@ -305,22 +338,24 @@ fn stopping_early_counts_the_same_samples() {
     let scene = ground_and_cube();
     let recipe = Recipe::default();
     let frame = render(&scene, &recipe, SIZE);
-    let [coverage, depth, all] = [Until::Coverage, Until::Depth, Until::Shade].map(|until| {
-        let mut buffer = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
-        let mut covered = Covered::default();
-        draw(
-            &scene,
-            &frame.geometry,
-            &recipe.pipeline,
-            &Extent::all(&frame.geometry, VIEW),
-            until,
-            &mut buffer,
-            &mut covered,
-        );
-        (covered, buffer.depth)
-    });
+    let [coverage, depth, interpolate, all] =
+        [Until::Coverage, Until::Depth, Until::Interpolate, Until::Shade].map(|until| {
+            let mut buffer = Framebuffer::new(SampleGrid::FULL, SIZE.0, SIZE.1, scene.background, &recipe.pipeline);
+            let mut covered = Covered::default();
+            draw(
+                &scene,
+                &frame.geometry,
+                &recipe.pipeline,
+                &Extent::all(&frame.geometry, VIEW),
+                until,
+                &mut buffer,
+                &mut covered,
+            );
+            (covered, buffer.depth)
+        });
     assert_eq!(coverage.0, all.0);
     assert_eq!(depth, all);
+    assert_eq!(interpolate, all);
 }
 
 #[test]

@@ -68,11 +68,6 @@ impl EdgeFunctions {
         values[0] >= e0.least && values[1] >= e1.least && values[2] >= e2.least
     }
 
-    /// Whether samples exactly on edge `i` (opposite to vertex `i`) belong to the triangle.
-    pub fn owns_edge(&self, i: usize) -> bool {
-        self.edges[i].least == 0
-    }
-
     /// The x in grid steps, first and last, between which a row at height `y` belongs to the triangle; `None` if it
     /// belongs nowhere.
     pub fn span(&self, y: i64) -> Option<(i64, i64)> {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use eframe::egui::{Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use eframe::egui::{Frame, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::ui::command::{BINDINGS, Command, MOUSE};
 use crate::ui::session::Session;
@@ -57,12 +57,13 @@ impl Dialog {
 
 /// Shows `content` as a dialog; `content` returns true to close it. Returns whether it stays open.
 fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> bool {
-    let modal = Modal::new(Id::unique(("dialog", title.to_owned()))).show(ui.ctx(), |ui| {
-        ui.set_width(440.0);
-        ui.heading(title);
-        ui.add_space(8.0);
-        content(ui)
-    });
+    let modal =
+        Modal::new(Id::unique(("dialog", title.to_owned()))).frame(Frame::window(ui.style())).show(ui.ctx(), |ui| {
+            ui.set_width(440.0);
+            ui.heading(title);
+            ui.add_space(8.0);
+            content(ui)
+        });
     !modal.should_close() && !modal.inner
 }
 

@@ -3,7 +3,7 @@
 //! the machine's speed hits all of them alike.
 
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
-use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints};
+use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints, Points};
 
 use crate::measure::timing::{Summary, summarize};
 use crate::ui::command::Command;
@@ -109,7 +109,11 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         .show(ui, |plot| {
             for s in series {
                 let points: PlotPoints<'_> = s.times_ms.iter().enumerate().map(|(i, t)| [i as f64, *t]).collect();
-                plot.line(Line::new(s.upscaling.label(), points).color(s.color).width(1.5));
+                if s.times_ms.len() == 1 {
+                    plot.points(Points::new(s.upscaling.label(), points).color(s.color).radius(3.0));
+                } else {
+                    plot.line(Line::new(s.upscaling.label(), points).color(s.color).width(1.5));
+                }
             }
         });
 }

@@ -5,13 +5,17 @@ use eframe::egui::{self, Align2, Color32, FontId, Label, Pos2, RichText, ScrollA
 
 use crate::image::Rgba8;
 use crate::inspect::pixel::{ShadingRecord, sample_position_px};
+use crate::inspect::view::{Value, value};
 use crate::inspect::{FragmentRecord, Outcome, PixelReport};
-use crate::scene::Scene;
 use crate::ui::command::Command;
+use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip, copy_button, empty_state, section_header, swatch, value_row};
+
+/// Fragments listed from the first and from the last one on; a pixel may have ten thousand.
+const LISTED_AT_AN_END: usize = 50;
 
 /// Which fragment of the list is explained; the visible one if none was chosen.
 #[derive(Default)]
@@ -49,7 +53,7 @@ impl Inspector {
             self.fragments(ui, report);
             sources(ui, report, commands);
             if let Some(fragment) = explained {
-                numbers(ui, fragment, &session.scene);
+                numbers(ui, fragment);
             }
         });
     }
@@ -59,7 +63,15 @@ impl Inspector {
         if report.fragments.is_empty() {
             ui.label(RichText::new("No triangle covers this pixel's centre.").color(tokens(ui).text_weak));
         }
+        let count = report.fragments.len();
         for (index, fragment) in report.fragments.iter().enumerate() {
+            if count > 2 * LISTED_AT_AN_END && (LISTED_AT_AN_END..count - LISTED_AT_AN_END).contains(&index) {
+                if index == LISTED_AT_AN_END {
+                    let left_out = count - 2 * LISTED_AT_AN_END;
+                    ui.weak(format!("… {} more, all in the copied JSON …", format::count(left_out as u64)));
+                }
+                continue;
+            }
             let chosen = self.chosen.map_or(fragment.outcome == Outcome::Visible, |c| c == index);
             if fragment_row(ui, fragment, chosen) {
                 self.chosen = Some(index);
@@ -68,18 +80,39 @@ impl Inspector {
     }
 }
 
+/// What the shown buffer holds under the pointer.
 fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
-    let color = hovered.and_then(|(x, y)| Some(((x, y), session.view.as_ref()?.frame.image.get(x, y)?)));
+    let here = hovered.and_then(|(x, y)| {
+        let view = session.view.as_ref()?;
+        let color = view.picture.get(x, y)?;
+        let value = match view.request.shown {
+            Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
+            Shown::Stage(_) => Value::Color(color),
+        };
+        Some((x, y, color, value))
+    });
     ui.horizontal(|ui| {
         ui.set_height(theme::CONTROL_HEIGHT);
         ui.label(RichText::new("Pointer").color(tokens(ui).text_weak));
-        if let Some(((x, y), rgba)) = color {
-            swatch(ui, to_color(rgba));
-            ui.label(RichText::new(format!("{x}, {y}   {}", codes(rgba))).monospace());
+        if let Some((x, y, color, value)) = here {
+            swatch(ui, to_color(color));
+            ui.add(Label::new(RichText::new(format!("{x}, {y}   {}", one_line(value))).monospace()).truncate());
         } else {
             ui.label(RichText::new("–").monospace().color(tokens(ui).text_weak));
         }
     });
+}
+
+fn one_line(value: Value) -> String {
+    match value {
+        Value::NotDrawn => "not drawn".to_owned(),
+        Value::Nothing => "nothing".to_owned(),
+        Value::Color(color) => codes(color),
+        Value::Number(number) => format::f32_full(number),
+        Value::Count(count) => format!("{count} ×"),
+        Value::Weights([a, b, c]) => format!("{a:.4} {b:.4} {c:.4}"),
+        Value::Triangle(id) => format!("triangle {}", id.0),
+    }
 }
 
 fn to_color([r, g, b, _]: Rgba8) -> Color32 {
@@ -87,7 +120,7 @@ fn to_color([r, g, b, _]: Rgba8) -> Color32 {
 }
 
 fn codes([r, g, b, _]: Rgba8) -> String {
-    format!("{r:>3} {g:>3} {b:>3}")
+    format!("{r} {g} {b}")
 }
 
 fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
@@ -100,11 +133,9 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
             ui.label(RichText::new(codes(report.color)).monospace().color(tokens(ui).text));
         });
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            copy_button(
-                ui,
-                "everything about this pixel as JSON",
-                &serde_json::to_string_pretty(report).unwrap_or_default(),
-            );
+            copy_button(ui, "everything about this pixel as JSON", || {
+                serde_json::to_string_pretty(report).unwrap_or_default()
+            });
             if crate::ui::widgets::icon_button(ui, Icon::X, "Drop the pick  (Esc)").clicked() {
                 commands.push(Command::Pick(None));
             }
@@ -130,7 +161,7 @@ fn triangle_diagram(ui: &mut Ui, fragment: &FragmentRecord, report: &PixelReport
     let offset = inner.center() - (low + high) * 0.5 * scale;
     let place = |p: Vec2| -> Pos2 { offset + p * scale };
     let (sample, corners) = (place(vec2(x, y)), corners.map(place));
-    for (i, color) in WEIGHT_COLORS.into_iter().enumerate() {
+    for (i, color) in theme::WEIGHTS.into_iter().enumerate() {
         let part = vec![corners[(i + 1) % 3], corners[(i + 2) % 3], sample];
         painter.add(egui::Shape::convex_polygon(part, color.gamma_multiply(0.45), Stroke::NONE));
     }
@@ -138,7 +169,7 @@ fn triangle_diagram(ui: &mut Ui, fragment: &FragmentRecord, report: &PixelReport
     for (i, corner) in corners.into_iter().enumerate() {
         painter.line_segment([sample, corner], Stroke::new(1.0, tokens(ui).text_weak.gamma_multiply(0.5)));
         let outward = (corner - corners_center(&corners)).normalized() * 11.0;
-        painter.circle_filled(corner, 2.5, WEIGHT_COLORS[i]);
+        painter.circle_filled(corner, 2.5, theme::WEIGHTS[i]);
         painter.text(
             corner + outward,
             Align2::CENTER_CENTER,
@@ -151,10 +182,6 @@ fn triangle_diagram(ui: &mut Ui, fragment: &FragmentRecord, report: &PixelReport
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Barycentric diagram"));
     response.on_hover_text("The triangle on the screen and the pixel's centre in it. The area opposite to a corner, over the whole area, is that corner's weight λ");
 }
-
-/// λ0, λ1, λ2 wherever they are drawn.
-const WEIGHT_COLORS: [Color32; 3] =
-    [Color32::from_rgb(0xE0, 0x5A, 0x5A), Color32::from_rgb(0x4F, 0xB0, 0x6A), Color32::from_rgb(0x5A, 0x86, 0xE8)];
 
 fn corners_center(corners: &[Pos2; 3]) -> Pos2 {
     ((corners[0].to_vec2() + corners[1].to_vec2() + corners[2].to_vec2()) / 3.0).to_pos2()
@@ -170,7 +197,7 @@ fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak)).on_hover_text(help);
         }
         ui.end_row();
-        for (i, color) in WEIGHT_COLORS.into_iter().enumerate() {
+        for (i, color) in theme::WEIGHTS.into_iter().enumerate() {
             ui.label(RichText::new(format!("λ{i}")).monospace().color(color));
             for value in [fragment.affine_weights[i], fragment.attribute_weights[i]] {
                 ui.label(RichText::new(format::f32_full(value)).monospace()).on_hover_text(format::bits(value));
@@ -232,7 +259,7 @@ fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
     value_row(ui, "Sum of weights", &format::f32_full(sum), "One, so that a flat area keeps its colour");
 }
 
-fn numbers(ui: &mut Ui, fragment: &FragmentRecord, scene: &Scene) {
+fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     section_header(ui, "Depth", |_| {});
     float_row(ui, "Depth of the fragment", fragment.depth, "z/w, interpolated with λ on the screen");
     match fragment.stored_depth {
@@ -253,13 +280,13 @@ fn numbers(ui: &mut Ui, fragment: &FragmentRecord, scene: &Scene) {
         );
     }
     value_row(ui, "Doubled area", &fragment.doubled_area.to_string(), "The sum of the three edge values, exactly");
-    let triangle = format!("{} of {}", fragment.triangle.0, scene.triangle_count());
-    value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order");
+    let triangle = fragment.triangle.0.to_string();
+    value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order, counted from 0");
     value_row(
         ui,
         "Rasterized as",
-        &fragment.submission.to_string(),
-        "Its position among the triangles that are rasterized: the number for the triangle slider",
+        &(fragment.submission + 1).to_string(),
+        "Where the triangle slider must stand for this fragment to be there",
     );
     if let Some(shading) = &fragment.shading {
         shading_numbers(ui, shading);
@@ -276,7 +303,7 @@ fn corner_table(ui: &mut Ui, fragment: &FragmentRecord) {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
         }
         ui.end_row();
-        for (i, color) in WEIGHT_COLORS.into_iter().enumerate() {
+        for (i, color) in theme::WEIGHTS.into_iter().enumerate() {
             ui.label(RichText::new(format!("v{i}")).monospace().color(color));
             let [x, y] = fragment.corners_px[i];
             let texts = [
@@ -295,12 +322,18 @@ fn corner_table(ui: &mut Ui, fragment: &FragmentRecord) {
 
 fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
     section_header(ui, "Shading", |_| {});
-    let [u, v] = shading.uv;
-    let [x, y, z] = shading.normal;
-    value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "u to the right, v down");
-    value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal, world space");
-    float_row(ui, "N·L", shading.cosine, "Cosine between normal and light");
-    float_row(ui, "Light", shading.light, "The factor that light multiplies the colour with");
+    if let Some([u, v]) = shading.uv {
+        value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "u to the right, v down");
+    }
+    if let Some([x, y, z]) = shading.normal {
+        value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal, world space");
+    }
+    if let Some(cosine) = shading.cosine {
+        float_row(ui, "N·L", cosine, "Cosine between normal and light");
+    }
+    if let Some(light) = shading.light {
+        float_row(ui, "Light", light, "The factor that light multiplies the colour with");
+    }
     for texel in &shading.texels {
         ui.horizontal(|ui| {
             swatch(ui, to_color(texel.color));

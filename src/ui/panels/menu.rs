@@ -60,7 +60,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     ui.separator();
-    entry(ui, "Save picture …", Command::SavePicture, commands);
+    entry(ui, "Save picture", Command::SavePicture, commands);
     entry(ui, "Copy picture", Command::CopyPicture, commands);
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
@@ -129,18 +129,18 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::ToggleTheme);
     }
     let Some(view) = &session.view else { return };
-    let ms = view.frame.times.total.as_secs_f64() * 1e3;
-    let figures = [
-        (
-            format!("{} drawn", format::percent(view.frame.drawn_share())),
-            "Share of the picture's pixels that are really rasterized and shaded",
-        ),
-        (
-            format!("{:.0} fps", 1e3 / ms.max(1e-3)),
-            "Frames per second if frames were drawn one after the other; nothing is drawn while nothing changes",
-        ),
-        (format::ms(ms), "Time of the frame on screen, from planning to the finished picture"),
-    ];
+    let drawn = (
+        format!("{} drawn", format::percent(view.frame.drawn_share())),
+        "Share of the picture's pixels that are really rasterized and shaded",
+    );
+    let mut figures = vec![drawn];
+    // With a triangle limit the picture is drawn twice; its time would tell about neither.
+    if view.request.triangle_limit.is_none() {
+        let ms = view.frame.times.total.as_secs_f64() * 1e3;
+        let fps = "Frames per second if frames were drawn one after the other; nothing is drawn while nothing changes";
+        figures.push((format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
+        figures.push((format::ms(ms), "Time of the frame on screen, from planning to the finished picture"));
+    }
     for (text, help) in figures {
         ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text(help);
         ui.label(RichText::new("·").color(tokens(ui).text_weak));

@@ -12,9 +12,13 @@ pub mod log;
 
 pub mod menu;
 
+pub mod message;
+
 pub mod pipeline;
 
 pub mod plan;
+
+pub mod switches;
 
 pub mod transport;
 

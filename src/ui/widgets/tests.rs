@@ -131,7 +131,7 @@ fn icons_add_nothing_to_names() {
 fn a_copy_button_copies_and_says_so() {
     let mut headless = panel();
     let mut ui = |ui: &mut Ui| {
-        copy_button(ui, "depth", "0.25");
+        copy_button(ui, "depth", || "0.25".to_owned());
     };
     let button = center_of(&names(headless.pass(Vec::new(), &mut ui)), Role::Button, "Copy depth");
     let before = headless.picture();

@@ -1,0 +1,108 @@
+//! The story of a pixel in one sentence: who won, against how many, and whether that was more than luck.
+
+use std::collections::BTreeSet;
+
+use super::pixel::{FragmentRecord, Outcome, PixelReport};
+use crate::pipeline::depth::Comparison;
+use crate::pipeline::grid::SampleGrid;
+
+/// What happened at a pixel, in one sentence.
+pub(super) fn verdict(report: &PixelReport, grid: SampleGrid, comparison: Comparison) -> String {
+    let story = fragment_verdict(&report.fragments, comparison);
+    if let Some(triangle) = report.wireframe {
+        return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
+    }
+    if grid.sample_at(report.x, report.y).is_some() {
+        return story;
+    }
+    let [x, y] = report.drawn_at;
+    let count = report.sources.len();
+    let made_of =
+        if count == 1 { "copied from one drawn pixel".to_owned() } else { format!("mixed from {count} drawn pixels") };
+    format!("Not drawn: {made_of}. The weightiest, ({x}, {y}): {story}")
+}
+
+/// Pieces of one triangle count as one; they are no rivals of each other.
+fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> String {
+    let triangles = fragments.iter().map(|f| f.triangle).collect::<BTreeSet<_>>().len();
+    let Some(winner) = fragments.iter().find(|f| f.outcome == Outcome::Visible) else {
+        return match triangles {
+            0 => "Background: no triangle covers this pixel's centre.".to_owned(),
+            1 => "Background: the one triangle here lost the depth test.".to_owned(),
+            n => format!("Background: all {n} triangles here lost the depth test."),
+        };
+    };
+    let name = format!("triangle {} of “{}”", winner.triangle.0, winner.instance);
+    let rivals = fragments.iter().filter(|f| f.triangle != winner.triangle);
+    let Some(closest) = rivals.map(|f| ulps_apart(f.depth, winner.depth)).min() else {
+        return format!("Won by {name}, the only one here.");
+    };
+    match (winner.stored_depth, comparison, closest) {
+        (None, _, _) => format!("Won by {name}, drawn last of {triangles} (no depth test)."),
+        (_, Comparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
+        (_, _, 0) => {
+            format!("Depth tie: {name} and another triangle have the very same depth; drawing order decides.")
+        }
+        (_, _, ulps @ 1..=Z_FIGHT_ULPS) => {
+            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest steps a float can make.")
+        }
+        _ if triangles == 2 => format!("Won by {name} against one other."),
+        _ => format!("Won by {name} against {} others.", triangles - 1),
+    }
+}
+
+/// Depths this close differ by no more than rounding: three values of three roundings each.
+const Z_FIGHT_ULPS: u32 = 8;
+
+/// How many floats lie between two depths in [0, 1].
+fn ulps_apart(a: f32, b: f32) -> u32 {
+    a.to_bits().abs_diff(b.to_bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::TriangleId;
+
+    /// The last of `fragments` (triangle, depth) is visible.
+    fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: Comparison) -> String {
+        let record = |(place, (id, depth)): (usize, &(u32, f32))| FragmentRecord {
+            triangle: TriangleId(*id),
+            instance: "cube".into(),
+            submission: place,
+            outcome: if place + 1 == fragments.len() { Outcome::Visible } else { Outcome::Overwritten },
+            reason: String::new(),
+            corners_px: [[0.0; 2]; 3],
+            edges: [1; 3],
+            doubled_area: 3,
+            affine_weights: [0.0; 3],
+            attribute_weights: [0.0; 3],
+            inv_w: [1.0; 3],
+            corner_depths: [*depth; 3],
+            depth: *depth,
+            stored_depth: stored,
+            shading: None,
+        };
+        fragment_verdict(&fragments.iter().enumerate().map(record).collect::<Vec<_>>(), comparison)
+    }
+
+    #[test]
+    fn depths_that_close_are_a_fight_only_where_depth_decides() {
+        let close = [(0, 0.5), (1, 0.5_f32.next_down())];
+        assert!(story(&close, Some(0.5), Comparison::Less).starts_with("Z-fight: triangle 1 of “cube” won by 1 ulp"));
+        assert!(story(&close, Some(0.5), Comparison::Always).contains("drawn last of 2 (every fragment passes)"));
+        assert!(story(&close, None, Comparison::Always).contains("drawn last of 2 (no depth test)"));
+        let equal = [(0, 0.5), (1, 0.5)];
+        assert!(story(&equal, Some(0.5), Comparison::LessEqual).starts_with("Depth tie"));
+        assert!(story(&equal, Some(0.5), Comparison::Always).starts_with("Won by"));
+    }
+
+    #[test]
+    fn pieces_of_one_triangle_are_no_rivals() {
+        assert!(story(&[(3, 0.5), (3, 0.5)], Some(0.5), Comparison::LessEqual).ends_with("the only one here."));
+        let others = [(1, 0.9), (1, 0.9), (3, 0.5), (3, 0.5)];
+        assert!(story(&others, Some(0.5), Comparison::LessEqual).ends_with("against one other."));
+        let more = [(1, 0.9), (2, 0.9), (3, 0.5)];
+        assert!(story(&more, Some(0.9), Comparison::Less).ends_with("against 2 others."));
+    }
+}

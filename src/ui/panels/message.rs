@@ -1,0 +1,59 @@
+//! One line under the menu that is always there, so that nothing jumps when there is something to say: an error until it
+//! is read, a model that is being loaded, the first hint, or else what the canvas shows.
+
+use std::path::Path;
+
+use eframe::egui::{Align, Color32, Label, Layout, Rect, RichText, Sense, Ui, Vec2};
+
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::engine::Shown;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::widgets::icon_button;
+
+const HINT: &str = "Click a pixel and read its story at the right. The wheel enlarges, middle-drag turns the scene, ] shows the next stage, ? all keys.";
+
+/// How strongly an error colours the line.
+const ERROR_TINT: f32 = 0.25;
+
+/// Draws the line. `loading` is the model that has been loading for a while.
+pub fn ui(ui: &mut Ui, session: &Session, loading: Option<&Path>, commands: &mut Vec<Command>) {
+    ui.horizontal_centered(|ui| {
+        if let Some(error) = &session.error {
+            let tint = tokens(ui).error.gamma_multiply(ERROR_TINT);
+            ui.painter().rect_filled(ui.max_rect().expand2(theme::space::S * Vec2::X), theme::RADIUS, tint);
+            line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::CloseError), commands);
+        } else if let Some(path) = loading {
+            ui.spinner();
+            if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
+                commands.push(Command::CancelLoading);
+            }
+            ui.add(Label::new(format!("Loading {} …", path.display())).truncate());
+        } else if !session.hint_closed {
+            line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
+        } else {
+            let (name, help) = match session.shown {
+                Shown::Buffer(buffer) => (buffer.name(), buffer.help()),
+                Shown::Stage(stage) => (stage.name(), stage.help()),
+            };
+            line(ui, Icon::Eye, tokens(ui).text_weak, &format!("{name}: {help}"), None, commands);
+        }
+    });
+}
+
+/// Text after an icon in its colour, and a button that closes it if it can be closed.
+fn line(ui: &mut Ui, icon: Icon, color: Color32, text: &str, close: Option<Command>, commands: &mut Vec<Command>) {
+    let (place, _): (Rect, _) = ui.allocate_exact_size(Vec2::splat(theme::ICON_SIZE), Sense::hover());
+    theme::paint_icon(ui.painter(), place.center(), icon, theme::ICON_SIZE, color);
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        if let Some(close) = close
+            && icon_button(ui, Icon::X, "Close this message").clicked()
+        {
+            commands.push(close);
+        }
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            ui.add(Label::new(RichText::new(text).color(tokens(ui).text)).truncate().selectable(true));
+        });
+    });
+}

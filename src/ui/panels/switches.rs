@@ -1,0 +1,331 @@
+//! What a stage shows when its row is opened: switches, counts, and what was left out with the reason. A control that the
+//! scene cannot use is not offered.
+
+use std::collections::BTreeSet;
+
+use eframe::egui::{Label, RichText, Ui};
+
+use super::{pick, plan};
+use crate::chain::Recipe;
+use crate::inspect::Stage;
+use crate::pipeline::observe::Fate;
+use crate::pipeline::plan::Part;
+use crate::pipeline::settings::{Choice as _, DepthTest, Shading};
+use crate::scene::{Camera, Projection, SceneSource, builtin};
+use crate::ui::command::Command;
+use crate::ui::engine::{StageFigures, View};
+use crate::ui::format;
+use crate::ui::session::{PictureSize, Session};
+use crate::ui::theme::tokens;
+use crate::ui::widgets::{choice, combo, drag, row, slider, value_row};
+use crate::upscale::{self, Upscaling};
+
+/// Draws the switches and figures of a stage.
+pub fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
+    match stage {
+        Stage::Assemble => assemble(ui, session, commands),
+        Stage::Transform => camera(ui, session, commands),
+        Stage::Clip => clip(ui, session),
+        Stage::Project => project(ui, session, commands),
+        Stage::Cull => cull(ui, session, recipe),
+        Stage::Rasterize => rasterize(ui, session, recipe),
+        Stage::Depth => depth(ui, recipe),
+        Stage::Interpolate => interpolate(ui, session, recipe),
+        Stage::Shade => shade(ui, session, recipe),
+        Stage::Upscale => upscaling(ui, session, recipe),
+    }
+}
+
+fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let name = session.source.title();
+    row(ui, "Scene", "What is drawn; models of your own by File ▸ Open, or dropped on the window", |ui| {
+        combo("scene", &name, ui.spacing().combo_width).height(480.0).show_ui(ui, |ui| {
+            for scene in builtin::ALL {
+                let here = matches!(&session.source, SceneSource::Builtin(b) if b.id == scene.id);
+                if ui.selectable_label(here, scene.title).on_hover_text(scene.summary).clicked() {
+                    commands.push(Command::OpenBuiltin(scene.id.to_owned()));
+                }
+            }
+        });
+    });
+    let mut mirrored = session.mirrored;
+    row(ui, "Mirror z", "Mirrors the scene in z: for models made for a world of the other handedness", |ui| {
+        if ui.checkbox(&mut mirrored, "").changed() {
+            commands.push(Command::MirrorZ);
+        }
+    });
+    let scene = &session.scene;
+    let library = &scene.library;
+    value_row(ui, "Instances", &format::count(scene.instances.len() as u64), "Objects placed in the scene");
+    value_row(ui, "Meshes", &format::count(library.meshes().len() as u64), "Shared vertex and index buffers");
+    value_row(
+        ui,
+        "Textures",
+        &format::count(library.textures().len() as u64),
+        "Pictures laid on surfaces, each held once",
+    );
+    let memory = scene.memory();
+    let bytes = |number: usize| format::bytes(number as u64);
+    let figures = [
+        ("Texture memory", memory.shared_bytes - memory.mesh_bytes, "Memory of all textures, each held once"),
+        ("Mesh memory", memory.mesh_bytes, "Memory of all meshes, each held once however many instances show it"),
+        ("… if not shared", memory.unshared_bytes, "What the meshes would take if every instance held its own copy"),
+        ("Instance records", memory.instance_bytes, "Memory of the records that place meshes in the scene"),
+    ];
+    for (label, number, help) in figures {
+        value_row(ui, label, &bytes(number), help);
+    }
+}
+
+fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut camera = session.state.camera;
+    let mut orthographic = matches!(camera.projection, Projection::Orthographic { .. });
+    row(ui, "Projection", "Perspective makes far things smaller; orthographic keeps parallel lines parallel", |ui| {
+        let options =
+            [(false, "Perspective", "Far things are smaller"), (true, "Orthographic", "Parallel lines stay parallel")];
+        if choice(ui, &mut orthographic, &options) {
+            camera = camera.with_orthographic(orthographic);
+        }
+    });
+    match &mut camera.projection {
+        Projection::Perspective { fov_y } => {
+            row(ui, "Field of view", "Vertical angle that is seen", |ui| {
+                let mut degrees = fov_y.to_degrees();
+                if slider(ui, &mut degrees, 5.0..=150.0, "°", 1) {
+                    *fov_y = degrees.to_radians();
+                }
+            });
+        }
+        Projection::Orthographic { height } => {
+            row(ui, "Height", "Height of the slab that is seen, world units", |ui| drag(ui, height, 1e-30..=1e34));
+        }
+    }
+    planes(ui, &mut camera);
+    if camera != session.state.camera {
+        commands.push(Command::SetCamera(camera));
+    }
+    ui.horizontal(|ui| {
+        if ui.button("Reset view").on_hover_text("Back to the scene's own view  (H)").clicked() {
+            commands.push(Command::ResetCamera);
+        }
+        if ui.button("Fit all").on_hover_text("Same direction, moved until everything is seen").clicked() {
+            commands.push(Command::FitCamera);
+        }
+    });
+}
+
+fn planes(ui: &mut Ui, camera: &mut Camera) {
+    let Camera { near, far, .. } = *camera;
+    row(ui, "Near plane", "Nothing nearer is drawn. The farther away it is, the finer depth is everywhere", |ui| {
+        drag(ui, &mut camera.near, 1e-30..=far * 0.999)
+    });
+    row(ui, "Far plane", "Nothing farther is drawn", |ui| drag(ui, &mut camera.far, near * 1.001..=1e34));
+}
+
+fn note(ui: &mut Ui, text: impl Into<String>) {
+    ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap());
+}
+
+fn clip(ui: &mut Ui, session: &Session) {
+    let (Some(view), Some(figures)) = (&session.view, &session.stages) else { return };
+    value_row(ui, "Cut", &format::count(figures.counters.clipped), "Triangles that crossed a plane and were cut");
+    for fate in [Fate::Outside, Fate::ClippedAway, Fate::NotFinite] {
+        fate_row(ui, figures, fate);
+    }
+    left_out(ui, view, Part::Clipping);
+}
+
+fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
+    let mut name = fate.name().to_owned();
+    name[..1].make_ascii_uppercase();
+    value_row(ui, &name, &format::count(figures.counters.fate(fate)), "Triangles that ended here for this reason");
+}
+
+fn left_out(ui: &mut Ui, view: &View, part: Part) {
+    let reasons = plan::reasons(&view.frame.geometry.plans, part);
+    if !reasons.is_empty() {
+        note(ui, format!("Left out: {reasons}"));
+    }
+}
+
+fn project(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut size = session.state.size;
+    let options = [
+        (PictureSize::Canvas, "As the canvas", "One picture pixel on each screen pixel"),
+        (PictureSize::Fixed(160, 90), "160 × 90", "Few, large pixels: good to see edges and grids"),
+        (PictureSize::Fixed(320, 180), "320 × 180", "Large pixels"),
+        (PictureSize::Fixed(640, 360), "640 × 360", "A quarter of HD"),
+        (PictureSize::Fixed(1280, 720), "1280 × 720", "HD"),
+        (PictureSize::Fixed(1920, 1080), "1920 × 1080", "Full HD"),
+    ];
+    row(ui, "Picture size", "How many pixels the pipeline draws", |ui| {
+        if choice(ui, &mut size, &options) {
+            commands.push(Command::SetSize(size));
+        }
+    });
+    note(ui, "Corners are snapped to 1/256 px, so that edges are exact integers.");
+}
+
+fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    row(ui, "Culling", "Which triangles are dropped because of the side that they show", |ui| {
+        pick(ui, &mut recipe.pipeline.culling)
+    });
+    let Some(figures) = &session.stages else { return };
+    for fate in [Fate::BackFacing, Fate::FrontFacing, Fate::ZeroArea] {
+        fate_row(ui, figures, fate);
+    }
+}
+
+fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    row(ui, "Algorithm", "How the samples inside a triangle are found; all find the same ones", |ui| {
+        pick(ui, &mut recipe.pipeline.rasterizer)
+    });
+    row(ui, "Fill rule", "Who owns a pixel centre that lies exactly on an edge", |ui| {
+        pick(ui, &mut recipe.pipeline.fill_rule)
+    });
+    row(ui, "Wireframe", "Lays the snapped edges of all drawn triangles over the picture", |ui| {
+        ui.checkbox(&mut recipe.wireframe, "");
+    });
+    let Some(figures) = &session.stages else { return };
+    value_row(ui, "Samples visited", &format::count(figures.counters.visited), "Samples that the algorithm looked at");
+    value_row(
+        ui,
+        "Samples covered",
+        &format::count(figures.counters.covered),
+        "Samples inside a triangle, over all triangles",
+    );
+}
+
+fn depth(ui: &mut Ui, recipe: &mut Recipe) {
+    row(ui, "Test", "When a fragment may replace what is stored", |ui| pick(ui, &mut recipe.pipeline.depth_test));
+    if recipe.pipeline.depth_test == DepthTest::Off {
+        note(ui, "Left out: without a test no depth is stored, so there is no format to choose.");
+    } else {
+        row(ui, "Format", "What the depth buffer stores", |ui| pick(ui, &mut recipe.pipeline.depth_format));
+    }
+}
+
+fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    row(ui, "Attributes", "How texture coordinates, normals and colours follow the screen", |ui| {
+        pick(ui, &mut recipe.pipeline.interpolation)
+    });
+    if let Some(view) = &session.view {
+        left_out(ui, view, Part::PerspectiveDivision);
+    }
+}
+
+fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    let settings = &mut recipe.pipeline;
+    let (offered, reason) = offered_shadings(session, settings.shading);
+    row(ui, "Shading", "What colours a fragment", |ui| choice(ui, &mut settings.shading, &offered));
+    if !reason.is_empty() {
+        note(ui, reason);
+    }
+    if matches!(settings.shading, Shading::Gouraud | Shading::Lambert | Shading::Cel) {
+        light(ui, recipe);
+    }
+    let settings = &mut recipe.pipeline;
+    if settings.shading == Shading::Checker {
+        row(ui, "Squares", "Squares of the pattern per unit of texture coordinate", |ui| {
+            slider(ui, &mut settings.checker.squares, 1.0..=64.0, "", 1)
+        });
+        for (label, color) in [("Even square", &mut settings.checker.even), ("Odd square", &mut settings.checker.odd)] {
+            row(ui, label, "Colour of the pattern", |ui| {
+                let mut rgb = color.to_array();
+                if ui.color_edit_button_rgb(&mut rgb).changed() {
+                    *color = rgb.into();
+                }
+            });
+        }
+    }
+    let Some(view) = &session.view else { return };
+    if view.frame.geometry.plans.iter().any(|p| p.runs(Part::Texels)) {
+        row(ui, "Filter", "How a texture is read between texel centres", |ui| pick(ui, &mut settings.filter));
+        row(ui, "Address", "What texture coordinates outside of 0…1 mean", |ui| pick(ui, &mut settings.address));
+    } else {
+        left_out(ui, view, Part::Texels);
+    }
+    row(ui, "Colour space", "In which numbers light is computed and textures are filtered", |ui| {
+        pick(ui, &mut settings.color_space)
+    });
+}
+
+/// The shadings that the scene has something for, and in words why others are not offered. The present one always is.
+fn offered_shadings(session: &Session, present: Shading) -> (Vec<(Shading, &'static str, &'static str)>, String) {
+    let library = &session.scene.library;
+    let has_colors = library.meshes().iter().any(|mesh| !mesh.colors.is_empty());
+    let has_uvs = library.meshes().iter().any(|mesh| !mesh.uvs.is_empty());
+    let missing = |shading: Shading| match shading {
+        Shading::VertexColor if !has_colors => Some("vertex colours"),
+        Shading::Checker | Shading::Uv if !has_uvs => Some("texture coordinates"),
+        Shading::Texture if library.textures().is_empty() => Some("textures"),
+        _ => None,
+    };
+    let offered = |shading: &&Shading| **shading == present || missing(**shading).is_none();
+    let options = Shading::ALL.iter().filter(offered).map(|s| (*s, s.name(), s.help())).collect();
+    let reasons: BTreeSet<_> = Shading::ALL.iter().filter(|s| !offered(s)).filter_map(|s| missing(*s)).collect();
+    let reason = match reasons.len() {
+        0 => String::new(),
+        _ => format!(
+            "Some shadings are left out: the scene has no {}.",
+            reasons.into_iter().collect::<Vec<_>>().join(", no ")
+        ),
+    };
+    (options, reason)
+}
+
+fn light(ui: &mut Ui, recipe: &mut Recipe) {
+    let light = &mut recipe.pipeline.light;
+    let direction = light.direction.normalize_or(glam::Vec3::Y);
+    let (mut azimuth, mut elevation) =
+        (direction.x.atan2(direction.z).to_degrees(), direction.y.clamp(-1.0, 1.0).asin().to_degrees());
+    let mut turned = false;
+    row(ui, "Light azimuth", "Where the light comes from, around the vertical axis; 0° is +z", |ui| {
+        turned |= slider(ui, &mut azimuth, -180.0..=180.0, "°", 0);
+    });
+    row(ui, "Light elevation", "How high the light stands", |ui| {
+        turned |= slider(ui, &mut elevation, -90.0..=90.0, "°", 0);
+    });
+    if turned {
+        let (sin_a, cos_a) = azimuth.to_radians().sin_cos();
+        let (sin_e, cos_e) = elevation.to_radians().sin_cos();
+        light.direction = glam::Vec3::new(sin_a * cos_e, sin_e, cos_a * cos_e);
+    }
+    if recipe.pipeline.shading == Shading::Cel {
+        return;
+    }
+    row(ui, "Ambient", "Share of light that reaches every surface", |ui| {
+        slider(ui, &mut recipe.pipeline.light.ambient, 0.0..=1.0, "", 2)
+    });
+}
+
+fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    let mut method = recipe.upscaler.method();
+    let mut scale = recipe.upscaler.scale();
+    let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
+    row(ui, "Method", "How the pixels that are not drawn are filled in", |ui| choice(ui, &mut method, &methods));
+    let scales = recipe.upscaler.upscaler().scales();
+    if scales.len() > 1 {
+        let names: Vec<_> = scales.iter().map(|s| (*s, format!("×{s}"))).collect();
+        let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Enlargement per axis")).collect();
+        row(ui, "Scale", "Enlargement per axis: ×4 draws one pixel of sixteen", |ui| choice(ui, &mut scale, &options));
+    }
+    if (method, scale) != (recipe.upscaler.method(), recipe.upscaler.scale())
+        && let Some(upscaling) = Upscaling::new(method, scale)
+    {
+        recipe.upscaler = upscaling;
+    }
+    note(ui, recipe.upscaler.upscaler().help());
+    let share = session.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
+    let share = share.map_or_else(|| "not measured".to_owned(), format::percent);
+    let help = "Median frame time over that of native, from the last measurement of all upscalers on this very picture";
+    value_row(ui, "Time against native", &share, help);
+    if let Some(view) = &session.view {
+        value_row(
+            ui,
+            "Pixels drawn",
+            &format::percent(view.frame.drawn_share()),
+            "Share of the picture's pixels that are really rasterized and shaded",
+        );
+    }
+}
