@@ -4,7 +4,7 @@
 //! integers; NaN reads texel 0. Then x = u·width − 0.5, so that texel centres sit at half-integers, and neighbours beyond
 //! the border wrap (repeat) or stay (clamp, mirror).
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use serde::Serialize;
 
 use super::settings::{Address, ColorSpace, Filter};
@@ -48,12 +48,13 @@ impl Sampler {
     /// Colour at `uv` (v down): linear light or sRGB values by the sampler's colour space, in [0, 1].
     #[inline]
     pub fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
-        let (taps, count) = self.taps(texture.size(), uv);
-        let mut sum = self.texel(texture, &taps[0]) * taps[0].weight;
-        for tap in &taps[1..count] {
-            sum += self.texel(texture, tap) * tap.weight;
-        }
-        sum
+        let (taps, _) = self.taps(texture.size(), uv);
+        let weighted = |tap: &TexelTap| self.texel(texture, tap) * tap.weight;
+        let sum = match self.filter {
+            Filter::Point => weighted(&taps[0]),
+            Filter::Bilinear => weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3]),
+        };
+        sum.truncate()
     }
 
     /// The texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
@@ -79,10 +80,11 @@ impl Sampler {
         }
     }
 
+    /// A texel in the numbers that are mixed; four lanes, of which the last is idle, mix in one register.
     #[inline]
-    fn texel(self, texture: &Image<Rgba8>, tap: &TexelTap) -> Vec3 {
-        let [r, g, b, _] = texture.at(tap.x, tap.y);
-        Vec3::new(self.value_of_code[r as usize], self.value_of_code[g as usize], self.value_of_code[b as usize])
+    fn texel(self, texture: &Image<Rgba8>, tap: &TexelTap) -> Vec4 {
+        let [r, g, b, _] = texture.at(tap.x, tap.y).map(|code| self.value_of_code[code as usize]);
+        Vec4::new(r, g, b, 0.0)
     }
 }
 
