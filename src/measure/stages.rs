@@ -55,7 +55,7 @@ impl StageTimes {
 }
 
 /// Frames up to this long are drawn several times per level.
-const SHORT_FRAME: Duration = Duration::from_millis(30);
+const SHORT_FRAME: Duration = Duration::from_millis(250);
 
 /// Rounds for short frames.
 const ROUNDS: usize = 3;
@@ -63,43 +63,70 @@ const ROUNDS: usize = 3;
 /// How far each level draws.
 const LEVELS: [Until; 4] = [Until::Coverage, Until::Depth, Until::Interpolate, Until::Shade];
 
-/// Times every stage of a frame that was drawn of `scene` by `recipe`; costs up to about nine more frames if it is a short
-/// one, else about three.
-pub fn stage_times(scene: &Scene, recipe: &Recipe, frame: &Frame) -> StageTimes {
-    let rounds = if frame.times.total < SHORT_FRAME { ROUNDS } else { 1 };
-    let [coverage, depth, interpolate, shade] = least_times(scene, recipe, frame, rounds);
-    let geometry = frame.geometry.times;
-    let tests_depth = recipe.pipeline.depth_test != DepthTest::Off;
-    // Without a test both levels do the same, and the better time stands for both.
-    let (coverage, depth) = if tests_depth { (coverage, depth) } else { (coverage.min(depth), coverage.min(depth)) };
-    StageTimes {
-        transform: geometry.transform,
-        clip: geometry.clip,
-        project: geometry.project,
-        cull: geometry.cull,
-        rasterize: coverage,
-        depth: tests_depth.then(|| depth.saturating_sub(coverage)),
-        interpolate: interpolate.saturating_sub(depth),
-        shade: shade.saturating_sub(interpolate),
-        upscale: frame.times.upscale,
+/// Times the stages of one frame piece by piece, so that whoever waits for something else never waits long.
+///
+/// Rounds run all levels in turn, so that a disturbance hits one run and not one level; the least time of each level is the
+/// one that was disturbed least.
+#[derive(Clone, Copy, Debug)]
+pub struct StageTimer {
+    least: [Duration; LEVELS.len()],
+    runs: usize,
+    wanted_runs: usize,
+}
+
+impl StageTimer {
+    /// For a frame, which tells how many rounds are worth while.
+    pub fn new(frame: &Frame) -> Self {
+        let rounds = if frame.times.total < SHORT_FRAME { ROUNDS } else { 1 };
+        Self { least: [Duration::MAX; LEVELS.len()], runs: 0, wanted_runs: rounds * LEVELS.len() }
+    }
+
+    /// Whether a piece was timed already.
+    pub fn has_begun(&self) -> bool {
+        self.runs > 0
+    }
+
+    /// Times the next piece, at most one frame, of the frame that was drawn of `scene` by `recipe`. The times are there when
+    /// all pieces are.
+    pub fn step(&mut self, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Option<StageTimes> {
+        let level = self.runs % LEVELS.len();
+        let start = Instant::now();
+        black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
+        self.least[level] = self.least[level].min(start.elapsed());
+        self.runs += 1;
+        (self.runs >= self.wanted_runs).then(|| self.differences(recipe, frame))
+    }
+
+    fn differences(&self, recipe: &Recipe, frame: &Frame) -> StageTimes {
+        let [coverage, depth, interpolate, shade] = self.least;
+        let geometry = frame.geometry.times;
+        let tests_depth = recipe.pipeline.depth_test != DepthTest::Off;
+        // Without a test both levels do the same, and the better time stands for both.
+        let (coverage, depth) =
+            if tests_depth { (coverage, depth) } else { (coverage.min(depth), coverage.min(depth)) };
+        StageTimes {
+            transform: geometry.transform,
+            clip: geometry.clip,
+            project: geometry.project,
+            cull: geometry.cull,
+            rasterize: coverage,
+            depth: tests_depth.then(|| depth.saturating_sub(coverage)),
+            interpolate: interpolate.saturating_sub(depth),
+            shade: shade.saturating_sub(interpolate),
+            upscale: frame.times.upscale,
+        }
     }
 }
 
-/// The least time of each level over rounds that run all levels in turn, so that a disturbance hits one run and not one
-/// level. The least is the one that was disturbed least.
-fn least_times(scene: &Scene, recipe: &Recipe, frame: &Frame, rounds: usize) -> [Duration; LEVELS.len()] {
-    let time = |until| {
-        let start = Instant::now();
-        black_box(redraw(scene, recipe, frame, until, &mut ()));
-        start.elapsed()
-    };
-    let mut least = [Duration::MAX; LEVELS.len()];
-    for _ in 0..rounds {
-        for (least, until) in least.iter_mut().zip(LEVELS) {
-            *least = time(until).min(*least);
+/// Times every stage of a frame that was drawn of `scene` by `recipe`; costs some ten more frames if it is a short one, else
+/// about three.
+pub fn stage_times(scene: &Scene, recipe: &Recipe, frame: &Frame) -> StageTimes {
+    let mut timer = StageTimer::new(frame);
+    loop {
+        if let Some(times) = timer.step(scene, recipe, frame) {
+            return times;
         }
     }
-    least
 }
 
 #[cfg(test)]

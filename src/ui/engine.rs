@@ -11,7 +11,7 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::view::{self, Range};
 use crate::inspect::{PixelReport, Stage, inspect, stages};
-use crate::measure::stages::{StageTimes, stage_times};
+use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Until, prepare};
@@ -153,10 +153,30 @@ pub struct StageFigures {
     pub counters: Counters,
 }
 
-/// Counts and times the stages of a frame that was drawn for `request`; costs three to nine more frames.
-pub fn stage_figures(request: &Request, frame: &Frame) -> StageFigures {
-    let Request { scene, recipe, .. } = request;
-    StageFigures { times: stage_times(scene, recipe, frame), counters: count(request, frame) }
+/// Finds out the figures of a view piece by piece, each at most as long as a frame.
+#[derive(Clone, Debug)]
+pub struct Figuring {
+    view: View,
+    timer: StageTimer,
+}
+
+impl Figuring {
+    /// For a view.
+    pub fn new(view: View) -> Self {
+        Self { timer: StageTimer::new(&view.frame), view }
+    }
+
+    /// Whether a piece is done already.
+    pub fn has_begun(&self) -> bool {
+        self.timer.has_begun()
+    }
+
+    /// Does the next piece; the figures are there when all pieces are done.
+    pub fn step(&mut self) -> Option<StageFigures> {
+        let View { request, frame, .. } = &self.view;
+        let times = self.timer.step(&request.scene, &request.recipe, frame)?;
+        Some(StageFigures { times, counters: count(request, frame) })
+    }
 }
 
 /// Counts without shading: as many fragments are shaded as pass.

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-use super::engine::{Engine, Request, StageFigures, View, stage_figures};
+use super::engine::{Engine, Figuring, Request, StageFigures, View};
 use crate::chain::{Recipe, run};
 use crate::upscale::Upscaling;
 
@@ -110,7 +110,7 @@ impl Worker {
 pub struct Loop {
     engine: Engine,
     to_show: Option<Box<Request>>,
-    to_time: Option<Box<View>>,
+    to_time: Option<Box<Figuring>>,
     measurement: Option<Measurement>,
     done: std::collections::VecDeque<Answer>,
 }
@@ -138,6 +138,9 @@ impl Loop {
                 }
             }
             self.step();
+            if self.done.is_empty() {
+                continue;
+            }
             for answer in self.done.drain(..) {
                 if outbox.send(answer).is_err() {
                     return;
@@ -153,8 +156,11 @@ impl Loop {
         if self.to_show.is_some() || self.measurement.is_some() {
             return Ok(None);
         }
-        if self.to_time.is_none() {
+        let Some(figuring) = &self.to_time else {
             return inbox.recv().map(Some);
+        };
+        if figuring.has_begun() {
+            return Ok(None);
         }
         match inbox.recv_timeout(SETTLED) {
             Ok(job) => Ok(Some(job)),
@@ -178,12 +184,12 @@ impl Loop {
     fn step(&mut self) -> bool {
         if let Some(request) = self.to_show.take() {
             self.show(*request);
-        } else if let Some(view) = self.to_time.take() {
-            let times = catch_unwind(AssertUnwindSafe(|| stage_figures(&view.request, &view.frame)));
-            self.done.push_back(times.map_or_else(
-                |panic| Answer::Panicked(panic_text(&*panic)),
-                |figures| Answer::Stages(Box::new(figures)),
-            ));
+        } else if let Some(mut figuring) = self.to_time.take() {
+            match catch_unwind(AssertUnwindSafe(|| figuring.step())) {
+                Ok(Some(figures)) => self.done.push_back(Answer::Stages(Box::new(figures))),
+                Ok(None) => self.to_time = Some(figuring),
+                Err(panic) => self.done.push_back(Answer::Panicked(panic_text(&*panic))),
+            }
         } else if let Some(mut measurement) = self.measurement.take() {
             match catch_unwind(AssertUnwindSafe(|| measurement.step())) {
                 Ok(sample) => self.done.extend(sample),
@@ -209,7 +215,7 @@ impl Loop {
             Ok((view, engine)) => {
                 self.engine = engine;
                 if view.fresh {
-                    self.to_time = Some(Box::new(view.clone()));
+                    self.to_time = Some(Box::new(Figuring::new(view.clone())));
                 }
                 self.done.push_back(Answer::View(Box::new(view)));
             }
