@@ -1,0 +1,60 @@
+use super::*;
+
+fn session() -> Session {
+    let source = SceneSource::default();
+    let scene = source.load().unwrap().scene;
+    let home = scene.home;
+    Session::new(Arc::new(scene), source, Recipe::default(), home)
+}
+
+fn move_camera(session: &mut Session, now: f64) {
+    session.state.camera.orbit(0.1, 0.0);
+    session.settle(now);
+}
+
+#[test]
+fn camera_moves_that_follow_each_other_are_one_step_of_undo() {
+    let mut session = session();
+    for notch in 0..5 {
+        move_camera(&mut session, 0.1 * f64::from(notch));
+    }
+    session.apply(Command::Undo);
+    assert_eq!(session.state.camera, session.scene.home);
+    assert!(!session.can_undo());
+}
+
+#[test]
+fn a_pause_or_another_setting_parts_camera_moves() {
+    let mut session = session();
+    move_camera(&mut session, 0.0);
+    let first = session.state;
+    move_camera(&mut session, 10.0);
+    session.state.recipe.wireframe = true;
+    session.settle(10.1);
+    session.apply(Command::Undo);
+    session.apply(Command::Undo);
+    assert_eq!(session.state, first);
+}
+
+#[test]
+fn another_scene_starts_without_pick_limit_and_old_figures() {
+    let mut session = session();
+    (session.pick, session.triangle_limit) = (Some((1, 2)), Some(3));
+    (session.stages, session.measuring) = (Some(StageFigures::default()), Some(Measuring { progress: 0.5 }));
+    move_camera(&mut session, 0.0);
+    let source = SceneSource::named("triangle".into());
+    session.show_scene(source.load().unwrap().scene, source);
+    assert_eq!((session.pick, session.triangle_limit, session.measuring), (None, None, None));
+    assert!(session.stages.is_none() && !session.can_undo());
+}
+
+#[test]
+fn mirroring_twice_changes_nothing_and_preferences_speak_of_the_original() {
+    let mut session = session();
+    let camera = session.state.camera;
+    session.apply(Command::MirrorZ);
+    assert_ne!(session.state.camera, camera);
+    assert_eq!(session.preferences(false, 1.0).camera, Some(camera));
+    session.apply(Command::MirrorZ);
+    assert_eq!(session.state.camera, camera);
+}
