@@ -182,15 +182,6 @@ impl Camera {
         self.eye = self.target + glam::Quat::from_axis_angle(up, -yaw) * lifted;
     }
 
-    /// Looks around from a fixed eye: `yaw` to the right and `pitch` upwards, radians.
-    pub fn look(&mut self, yaw: f32, pitch: f32) {
-        let eye = self.eye;
-        std::mem::swap(&mut self.eye, &mut self.target);
-        self.orbit(yaw, -pitch);
-        std::mem::swap(&mut self.eye, &mut self.target);
-        self.eye = eye;
-    }
-
     /// Shifts eye and target in the picture plane by `offset` in units of the picture's height (y down), so that the
     /// target follows the pointer.
     pub fn pan(&mut self, offset: Vec2) {
