@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use rasterscope::case::CaseError;
 use rasterscope::chain::SetError;
 use rasterscope::image::file::ImageFileError;
 use rasterscope::pipeline::viewport::Viewport;
@@ -39,6 +40,12 @@ pub(crate) enum Failure {
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] ImageFileError),
+    /// A case cannot be read.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A result cannot be written into its file.
+    #[error("{}: cannot write it: {source}", path.display())]
+    ResultFile { path: PathBuf, source: std::io::Error },
     /// Results cannot be written.
     #[error("standard output: {0}")]
     Output(std::io::Error),
