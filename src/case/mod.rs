@@ -42,8 +42,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::flat2d::Span;
-use crate::flat2d::polygon::Corners;
-use crate::pipeline::settings::Rasterizer;
+use crate::math::fixed::SUBPIXEL_BITS;
+use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
 /// A case as read from a file.
@@ -67,20 +67,28 @@ impl Case {
 pub struct Options {
     /// How the samples inside a triangle are found.
     pub rasterizer: Rasterizer,
-    /// Where corners of polygons are when edges are built.
-    pub corners: Corners,
+    /// The numbers that coverage is decided in. Polygons are filled exactly either way: in fixed point with their corners
+    /// snapped, else with their corners as given.
+    pub arithmetic: Arithmetic,
+}
+
+impl Options {
+    /// Fraction bits of the grid that corners are snapped to; `None` if they are used as given.
+    fn snap_bits(self) -> Option<u32> {
+        (self.arithmetic == Arithmetic::Fixed).then_some(SUBPIXEL_BITS)
+    }
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { rasterizer: Rasterizer::BoundingBox, corners: Corners::Snapped }
+        Self { rasterizer: Rasterizer::BoundingBox, arithmetic: Arithmetic::Fixed }
     }
 }
 
 /// Why a case is not answered although nothing is wrong with it, in one sentence.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
-pub struct Refusal(String);
+pub struct Refusal(pub(crate) String);
 
 /// What is wrong with the values of a case of the right form.
 trait Check {
@@ -161,10 +169,11 @@ pub enum Answer {
 /// Answers a case.
 pub fn answer(case: &Case, options: Options) -> Result<Answer, Refusal> {
     Ok(match &case.task {
-        Task::TriCoverage(_) | Task::TriAttr(_) | Task::ClipTri(_) | Task::Depth(_) => {
-            return Err(Refusal("cases of this kind are not answered yet".to_owned()));
-        }
-        Task::PolyFill(task) => Answer::PolyFill(task.answer(options.corners)),
+        Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options)),
+        Task::TriAttr(task) => Answer::TriAttr(task.answer(options.arithmetic)?),
+        Task::ClipTri(task) => Answer::ClipTri(task.answer(options)),
+        Task::Depth(_) => return Err(Refusal("cases of this kind are not answered yet".to_owned())),
+        Task::PolyFill(task) => Answer::PolyFill(task.answer(options)),
         Task::TriArea(task) => Answer::TriArea(task.answer()),
         Task::Line(task) => Answer::Line(task.answer()?),
         Task::RealLine(task) => Answer::RealLine(task.answer()?),

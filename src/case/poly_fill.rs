@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Point, Real, check_picture, rows_of_spans};
+use super::{Check, Options, Point, Real, check_picture, rows_of_spans};
 use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
-use crate::math::fixed::SUBPIXEL_BITS;
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -55,7 +54,9 @@ impl PolyFill {
     }
 
     /// Fills the polygon. Where edges and samples meet is decided exactly either way; there is no variant that rounds.
-    pub(super) fn answer(&self, corners: Corners) -> PolyFillAnswer {
+    pub(super) fn answer(&self, options: Options) -> PolyFillAnswer {
+        let snap_bits = options.snap_bits();
+        let corners = if snap_bits.is_some() { Corners::Snapped } else { Corners::AsGiven };
         let rule = match self.rule {
             PolygonRule::EvenOdd => InsideRule::EvenOdd,
             PolygonRule::Nonzero => InsideRule::NonZero,
@@ -63,10 +64,6 @@ impl PolyFill {
         let sample = self.sample_point().unwrap_or(SamplePoint::Center);
         let contours: Vec<Vec<_>> = self.contours.iter().map(|c| c.iter().map(|point| point.0).collect()).collect();
         let filling = Filling { rule, corners, sample, width: self.width, height: self.height };
-        let snap_bits = match corners {
-            Corners::AsGiven => None,
-            Corners::Snapped => Some(SUBPIXEL_BITS),
-        };
         PolyFillAnswer { snap_bits, spans: rows_of_spans(fill(&contours, filling)) }
     }
 }

@@ -1,8 +1,17 @@
 //! `tri_attr`: weights and attributes at the centres of some pixels, inside the triangle or not.
 
+use glam::Vec2;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{Check, Exactly, Real};
+use super::{Check, Exactly, Real, Refusal};
+use crate::math::fixed::snap;
+use crate::pipeline::depth::depth_at;
+use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
+use crate::pipeline::raster::{doubled_area, edge_values};
+use crate::pipeline::settings::{Arithmetic, Interpolation};
+use crate::pipeline::vertex::Varyings;
+use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex, relative_inv_w};
+use crate::scene::TriangleId;
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -30,7 +39,63 @@ pub struct Vertex {
     pub v: Real,
 }
 
-impl Check for TriAttr {}
+impl Check for TriAttr {
+    fn check(&self) -> Result<(), String> {
+        if self.vertices.0.iter().any(|v| v.w.0 <= 0.0) {
+            return Err("`w` must be positive: corners behind the eye have no place on the screen".to_owned());
+        }
+        if self.eval.iter().any(|Exactly(pixel)| pixel.iter().any(|c| !(0..i64::from(MAX_SIDE_PX)).contains(c))) {
+            return Err(format!("pixels to evaluate have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
+        }
+        Ok(())
+    }
+}
+
+impl TriAttr {
+    /// What the pipeline interpolates. Where snapping leaves the triangle no area, its corners are taken as given.
+    pub(super) fn answer(&self, arithmetic: Arithmetic) -> Result<TriAttrAnswer, Refusal> {
+        let vertices = self.vertices.0.map(|v| v.on_screen());
+        let corners_px = vertices.map(|v| v.position_px);
+        let has_area = |arithmetic: &Arithmetic| doubled_area(*arithmetic, corners_px).0 != 0.0;
+        let arithmetic = [arithmetic, Arithmetic::Exact].into_iter().find(has_area);
+        let arithmetic = arithmetic.ok_or_else(|| Refusal("a triangle without area has no weights".to_owned()))?;
+        let (area, scale) = doubled_area(arithmetic, corners_px);
+        let triangle = ScreenTriangle {
+            id: TriangleId(0),
+            instance: 0,
+            doubled_area: (area * scale).abs(),
+            relative_inv_w: relative_inv_w(&vertices),
+            vertices,
+        };
+        let pixels = self.eval.iter().filter_map(|Exactly([x, y])| {
+            let pixel = (u32::try_from(*x).ok()?, u32::try_from(*y).ok()?);
+            let (sample, _) = edge_values(arithmetic, corners_px, pixel)?;
+            let fragment = interpolate(&triangle, sample, Attributes::all(Interpolation::Perspective));
+            Some(SampleAttributes {
+                pixel: [*x, *y],
+                affine_weights: affine_weights(&triangle, &sample).map(f64::from),
+                perspective_weights: fragment.weights.map(f64::from),
+                depth: depth_at(&triangle, &sample).into(),
+                uv: fragment.uv.as_dvec2().into(),
+            })
+        });
+        Ok(TriAttrAnswer { pixels: pixels.collect() })
+    }
+}
+
+impl Vertex {
+    fn on_screen(self) -> ScreenVertex {
+        let [x, y, z, w, u, v] = [self.x, self.y, self.z, self.w, self.u, self.v].map(|number| number.0 as f32);
+        ScreenVertex {
+            position_px: [x, y],
+            x: snap(x) as i32,
+            y: snap(y) as i32,
+            depth: z,
+            inv_w: 1.0 / w,
+            varyings: Varyings { uv: Vec2::new(u, v), ..Varyings::default() },
+        }
+    }
+}
 
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Point, check_picture};
+use super::{Check, Exactly, Options, Point, check_picture};
+use crate::pipeline::raster::{Span, cover};
+use crate::pipeline::settings::FillRule;
+use crate::pipeline::viewport::Viewport;
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -33,6 +36,26 @@ impl Check for TriCoverage {
     }
 }
 
+impl TriCoverage {
+    pub(super) fn answer(&self, options: Options) -> TriCoverageAnswer {
+        let viewport = Viewport { width: self.width, height: self.height };
+        let triangles = self.triangles.iter().map(|Exactly(corners)| {
+            let corners_px = corners.map(|Point(corner)| [corner.x as f32, corner.y as f32]);
+            Covered::new(&cover(options.rasterizer, options.arithmetic, corners_px, self.rule.into(), viewport))
+        });
+        TriCoverageAnswer { snap_bits: options.snap_bits(), triangles: triangles.collect() }
+    }
+}
+
+impl From<CoverageRule> for FillRule {
+    fn from(rule: CoverageRule) -> Self {
+        match rule {
+            CoverageRule::TopLeft => Self::TopLeft,
+            CoverageRule::Inclusive => Self::Inclusive,
+        }
+    }
+}
+
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriCoverageAnswer {
@@ -47,4 +70,11 @@ pub struct TriCoverageAnswer {
 pub struct Covered {
     /// [row, first column, one past the last column] of each run.
     pub spans: Vec<[u32; 3]>,
+}
+
+impl Covered {
+    /// Writes spans of a rasterizer.
+    pub(super) fn new(spans: &[Span]) -> Self {
+        Self { spans: spans.iter().map(|span| [span.row, span.left, span.right]).collect() }
+    }
 }

@@ -5,12 +5,12 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write, stdout};
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rasterscope::case::{Case, CaseResult, Options, Outcome, solve};
-use rasterscope::flat2d::polygon;
+use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 
 use super::failure::Failure;
-use super::output;
+use super::{output, parse};
 
 /// What `case` takes.
 #[derive(Args, Debug)]
@@ -27,27 +27,18 @@ pub(crate) struct CaseArgs {
     #[arg(long, value_name = "DIR")]
     out_dir: Option<PathBuf>,
 
-    /// Where corners of polygons are
-    #[arg(long, default_value = "snapped")]
-    corners: Corners,
-}
+    /// How the samples inside a triangle are found
+    #[arg(long, value_name = "R", default_value = "bounding-box", value_parser = parse::choice::<Rasterizer>())]
+    rasterizer: Rasterizer,
 
-/// Where corners of polygons are.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Corners {
-    /// On the 1/256 px grid, as the pipeline has them
-    Snapped,
-    /// Exactly where they were given
-    AsGiven,
+    /// The numbers that coverage is decided in
+    #[arg(long, value_name = "A", default_value = "fixed", value_parser = parse::choice::<Arithmetic>())]
+    arithmetic: Arithmetic,
 }
 
 impl CaseArgs {
     fn options(&self) -> Options {
-        let corners = match self.corners {
-            Corners::Snapped => polygon::Corners::Snapped,
-            Corners::AsGiven => polygon::Corners::AsGiven,
-        };
-        Options { corners, ..Options::default() }
+        Options { rasterizer: self.rasterizer, arithmetic: self.arithmetic }
     }
 }
 
