@@ -22,5 +22,7 @@ pub mod measure;
 
 pub mod inspect;
 
+pub mod report;
+
 #[cfg(feature = "ui")]
 pub mod ui;

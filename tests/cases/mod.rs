@@ -4,9 +4,15 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-/// Case and expected answer of every file whose name starts with `class`. Empty, with a word on stderr, without the
-/// folder.
+/// Case and expected answer of every file of a class. Empty, with a word on stderr, without the folder.
+#[allow(dead_code, reason = "each test file uses a part of it")]
 pub(crate) fn of_class(class: &str) -> Vec<(Value, Value)> {
+    starting_with(&format!("{class}__"))
+}
+
+/// Case and expected answer of every file whose name starts with `prefix`. Empty, with a word on stderr, without the
+/// folder.
+pub(crate) fn starting_with(prefix: &str) -> Vec<(Value, Value)> {
     let samples = std::env::var_os("RASTERSCOPE_SAMPLES")
         .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")), PathBuf::from);
     let folder = samples.join("cases");
@@ -15,7 +21,7 @@ pub(crate) fn of_class(class: &str) -> Vec<(Value, Value)> {
         return Vec::new();
     };
     let mut names: Vec<_> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
-    names.retain(|name| name.starts_with(&format!("{class}__")));
+    names.retain(|name| name.starts_with(prefix));
     names.sort_unstable();
     let read = |kind: &str, name: &str| {
         let text = std::fs::read_to_string(folder.join(kind).join(name)).expect("a readable case");

@@ -1,0 +1,9 @@
+//! Stability.
+
+pub mod case;
+
+pub mod oracle;
+
+pub mod spans;
+
+mod wire;
