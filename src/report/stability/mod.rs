@@ -2,6 +2,8 @@
 
 pub mod case;
 
+pub mod catalogue;
+
 pub mod oracle;
 
 pub mod spans;
