@@ -5,6 +5,7 @@ use super::{Class, Draft, Family};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::case::{Attributes, Body, CoplanarPair};
+use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{Region, ScreenCorner, Snap};
 
 /// Pixels asked for in each triangle.
@@ -16,12 +17,26 @@ const SIDE: u32 = 64;
 /// Side of the large picture, px.
 const LARGE: u32 = 4096;
 
+/// Numbers all, and weights good to a hundredth of an 8-bit step.
+const CLOSE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1e-5)];
+
+/// The same for pictures 4096 px wide: no worse than 2⁻²⁰.
+const CLOSE_WIDE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1.0 / 1_048_576.0)];
+
+/// Texture coordinates good to a thousandth of a texel.
+const CLOSE_TEXELS: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::UvTexels, 1e-3)];
+
+/// The same depth from both triangles.
+const EQUAL: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::none(Metric::Flips)];
+
 pub(super) const CLASSES: &[Class] = &[
     Class {
         id: "affine",
         name: "Without perspective",
         family: Family::Weights,
         about: "Equal w at all corners: perspective-correct and affine weights are the same, and only the arithmetic errs.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
         draft: affine,
     },
     Class {
@@ -30,6 +45,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Weights,
         about: "Corners up to a hundred times farther than others: who interpolates affinely on the screen is off by half of \
                 the texture.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
         draft: perspective,
     },
     Class {
@@ -38,6 +55,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Weights,
         about: "Distances that differ by 1e3 to 1e15: the nearest corner takes nearly all the weight, and the others must not \
                 drown in its rounding errors.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
         draft: w_ratio,
     },
     Class {
@@ -46,6 +65,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Weights,
         about: "Slivers along a row of centres: weights are quotients of small differences, and fall outside of 0…1 when these \
                 are rounded.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
         draft: thin,
     },
     Class {
@@ -54,6 +75,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Weights,
         about: "The same over a large picture: in f32 the products of coordinates have lost the digits that the small area \
                 needs, and textures tear.",
+        headline: Metric::WeightError,
+        bounds: CLOSE_WIDE,
         draft: wide_thin,
     },
     Class {
@@ -62,6 +85,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Weights,
         about: "Texture coordinates of 1e2 to 1e6 repeats: a float of that size has few digits left for the place within the \
                 texture.",
+        headline: Metric::UvTexels,
+        bounds: CLOSE_TEXELS,
         draft: huge_uv,
     },
     Class {
@@ -70,6 +95,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Weights,
         about: "Two different triangles of one plane: their depths should be equal everywhere, but differ by rounding, so they \
                 fight for every pixel.",
+        headline: Metric::Flips,
+        bounds: EQUAL,
         draft: coplanar,
     },
 ];

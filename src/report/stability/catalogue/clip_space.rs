@@ -3,6 +3,7 @@
 use super::dice::{Dice, to_f32};
 use super::{Class, Draft, Family};
 use crate::report::stability::case::{Body, ClipSpace};
+use crate::report::stability::metric::{Bound, Metric};
 
 /// Side of the picture, px.
 const SIDE: u32 = 32;
@@ -11,6 +12,14 @@ const SIDE: u32 = 32;
 const NEAR: f64 = 0.1;
 const FAR: f64 = 100.0;
 
+/// Nothing drawn out of place, nothing drawn twice, and weights to f32.
+const CLIPPED: &[Bound] = &[
+    Bound::none(Metric::WrongStrict),
+    Bound::none(Metric::Doubles),
+    Bound::none(Metric::NotFinite),
+    Bound::new(Metric::WeightError, 1e-6),
+];
+
 pub(super) const CLASSES: &[Class] = &[
     Class {
         id: "near-crossing",
@@ -18,6 +27,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::ClipSpace,
         about: "Triangles that reach behind the eye: dividing by a negative w mirrors the corner, so what is not clipped \
                 before the division turns up on the wrong side of the picture.",
+        headline: Metric::WrongStrict,
+        bounds: CLIPPED,
         draft: near_crossing,
     },
     Class {
@@ -26,6 +37,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::ClipSpace,
         about: "Corners beside the eye, with w of exactly 0, 1e-7 or 1e-30: the division gives infinity or NaN unless the \
                 corner is cut off first.",
+        headline: Metric::WrongStrict,
+        bounds: CLIPPED,
         draft: zero_w,
     },
     Class {
@@ -34,6 +47,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::ClipSpace,
         about: "Planes that pass close by the eye, or through it, with corners all around: seen edge-on they shrink to a \
                 line, and their weights to a quotient of two vanishing numbers.",
+        headline: Metric::WrongStrict,
+        bounds: CLIPPED,
         draft: eye_inside,
     },
     Class {
@@ -41,6 +56,8 @@ pub(super) const CLASSES: &[Class] = &[
         name: "The largest coordinates",
         family: Family::ClipSpace,
         about: "Clip coordinates up to 3e38: products of two of them overflow, and differences lose what lies in the picture.",
+        headline: Metric::WrongStrict,
+        bounds: CLIPPED,
         draft: huge,
     },
     Class {
@@ -49,6 +66,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::ClipSpace,
         about: "A single corner that is no number must cost its triangle and nothing else: nothing may be drawn, and no loop \
                 may run away.",
+        headline: Metric::WrongStrict,
+        bounds: CLIPPED,
         draft: not_finite,
     },
 ];
@@ -63,7 +82,7 @@ fn project([x, y, distance]: [f64; 3]) -> [f32; 4] {
 }
 
 fn near_crossing(dice: &mut Dice) -> Vec<Draft> {
-    let mut random = |dice: &mut Dice| {
+    let random = |dice: &mut Dice| {
         [(); 3].map(|()| project([dice.uniform(-4.0, 4.0), dice.uniform(-4.0, 4.0), dice.uniform(-3.0, 5.0)]))
     };
     let mut drafts: Vec<_> =

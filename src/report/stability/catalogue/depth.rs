@@ -3,6 +3,7 @@
 use super::dice::Dice;
 use super::{Class, Draft, Family};
 use crate::report::stability::case::{Body, Depth, DepthPairs};
+use crate::report::stability::metric::{Bound, Metric};
 use crate::report::stability::oracle::{DepthMapping, DepthStorage};
 
 /// Pairs of neighbouring distances per case of the ordinary classes.
@@ -11,6 +12,10 @@ const PAIRS: usize = 150;
 /// Pairs per case of the published experiment.
 const PUBLISHED_PAIRS: u32 = 200_000;
 
+/// Every pair in its order.
+const KEPT_APART: &[Bound] =
+    &[Bound::none(Metric::Lost), Bound::none(Metric::NotFinite), Bound::none(Metric::OutOfRange)];
+
 pub(super) const CLASSES: &[Class] = &[
     Class {
         id: "depth-ranges",
@@ -18,6 +23,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Depth,
         about: "Distances between planes from 1e-6 to 1e9, with close neighbours: numbers that crowd at the near plane leave \
                 nothing for the distance, and different surfaces get the same depth.",
+        headline: Metric::Lost,
+        bounds: KEPT_APART,
         draft: ranges,
     },
     Class {
@@ -26,6 +33,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Depth,
         about: "Planes that are close together, such as 10 and 10.5: far − near cancels, and a matrix rounded to f32 puts every \
                 depth off by hundreds of units in the last place.",
+        headline: Metric::Lost,
+        bounds: KEPT_APART,
         draft: thin,
     },
     Class {
@@ -34,6 +43,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Depth,
         about: "Random pairs of points on one line of sight, z and z · (1 + gap), as in Upchurch and Desbrun (2012) and Reed \
                 (2015): how many pairs get the same depth, or change places?",
+        headline: Metric::Lost,
+        bounds: KEPT_APART,
         draft: published,
     },
 ];

@@ -6,6 +6,7 @@ use super::dice::{Dice, to_f32};
 use super::{Class, Draft, Family};
 use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::{Body, Coverage};
+use crate::report::stability::metric::{Bound, Metric};
 
 /// A picture by width and height in px.
 type Size = [u32; 2];
@@ -19,6 +20,9 @@ const LARGE: Size = [1024, 256];
 /// How far meshes reach beyond the picture, px.
 const MARGIN: f64 = 4.0;
 
+/// Every pixel once, and by the right triangle.
+const WATERTIGHT: &[Bound] = &[Bound::none(Metric::Cracks), Bound::none(Metric::Doubles), Bound::none(Metric::Wrong)];
+
 pub(super) const CLASSES: &[Class] = &[
     Class {
         id: "mesh-fan",
@@ -26,6 +30,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Mesh,
         about: "3 to 200 triangles around one corner: where all edges meet, every rounding of that corner or of a slope \
                 opens a crack or draws a pixel twice.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
         draft: fans,
     },
     Class {
@@ -34,6 +40,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Mesh,
         about: "Up to 12 800 triangles that share all their edges, many of them through pixel centres: with closed edges \
                 every centre on an edge is drawn twice.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
         draft: grids,
     },
     Class {
@@ -42,6 +50,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Mesh,
         about: "Long thin neighbours, thinner than a pixel in the end: each pixel must find its one triangle among many \
                 that miss it.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
         draft: strips,
     },
     Class {
@@ -49,6 +59,8 @@ pub(super) const CLASSES: &[Class] = &[
         name: "Wide meshes",
         family: Family::Mesh,
         about: "Fans and flat strips over 1024 × 256 px: edges are long enough for their two triangles to drift apart.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
         draft: wide,
     },
 ];

@@ -21,6 +21,7 @@ mod throughput;
 use serde::Serialize;
 
 use super::case::{Body, Case};
+use super::metric::{Bound, Metric};
 use dice::Dice;
 
 /// What a class is about, and so what is measured.
@@ -70,6 +71,10 @@ pub struct Class {
     pub family: Family,
     /// One sentence: what it stresses, and what breaks.
     pub about: &'static str,
+    /// The measure that says it best.
+    pub headline: Metric,
+    /// What must hold to pass.
+    pub bounds: &'static [Bound],
     /// Makes the cases.
     draft: fn(&mut Dice) -> Vec<Draft>,
 }

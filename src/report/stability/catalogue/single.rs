@@ -4,6 +4,7 @@ use super::dice::{Dice, to_f32};
 use super::{Class, Draft, Family};
 use crate::pipeline::settings::FillRule;
 use crate::report::stability::case::{Body, Coverage};
+use crate::report::stability::metric::{Bound, Metric};
 
 /// Side of the picture of most classes, px.
 const SIDE: u32 = 32;
@@ -11,12 +12,17 @@ const SIDE: u32 = 32;
 /// The same as a coordinate.
 const SIDE_PX: f64 = SIDE as f64;
 
+/// Every pixel right, for corners where they are declared to be.
+pub(super) const EXACT: &[Bound] = &[Bound::none(Metric::Wrong)];
+
 pub(super) const CLASSES: &[Class] = &[
     Class {
         id: "benign",
         name: "Benign triangles",
         family: Family::Coverage,
         about: "Compact triangles at random places: every method should get all of them right, so this is the yardstick.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: benign,
     },
     Class {
@@ -25,6 +31,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "Corners and edges lie exactly on pixel centres, so the fill rule alone decides; methods that step along \
                 edges drift off the tie, and methods without a rule draw twice.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: on_centres,
     },
     Class {
@@ -33,6 +41,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "Triangles 1e-6 to 0.5 px wide: the area is a difference of nearly equal numbers, and what is thinner than \
                 the grid step vanishes when corners are snapped.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: slivers,
     },
     Class {
@@ -41,6 +51,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "Hair-thin strips around a row or column of pixel centres: slopes become 0 or infinite, and rounding one \
                 corner moves all pixels in or out at once.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: needles,
     },
     Class {
@@ -49,6 +61,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "An edge misses pixel centres by less than a double-precision number can tell from zero: only exact \
                 arithmetic, or snapping, which makes it a tie, decides consistently.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: near_ties,
     },
     Class {
@@ -57,6 +71,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "Most of these triangles lie between pixel centres and cover nothing: they show what is paid for setting up \
                 a triangle that is then not seen.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: tiny,
     },
     Class {
@@ -64,6 +80,8 @@ pub(super) const CLASSES: &[Class] = &[
         name: "Degenerate triangles",
         family: Family::Coverage,
         about: "Points, lines and repeated corners have no area and must cover nothing; dividing by that area gives NaN.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: degenerate,
     },
     Class {
@@ -72,6 +90,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "Corners 1e7 to 3e38 px away: integers overflow, floats have no digits left for pixels, and loops over the \
                 bounding box never end unless they are clamped to the picture.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: huge,
     },
     Class {
@@ -80,6 +100,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "Edges of 2e5 to 2e7 px pass through the picture: the products of an edge function need more than 32 or 53 \
                 bits, and f32 puts whole rows on the wrong side.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: guard_band,
     },
     Class {
@@ -88,6 +110,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Coverage,
         about: "Corners differ from a centre by the smallest numbers that exist: processors told to flush those to zero, and \
                 products that underflow, see ties where there are none.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: subnormal,
     },
     Class {
@@ -95,6 +119,8 @@ pub(super) const CLASSES: &[Class] = &[
         name: "A picture 4096 px wide",
         family: Family::Coverage,
         about: "Long flat edges over many centres: what is added up step by step has 4096 steps to go astray.",
+        headline: Metric::Wrong,
+        bounds: EXACT,
         draft: wide,
     },
 ];
@@ -275,7 +301,7 @@ fn subnormal(dice: &mut Dice) -> Vec<Draft> {
 
 fn wide(dice: &mut Dice) -> Vec<Draft> {
     const WIDE: [u32; 2] = [4096, 48];
-    let mut through_centres = |dice: &mut Dice| {
+    let through_centres = |dice: &mut Dice| {
         let corners = [[0.5, 0.5], [dice.centre(1000, 3000), dice.centre(20, 48)], [4095.5, dice.centre(0, 48)]];
         dice.shuffled(corners)
     };

@@ -1,8 +1,9 @@
 //! Shapes that cost more than their pixels: each is timed against a compact triangle of as many pixels.
 
 use super::dice::{Dice, to_f32};
-use super::single::coverage;
+use super::single::{EXACT, coverage};
 use super::{Class, Draft, Family};
+use crate::report::stability::metric::Metric;
 
 pub(super) const CLASSES: &[Class] = &[
     Class {
@@ -11,6 +12,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Throughput,
         about: "One pixel wide from corner to corner of 512 × 512 px: whoever tests every pixel of the bounding box looks at \
                 some hundred pixels for each one drawn.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
         draft: long_slivers,
     },
     Class {
@@ -18,6 +21,8 @@ pub(super) const CLASSES: &[Class] = &[
         name: "Triangles of a pixel",
         family: Family::Throughput,
         about: "Thousands of triangles of about one pixel: nearly all the time goes into setting them up.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
         draft: small_triangles,
     },
     Class {
@@ -26,6 +31,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Throughput,
         about: "Upright strips one pixel wide: every row is entered for a single pixel, the worst for methods that work row \
                 by row.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
         draft: columns,
     },
     Class {
@@ -34,6 +41,8 @@ pub(super) const CLASSES: &[Class] = &[
         family: Family::Throughput,
         about: "Corners 1e4 to 3e38 px away around a picture that is filled to the last pixel: the time must be that of the \
                 picture, not of the triangle.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
         draft: full_screen,
     },
 ];
