@@ -6,13 +6,14 @@ mod cases;
 
 use std::collections::BTreeSet;
 
+use rasterscope::pipeline::raster::Span;
 use rasterscope::pipeline::settings::FillRule;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::report::stability::case::{Attributes, Body, Case, ClipSpace, Coverage, Depth};
 use rasterscope::report::stability::oracle::{
     ClipTriangle, Region, Snap, approximate, exact_depth, exact_sample, ideal_code,
 };
-use rasterscope::report::stability::spans::{Hits, Span};
+use rasterscope::report::stability::spans::Hits;
 use serde_json::Value;
 
 /// Answers are frozen as the nearest f64; ours go through another division.

@@ -49,7 +49,8 @@ use framebuffer::Framebuffer;
 use interpolate::interpolate;
 use observe::{DepthOutcome, Fate, Observer};
 use plan::{DrawPlan, Part};
-use raster::{EdgeFunctions, Scissor, doubled_area};
+use raster::numbers::Numbers;
+use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
 use settings::Settings;
 use shade::Shader;
 use vertex::{DrawMatrices, containment, transform};
@@ -174,7 +175,8 @@ fn set_up<O: Observer>(
     let kept_before = out.len();
     let mut rejected = None;
     for (id, corners) in pieces {
-        let area = doubled_area(corners.each_ref().map(|v| (v.x, v.y)));
+        let positions_px = corners.each_ref().map(|v| v.position_px);
+        let (area, scale) = doubled_area(settings.arithmetic, positions_px);
         match cull::cull(area, settings.culling) {
             // A piece without area says nothing about which side the triangle shows.
             Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
@@ -182,7 +184,7 @@ fn set_up<O: Observer>(
             None => out.push(ScreenTriangle {
                 id: *id,
                 instance,
-                edges: EdgeFunctions::new(corners, area, settings.fill_rule),
+                doubled_area: (area * scale).abs(),
                 relative_inv_w: if plan.runs(Part::PerspectiveDivision) { relative_inv_w(corners) } else { [1.0; 3] },
                 vertices: *corners,
             }),
@@ -219,6 +221,19 @@ pub fn draw<O: Observer>(
     frame: &mut Framebuffer,
     observer: &mut O,
 ) {
+    with_arithmetic!(settings.arithmetic, N => draw_in::<N, O>(scene, geometry, settings, extent, until, frame, observer));
+}
+
+/// [`draw`], compiled for one arithmetic.
+fn draw_in<N: Numbers, O: Observer>(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    extent: &Extent,
+    until: Until,
+    frame: &mut Framebuffer,
+    observer: &mut O,
+) {
     let comparison = Comparison::of(settings);
     let shaders: Vec<Shader<'_>> = scene
         .instances
@@ -227,15 +242,25 @@ pub fn draw<O: Observer>(
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
     let Framebuffer { grid, origin, color, depth, .. } = frame;
+    let mut spans: Vec<Span> = Vec::new();
     for triangle in &geometry.triangles[extent.triangles.clone()] {
         let shader = &shaders[triangle.instance as usize];
-        let visited = raster::rasterize(settings.rasterizer, &triangle.edges, *grid, extent.scissor, |sample| {
+        let corners_px = triangle.corners_px();
+        if !extent.scissor.may_meet(corners_px) {
+            continue;
+        }
+        let Some(edges) = Triangle::<N>::new(corners_px, settings.fill_rule) else { continue };
+        spans.clear();
+        let area = (*grid, extent.scissor);
+        let visited = cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans);
+        for (column, row) in spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))) {
+            let sample = edges.sample((column, row), grid.pixel(column, row));
             observer.covered(triangle, &sample);
-            let (column, row) = (sample.column - origin.0, sample.row - origin.1);
+            let (column, row) = (column - origin.0, row - origin.1);
             if until == Until::Coverage {
                 // A whole sample would have to be stored to be looked at, which costs more than finding it.
                 black_box(sample.column);
-                return;
+                continue;
             }
             if let Some(buffer) = depth {
                 let new = depth_at(triangle, &sample);
@@ -243,22 +268,22 @@ pub fn draw<O: Observer>(
                 let passed = comparison.passes(new, stored);
                 observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed });
                 if !passed {
-                    return;
+                    continue;
                 }
                 buffer.set(column, row, new);
             }
             if until == Until::Depth {
-                return;
+                continue;
             }
             let fragment = interpolate(triangle, sample, shader.attributes());
             if until == Until::Interpolate {
                 black_box(fragment);
-                return;
+                continue;
             }
             let rgba = shader.shade(&fragment, triangle);
             color.set(column, row, rgba);
             observer.shaded(triangle, &fragment, rgba);
-        });
+        }
         observer.visited(visited);
     }
 }

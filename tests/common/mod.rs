@@ -10,8 +10,8 @@ use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::clip::{clip, guard_band_widening};
 use rasterscope::pipeline::observe::{Fate, Observer};
-use rasterscope::pipeline::raster::{EdgeFunctions, doubled_area};
-use rasterscope::pipeline::settings::{Choice, FillRule};
+use rasterscope::pipeline::raster::{Sample, cover, doubled_area, edge_values};
+use rasterscope::pipeline::settings::{Arithmetic, Choice, FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::{ClipVertex, Varyings};
 use rasterscope::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture, TriangleId};
@@ -61,14 +61,13 @@ pub(crate) fn screen_triangles(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
     viewport: Viewport,
-    rule: FillRule,
     observer: &mut impl Observer,
 ) -> Vec<ScreenTriangle> {
     let widening = guard_band_widening(viewport.width, viewport.height);
     let mut drawn = Vec::new();
     for pieces in clip(vertices, triangles, TriangleId(0), true, widening, observer).chunk_by(|a, b| a.id == b.id) {
         let drawn_before = drawn.len();
-        drawn.extend(pieces.iter().filter_map(|piece| screen_triangle(piece.id, viewport.project(piece), rule)));
+        drawn.extend(pieces.iter().filter_map(|piece| screen_triangle(piece.id, viewport.project(piece))));
         if drawn.len() == drawn_before {
             observer.rejected(pieces[0].id, Fate::ZeroArea);
         }
@@ -76,15 +75,28 @@ pub(crate) fn screen_triangles(
     drawn
 }
 
-fn screen_triangle(id: TriangleId, vertices: [ScreenVertex; 3], rule: FillRule) -> Option<ScreenTriangle> {
-    let area = doubled_area(vertices.each_ref().map(|v| (v.x, v.y)));
-    (area != 0).then(|| ScreenTriangle {
+fn screen_triangle(id: TriangleId, vertices: [ScreenVertex; 3]) -> Option<ScreenTriangle> {
+    let (area, scale) = doubled_area(Arithmetic::Fixed, vertices.each_ref().map(|v| v.position_px));
+    (area != 0.0).then(|| ScreenTriangle {
         id,
         instance: 0,
-        edges: EdgeFunctions::new(&vertices, area, rule),
+        doubled_area: (area * scale).abs(),
         relative_inv_w: relative_inv_w(&vertices),
         vertices,
     })
+}
+
+/// The samples of a picture that a triangle covers in fixed point.
+pub(crate) fn covered(
+    triangle: &ScreenTriangle,
+    rasterizer: Rasterizer,
+    rule: FillRule,
+    viewport: Viewport,
+) -> Vec<Sample> {
+    let corners_px = triangle.corners_px();
+    let spans = cover(rasterizer, Arithmetic::Fixed, corners_px, rule, viewport);
+    let pixels = spans.into_iter().flat_map(|span| (span.left..span.right).map(move |x| (x, span.row)));
+    pixels.filter_map(|pixel| Some(edge_values(Arithmetic::Fixed, corners_px, pixel)?.0)).collect()
 }
 
 /// Position only, as [`ClipVertex`].

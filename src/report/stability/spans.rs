@@ -1,39 +1,21 @@
 //! Runs of pixels, and how two sets of them differ.
 
+use crate::pipeline::raster::Span;
 use crate::pipeline::viewport::Viewport;
 
-/// Neighbouring pixels of one row, `left..right`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Span {
-    /// The row, from the top.
-    pub row: u32,
-    /// First column.
-    pub left: u32,
-    /// One past the last column.
-    pub right: u32,
-}
-
-impl Span {
-    /// How many pixels it has.
-    pub fn len(self) -> u64 {
-        self.right.saturating_sub(self.left).into()
-    }
-
-    /// Whether it has none.
-    pub fn is_empty(self) -> bool {
-        self.len() == 0
-    }
+fn length(span: &Span) -> u64 {
+    span.right.saturating_sub(span.left).into()
 }
 
 /// How many pixels spans have, each counted as often as it occurs.
 pub fn pixel_count(spans: &[Span]) -> u64 {
-    spans.iter().map(|s| s.len()).sum()
+    spans.iter().map(length).sum()
 }
 
 /// The same set of pixels, in order, without overlaps and without empty spans.
 pub fn normalized(spans: &[Span]) -> Vec<Span> {
-    let mut sorted: Vec<Span> = spans.iter().copied().filter(|s| !s.is_empty()).collect();
-    sorted.sort_unstable();
+    let mut sorted: Vec<Span> = spans.iter().copied().filter(|s| s.left < s.right).collect();
+    sorted.sort_unstable_by_key(|s| (s.row, s.left, s.right));
     let mut merged: Vec<Span> = Vec::with_capacity(sorted.len());
     for span in sorted {
         match merged.last_mut() {

@@ -3,29 +3,24 @@
 //! Answers are numbers of the report's own kinds. Whether they are right is decided elsewhere.
 
 use glam::{Mat4, Vec3, Vec4};
+use serde::Serialize;
 
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
-use super::spans::Span;
-use crate::math::fixed::{SUBPIXELS, snap};
-use crate::pipeline::clip::{GUARD_BAND_PX, clip, guard_band_widening};
+use crate::math::fixed::snap;
+use crate::pipeline::clip::{clip, guard_band_widening};
 use crate::pipeline::depth::depth_at;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
-use crate::pipeline::raster::{EdgeFunctions, Sample, Scissor, doubled_area, rasterize};
-use crate::pipeline::settings::{Choice, DepthFormat, FillRule, Interpolation, Rasterizer, choice};
+use crate::pipeline::raster::{self, Exact, Fixed, Floating, Sample, Span, Triangle, doubled_area};
+use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
 use crate::pipeline::vertex::{ClipVertex, Varyings};
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 use crate::scene::{Camera, TriangleId};
 
-choice! {
-    /// The numbers that coverage is decided in.
-    Arithmetic {
-        Fixed = "fixed", "24.8 fixed point", "Corners are snapped to 1/256 px; from there on everything is exact integers.";
-    }
-}
+/// The rule that decides about centres on edges where a case does not say.
+const RULE: FillRule = FillRule::TopLeft;
 
 /// A way to find the pixels of a triangle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Configuration {
     /// The algorithm.
     pub rasterizer: Rasterizer,
@@ -34,24 +29,22 @@ pub struct Configuration {
 }
 
 impl Configuration {
-    /// All that there are, arithmetic by arithmetic.
+    /// All that there are, arithmetic by arithmetic. The published rasterizers have one of their own and stand at the end.
     pub fn all() -> Vec<Self> {
-        let of = |arithmetic: Arithmetic| {
-            Rasterizer::ALL.iter().map(move |rasterizer| Self { rasterizer: *rasterizer, arithmetic })
-        };
-        Arithmetic::ALL.iter().copied().flat_map(of).collect()
+        let of = |arithmetic: Arithmetic| Rasterizer::sound().map(move |rasterizer| Self { rasterizer, arithmetic });
+        let sound = Arithmetic::ALL.iter().copied().flat_map(of);
+        let published = Rasterizer::ALL.iter().filter(|rasterizer| rasterizer.is_published());
+        sound.chain(published.map(|rasterizer| Self { rasterizer: *rasterizer, arithmetic: Arithmetic::F64 })).collect()
     }
 
     /// Where it takes corners to be, as it declares.
     pub fn declared_snap(self) -> Snap {
-        match self.arithmetic {
-            Arithmetic::Fixed => Snap::Grid256,
-        }
+        if self.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped }
     }
 }
 
 /// A way to compute weights.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 pub struct Weighting {
     /// The formula.
     pub interpolation: Interpolation,
@@ -69,17 +62,9 @@ impl Weighting {
     }
 }
 
-/// The pixels that a triangle covers, corners in px. `None` if the engine does not take such a triangle.
-pub fn cover(by: Configuration, corners_px: [[f32; 2]; 3], rule: FillRule, viewport: Viewport) -> Option<Vec<Span>> {
-    if corners_px.iter().flatten().any(|c| c.abs() > GUARD_BAND_PX + viewport.width as f32) {
-        return None;
-    }
-    let corner = |[x, y]: [f32; 2]| screen_vertex(x, y, 0.0, 1.0, Varyings::default());
-    let mut spans = Vec::new();
-    if let Some(triangle) = screen_triangle(corners_px.map(corner), rule, Interpolation::Perspective) {
-        each_sample(by, &triangle, viewport, |s| spans.push(Span { row: s.row, left: s.column, right: s.column + 1 }));
-    }
-    Some(spans)
+/// The pixels that a triangle covers, corners in px.
+pub fn cover(by: Configuration, corners_px: [[f32; 2]; 3], rule: FillRule, viewport: Viewport) -> Vec<Span> {
+    raster::cover(by.rasterizer, by.arithmetic, corners_px, rule, viewport)
 }
 
 /// Everything that is interpolated at one pixel.
@@ -102,28 +87,85 @@ impl Sampled {
     }
 }
 
+/// The edges of a triangle in some arithmetic.
+#[derive(Clone, Copy, Debug)]
+enum Edges {
+    Fixed(Triangle<Fixed>),
+    F32(Triangle<Floating<f32>>),
+    F64(Triangle<Floating<f64>>),
+    Exact(Triangle<Exact>),
+}
+
+impl Edges {
+    fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3]) -> Option<Self> {
+        Some(match arithmetic {
+            Arithmetic::Fixed => Self::Fixed(Triangle::new(corners_px, RULE)?),
+            Arithmetic::F32 => Self::F32(Triangle::new(corners_px, RULE)?),
+            Arithmetic::F64 => Self::F64(Triangle::new(corners_px, RULE)?),
+            Arithmetic::Exact => Self::Exact(Triangle::new(corners_px, RULE)?),
+        })
+    }
+
+    fn sample(&self, column: u32, row: u32) -> Sample {
+        let pixel = (column, row);
+        match self {
+            Self::Fixed(triangle) => triangle.sample(pixel, pixel),
+            Self::F32(triangle) => triangle.sample(pixel, pixel),
+            Self::F64(triangle) => triangle.sample(pixel, pixel),
+            Self::Exact(triangle) => triangle.sample(pixel, pixel),
+        }
+    }
+}
+
 /// A triangle to be asked at many pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolator {
     triangle: ScreenTriangle,
+    edges: Edges,
+    interpolation: Interpolation,
 }
 
 impl Interpolator {
-    /// From its corners; `None` if the engine sees no area.
+    /// From its corners on the screen; `None` if the engine sees no area.
     pub fn new(by: Weighting, corners: &[ScreenCorner; 3]) -> Option<Self> {
-        let vertices = corners
-            .map(|c| screen_vertex(c.x, c.y, c.z, 1.0 / c.w, Varyings { uv: c.uv.into(), ..Varyings::default() }));
-        Some(Self { triangle: screen_triangle(vertices, FillRule::TopLeft, by.interpolation)? })
+        let vertices = corners.map(|c| ScreenVertex {
+            position_px: [c.x, c.y],
+            x: snap(c.x) as i32,
+            y: snap(c.y) as i32,
+            depth: c.z,
+            inv_w: 1.0 / c.w,
+            varyings: Varyings { uv: c.uv.into(), ..Varyings::default() },
+        });
+        Self::of_projected(vertices, by)
+    }
+
+    /// From corners as projection gives them.
+    fn of_projected(vertices: [ScreenVertex; 3], by: Weighting) -> Option<Self> {
+        let corners_px = vertices.map(|v| v.position_px);
+        let (area, scale) = doubled_area(by.arithmetic, corners_px);
+        let in_space = by.interpolation == Interpolation::Perspective;
+        let triangle = ScreenTriangle {
+            id: TriangleId(0),
+            instance: 0,
+            doubled_area: (area * scale).abs(),
+            relative_inv_w: if in_space { relative_inv_w(&vertices) } else { [1.0; 3] },
+            vertices,
+        };
+        Some(Self { triangle, edges: Edges::new(by.arithmetic, corners_px)?, interpolation: by.interpolation })
+    }
+
+    /// The weights for attributes at the centre of a pixel: what is timed.
+    pub fn weights(&self, column: u32, row: u32) -> [f32; 3] {
+        attribute_weights(&self.triangle, &self.edges.sample(column, row), self.interpolation)
     }
 
     /// What the engine has at the centre of a pixel.
     pub fn at(&self, column: u32, row: u32) -> Sampled {
-        let edges = self.triangle.edges.at(SampleGrid::FULL.position(column, row));
-        let sample = Sample { column, row, edges };
-        let fragment = interpolate(&self.triangle, sample, Attributes::ALL);
+        let sample = self.edges.sample(column, row);
+        let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
         Sampled {
             affine: affine_weights(&self.triangle, &sample).map(f64::from),
-            weights: attribute_weights(&self.triangle, &sample).map(f64::from),
+            weights: fragment.weights.map(f64::from),
             depth: depth_at(&self.triangle, &sample).into(),
             uv: fragment.uv.to_array().map(f64::from),
         }
@@ -141,26 +183,31 @@ pub struct ClipFragment {
     pub depth: f64,
 }
 
-/// Clips, projects and rasterizes a triangle in clip space.
+/// Clips, projects and rasterizes a triangle in clip space, and interpolates at every pixel covered.
 pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Vec<ClipFragment> {
     let vertices = corners.map(|c| ClipVertex { position: Vec4::from_array(c), varyings: Varyings::default() });
     let widening = guard_band_widening(viewport.width, viewport.height);
+    let weighting = Weighting { interpolation: Interpolation::Perspective, arithmetic: by.arithmetic };
     let mut fragments = Vec::new();
     for piece in clip(&vertices, &[[0, 1, 2]], TriangleId(0), true, widening, &mut ()) {
-        let projected = viewport.project(&piece);
-        let Some(triangle) = screen_triangle(projected, FillRule::TopLeft, Interpolation::Perspective) else {
-            continue;
-        };
-        each_sample(by, &triangle, viewport, |sample| {
-            let fragment = interpolate(&triangle, sample, Attributes::ALL);
-            fragments.push(ClipFragment {
-                pixel: [sample.column, sample.row],
-                weights: fragment.source_weights.to_array().map(f64::from),
-                depth: depth_at(&triangle, &sample).into(),
-            });
-        });
+        let Some(drawn) = Interpolator::of_projected(viewport.project(&piece), weighting) else { continue };
+        for span in cover(by, drawn.triangle.corners_px(), RULE, viewport) {
+            fragments.extend((span.left..span.right).map(|column| drawn.clip_fragment(column, span.row)));
+        }
     }
     fragments
+}
+
+impl Interpolator {
+    fn clip_fragment(&self, column: u32, row: u32) -> ClipFragment {
+        let sample = self.edges.sample(column, row);
+        let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
+        ClipFragment {
+            pixel: [column, row],
+            weights: fragment.source_weights.to_array().map(f64::from),
+            depth: depth_at(&self.triangle, &sample).into(),
+        }
+    }
 }
 
 /// All formats of the depth buffer.
@@ -196,37 +243,11 @@ impl DepthBuffer {
     }
 }
 
-/// The distance of a point in the world along a line of sight, by the matrix row that makes w.
+/// The distance of a point in the world along the line of sight, by the matrix row that makes w.
 pub fn distance(w_from_world: [f32; 4], point: [f32; 3]) -> f32 {
     let mut clip_from_world = Mat4::IDENTITY;
     for (axis, factor) in w_from_world.into_iter().enumerate() {
         clip_from_world.col_mut(axis).w = factor;
     }
     (clip_from_world * Vec3::from_array(point).extend(1.0)).w
-}
-
-fn screen_vertex(x: f32, y: f32, depth: f32, inv_w: f32, varyings: Varyings) -> ScreenVertex {
-    debug_assert!(x.abs() * (SUBPIXELS as f32) < i32::MAX as f32, "within the guard band");
-    ScreenVertex { x: snap(x) as i32, y: snap(y) as i32, depth, inv_w, varyings }
-}
-
-fn screen_triangle(
-    vertices: [ScreenVertex; 3],
-    rule: FillRule,
-    interpolation: Interpolation,
-) -> Option<ScreenTriangle> {
-    let area = doubled_area(vertices.each_ref().map(|v| (v.x, v.y)));
-    let inv_w = if interpolation == Interpolation::Perspective { relative_inv_w(&vertices) } else { [1.0; 3] };
-    (area != 0).then(|| ScreenTriangle {
-        id: TriangleId(0),
-        instance: 0,
-        edges: EdgeFunctions::new(&vertices, area, rule),
-        relative_inv_w: inv_w,
-        vertices,
-    })
-}
-
-fn each_sample(by: Configuration, triangle: &ScreenTriangle, viewport: Viewport, sink: impl FnMut(Sample)) {
-    let scissor = Scissor::full(viewport.width, viewport.height);
-    rasterize(by.rasterizer, &triangle.edges, SampleGrid::FULL, scissor, sink);
 }

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::Outcome;
+use crate::pipeline::raster::Span;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::case::ClipSpace;
 use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{ClipTriangle, Region, error};
-use crate::report::stability::spans::{Span, difference, pixel_count};
+use crate::report::stability::spans::{difference, pixel_count};
 use crate::report::stability::subject::ClipFragment;
 
 /// Fragments per triangle whose weights are compared: exact fractions take their time.

@@ -1,11 +1,12 @@
 //! Pixels covered against pixels that should be.
 
 use super::Outcome;
+use crate::pipeline::raster::Span;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::case::Coverage;
 use crate::report::stability::metric::{Measures, Metric};
 use crate::report::stability::oracle::{Region, Snap};
-use crate::report::stability::spans::{Hits, Span, difference, pixel_count};
+use crate::report::stability::spans::{Hits, difference, pixel_count};
 
 /// Triangles at most that show what went wrong with a case.
 const MOST_CULPRITS: usize = 4;
@@ -86,7 +87,7 @@ fn around((column, row): (u32, u32), expected: &[Vec<Span>], answers: &[Vec<Span
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::settings::FillRule;
+use crate::pipeline::settings::FillRule;
 
     fn case(triangles: Vec<[[f32; 2]; 3]>, exactly_once: bool) -> Coverage {
         Coverage { width: 8, height: 8, rule: FillRule::TopLeft, triangles, exactly_once }

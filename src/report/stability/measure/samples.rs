@@ -9,7 +9,7 @@ use crate::report::stability::subject::Sampled;
 const TEXTURE_WIDTH: f64 = 1024.0;
 
 /// The right values at each pixel asked for; nothing where the triangle has no area.
-pub type ExpectedSamples = Vec<Option<ExactSample>>;
+pub(super) type ExpectedSamples = Vec<Option<ExactSample>>;
 
 pub(super) fn expected(corners: &[ScreenCorner; 3], eval: &[[u32; 2]]) -> ExpectedSamples {
     eval.iter().map(|[column, row]| exact_sample(corners, *column, *row)).collect()

@@ -4,9 +4,9 @@ use num_bigint::BigInt;
 use num_traits::{Euclid as _, Signed as _, ToPrimitive as _, Zero as _};
 
 use super::number::{places, rounded, scaled};
+use crate::pipeline::raster::Span;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
-use crate::report::stability::spans::Span;
 
 /// Where the corners of a triangle are taken to be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
