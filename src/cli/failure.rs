@@ -39,6 +39,9 @@ pub(crate) enum Failure {
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] ImageFileError),
+    /// A report cannot be written.
+    #[error("{}: {cause}", path.display())]
+    File { path: PathBuf, cause: std::io::Error },
     /// Results cannot be written.
     #[error("standard output: {0}")]
     Output(std::io::Error),

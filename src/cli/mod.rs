@@ -12,6 +12,7 @@ mod render;
 mod scene_args;
 mod scenes;
 mod screenshot;
+mod stability;
 mod window;
 #[cfg(feature = "ui")]
 mod workbench;
@@ -57,6 +58,9 @@ enum Command {
     /// Draw the whole workbench into a PNG, without a window
     #[command(after_help = EXIT_CODES)]
     Screenshot(screenshot::ScreenshotArgs),
+    /// Judge the engine: stiff and extreme cases against every rasterizer, arithmetic and depth format
+    #[command(after_help = EXIT_CODES)]
+    Stability(stability::StabilityArgs),
     /// List the built-in scenes
     #[command(after_help = EXIT_CODES)]
     Scenes,
@@ -84,6 +88,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Pixel(args)) => pixel::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
+        Some(Command::Stability(args)) => stability::run(args),
         Some(Command::Scenes) => scenes::run(),
     }
 }

@@ -70,6 +70,11 @@ impl Column {
         }
     }
 
+    /// Whether it is kept with the faults of its publication.
+    pub fn is_published(self) -> bool {
+        matches!(self, Self::Coverage(by) if by.rasterizer.is_published())
+    }
+
     /// Both words.
     pub fn label(self) -> String {
         self.arithmetic().map_or_else(|| self.method().to_owned(), |numbers| format!("{} · {numbers}", self.method()))

@@ -6,6 +6,10 @@ pub mod catalogue;
 
 pub mod column;
 
+pub mod csv;
+
+pub mod machine;
+
 pub mod measure;
 
 pub mod metric;
@@ -15,5 +19,11 @@ pub mod oracle;
 pub mod spans;
 
 pub mod subject;
+
+pub mod sweep;
+
+pub mod text;
+
+pub mod timing;
 
 mod wire;

@@ -63,7 +63,7 @@ pub(super) const CLASSES: &[Class] = &[
         id: "thin",
         name: "Thin triangles",
         family: Family::Weights,
-        about: "Slivers along a row of centres: weights are quotients of small differences, and fall outside of 0…1 when these \
+        about: "Slivers through pixel centres: weights are quotients of small differences, and fall outside of 0…1 when these \
                 are rounded.",
         headline: Metric::WeightError,
         bounds: CLOSE,
@@ -173,19 +173,19 @@ fn w_ratio(dice: &mut Dice) -> Vec<Draft> {
     drafts
 }
 
-/// A sliver from the left to the right of the picture around a row of centres, `half` px high on both sides.
+/// A sliver from a centre at the left to a centre at the right of the picture, `half` px high on both sides where it starts.
+/// Its axis rises by whole pixels over whole pixels, so it passes through centres on its way.
 fn sliver(dice: &mut Dice, side: u32, half: f32) -> Option<Draft> {
-    let row = dice.centre(4, side as i32 - 4);
-    let mut at = |x: f32, y: f32, z: f32, uv: [f32; 2]| ScreenCorner { x, y, z, w: dice.uniform(1.0, 9.0) as f32, uv };
-    let (left, right) = (1.0, side as f32 - 1.5);
-    let corners = [
-        at(left + 0.25, row - half, 0.1, [0.0, 0.0]),
-        at(right, row, 0.9, [1.0, 0.0]),
-        at(left, row + half, 0.5, [0.0, 1.0]),
-    ];
-    // Corners stand above each other in every second one.
-    let corners = if dice.bool() { corners } else { corners.map(|c| ScreenCorner { x: c.x.max(left + 0.25), ..c }) };
-    let corners = dice.shuffled(corners);
+    let rises = dice.integer(3..(side as i32 / 8).min(100));
+    let run = (side as i32 - 4) / rises * rises;
+    let start = [dice.centre(1, 4), dice.centre(1, side as i32 - rises - 1)];
+    let end = [start[0] + run as f32, start[1] + rises as f32];
+    let mut at =
+        |[x, y]: [f32; 2], z: f32, uv: [f32; 2]| ScreenCorner { x, y, z, w: dice.uniform(1.0, 9.0) as f32, uv };
+    let upper = at([start[0], start[1] - half], 0.1, [0.0, 0.0]);
+    let lower = at([start[0], start[1] + half], 0.5, [0.0, 1.0]);
+    let tip = at(end, 0.9, [1.0, 0.0]);
+    let corners = dice.shuffled([upper, lower, tip]);
     draft(dice, format!("{half} px high on both sides"), side, corners)
 }
 

@@ -47,6 +47,18 @@ impl Family {
     pub const ALL: [Self; 6] =
         [Self::Coverage, Self::Mesh, Self::ClipSpace, Self::Throughput, Self::Weights, Self::Depth];
 
+    /// The word in files.
+    pub fn id(self) -> &'static str {
+        match self {
+            Self::Coverage => "coverage",
+            Self::Mesh => "mesh",
+            Self::ClipSpace => "clip-space",
+            Self::Throughput => "throughput",
+            Self::Weights => "weights",
+            Self::Depth => "depth",
+        }
+    }
+
     /// What a person calls it.
     pub fn name(self) -> &'static str {
         match self {
@@ -61,7 +73,7 @@ impl Family {
 }
 
 /// A class of cases.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Class {
     /// The word on the command line and in files.
     pub id: &'static str,
@@ -76,6 +88,7 @@ pub struct Class {
     /// What must hold to pass.
     pub bounds: &'static [Bound],
     /// Makes the cases.
+    #[serde(skip)]
     draft: fn(&mut Dice) -> Vec<Draft>,
 }
 

@@ -87,7 +87,7 @@ fn around((column, row): (u32, u32), expected: &[Vec<Span>], answers: &[Vec<Span
 #[cfg(test)]
 mod tests {
     use super::*;
-use crate::pipeline::settings::FillRule;
+    use crate::pipeline::settings::FillRule;
 
     fn case(triangles: Vec<[[f32; 2]; 3]>, exactly_once: bool) -> Coverage {
         Coverage { width: 8, height: 8, rule: FillRule::TopLeft, triangles, exactly_once }

@@ -89,8 +89,7 @@ pub fn answer(case: &Case, expected: &Expected, column: Column) -> Option<Outcom
     let measured = match (&case.body, expected, column) {
         (Body::TriCoverage(body), Expected::Coverage(expected), Column::Coverage(by)) => attempt(|| {
             let viewport = case.viewport()?;
-            let answers: Vec<_> =
-                body.triangles.iter().map(|t| subject::cover(by, *t, body.rule, viewport)).collect();
+            let answers: Vec<_> = body.triangles.iter().map(|t| subject::cover(by, *t, body.rule, viewport)).collect();
             Some(coverage::judge(body, expected, by.declared_snap(), &answers))
         }),
         (Body::ClipTri(body), Expected::ClipSpace(expected), Column::Coverage(by)) => attempt(|| {
