@@ -9,7 +9,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::report::stability::catalogue::{self, Class};
 use rasterscope::report::stability::sweep::{self, DEFAULT_SEED, Plan, Progress, Report};
-use rasterscope::report::stability::{csv::csv, text::text};
+use rasterscope::report::stability::{csv::csv, html::html, text::text};
 
 use super::failure::Failure;
 use super::{output, parse};
@@ -99,6 +99,8 @@ fn render(args: &StabilityArgs, report: &Report) -> Result<String, Failure> {
         Ok(json + "\n")
     } else if args.csv {
         Ok(csv(report))
+    } else if args.html {
+        Ok(html(report))
     } else {
         Ok(text(report))
     }

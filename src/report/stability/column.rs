@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::catalogue::Family;
-use super::subject::{Configuration, Weighting, depth_formats};
+use super::subject::{Configuration, Weighting, depth_formats, is_published};
 use crate::pipeline::settings::{Choice as _, DepthFormat};
 
 /// One way to do it.
@@ -72,7 +72,11 @@ impl Column {
 
     /// Whether it is kept with the faults of its publication.
     pub fn is_published(self) -> bool {
-        matches!(self, Self::Coverage(by) if by.rasterizer.is_published())
+        match self {
+            Self::Coverage(by) => by.rasterizer.is_published(),
+            Self::Weights(by) => is_published(by.interpolation),
+            Self::Depth(_) => false,
+        }
     }
 
     /// Both words.

@@ -69,6 +69,11 @@ impl Metric {
         self.join() == Join::Sum
     }
 
+    /// Whether it tells that something is wrong, and not how much was looked at or how long it took.
+    pub fn is_fault(self) -> bool {
+        !matches!(self, Self::Pixels | Self::Samples | Self::Pairs | Self::IdealTies | Self::Stiffness)
+    }
+
     /// What a count is a part of.
     fn whole(self) -> Option<Self> {
         match self {

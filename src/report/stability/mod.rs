@@ -8,6 +8,8 @@ pub mod column;
 
 pub mod csv;
 
+pub mod html;
+
 pub mod machine;
 
 pub mod measure;
@@ -25,5 +27,7 @@ pub mod sweep;
 pub mod text;
 
 pub mod timing;
+
+pub mod tradeoff;
 
 mod wire;

@@ -53,13 +53,20 @@ pub struct Weighting {
 }
 
 impl Weighting {
-    /// All that there are, formula by formula.
+    /// All that there are, formula by formula. The published one computes in f32 and does not look at edges at all.
     pub fn all() -> Vec<Self> {
         let of = |interpolation: Interpolation| {
-            Arithmetic::ALL.iter().map(move |arithmetic| Self { interpolation, arithmetic: *arithmetic })
+            let arithmetics = Arithmetic::ALL.iter().copied();
+            let arithmetics = arithmetics.filter(move |a| !is_published(interpolation) || *a == Arithmetic::F32);
+            arithmetics.map(move |arithmetic| Self { interpolation, arithmetic })
         };
         Interpolation::ALL.iter().copied().flat_map(of).collect()
     }
+}
+
+/// Whether a formula for weights is kept with the faults of its publication.
+pub fn is_published(interpolation: Interpolation) -> bool {
+    interpolation == Interpolation::Published
 }
 
 /// The pixels that a triangle covers, corners in px.

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::case::Case;
-use super::catalogue::{self, Class};
+use super::catalogue::{self, Class, Family};
 use super::column::Column;
 use super::machine::Machine;
 use super::measure::{Expected, Outcome, answer};
@@ -144,6 +144,20 @@ pub struct Cell {
     pub time: Option<Time>,
     /// The case that went worst, if anything was wrong at all.
     pub worst: Option<Worst>,
+    /// Case by case, for classes whose cases are an experiment each: those about depth.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub by_case: Vec<CaseMeasures>,
+}
+
+/// What came of one case.
+#[derive(Clone, Debug, Serialize)]
+pub struct CaseMeasures {
+    /// Its name.
+    pub id: String,
+    /// What is special about it.
+    pub note: String,
+    /// In numbers; nothing if it was not answered.
+    pub measures: Option<Measures>,
 }
 
 /// The case that went worst, cut down to the part that shows it.
@@ -235,7 +249,13 @@ fn join(class: &Class, column: Column, outcomes: &[(&Case, &Outcome)]) -> Cell {
         measures: outcome.measures,
         case: shown(case, &outcome.culprits, column),
     });
-    Cell { column, verdict: Verdict::Measured, refused, measures, time: None, worst }
+    let by_case = outcomes.iter().filter(|_| class.family == Family::Depth).map(|(case, outcome)| CaseMeasures {
+        id: case.id.clone(),
+        note: case.note.clone(),
+        measures: outcome.measures,
+    });
+    let by_case = by_case.collect();
+    Cell { column, verdict: Verdict::Measured, refused, measures, time: None, worst, by_case }
 }
 
 /// How bad a case is, most important number first.
@@ -284,3 +304,6 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }
+
+#[cfg(test)]
+mod tests;

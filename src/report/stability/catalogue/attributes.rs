@@ -71,7 +71,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
     Class {
         id: "wide-thin",
-        name: "Thin triangles, 4096 px long",
+        name: "Long thin triangles",
         family: Family::Weights,
         about: "The same over a large picture: in f32 the products of coordinates have lost the digits that the small area \
                 needs, and textures tear.",

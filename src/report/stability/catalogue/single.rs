@@ -47,7 +47,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
     Class {
         id: "needles",
-        name: "Needles on centre lines",
+        name: "Needles",
         family: Family::Coverage,
         about: "Hair-thin strips around a row or column of pixel centres: slopes become 0 or infinite, and rounding one \
                 corner moves all pixels in or out at once.",
@@ -96,7 +96,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
     Class {
         id: "guard-band",
-        name: "Long edges across the picture",
+        name: "Long edges",
         family: Family::Coverage,
         about: "Edges of 2e5 to 2e7 px pass through the picture: the products of an edge function need more than 32 or 53 \
                 bits, and f32 puts whole rows on the wrong side.",
@@ -106,7 +106,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
     Class {
         id: "subnormal",
-        name: "Subnormal coordinates",
+        name: "Subnormal",
         family: Family::Coverage,
         about: "Corners differ from a centre by the smallest numbers that exist: processors told to flush those to zero, and \
                 products that underflow, see ties where there are none.",
@@ -116,7 +116,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
     Class {
         id: "wide",
-        name: "A picture 4096 px wide",
+        name: "Wide picture",
         family: Family::Coverage,
         about: "Long flat edges over many centres: what is added up step by step has 4096 steps to go astray.",
         headline: Metric::Wrong,

@@ -8,7 +8,7 @@ use crate::report::stability::metric::Metric;
 pub(super) const CLASSES: &[Class] = &[
     Class {
         id: "long-slivers",
-        name: "Long diagonal slivers",
+        name: "Long slivers",
         family: Family::Throughput,
         about: "One pixel wide from corner to corner of 512 × 512 px: whoever tests every pixel of the bounding box looks at \
                 some hundred pixels for each one drawn.",
@@ -37,7 +37,7 @@ pub(super) const CLASSES: &[Class] = &[
     },
     Class {
         id: "full-screen",
-        name: "Triangles beyond the screen",
+        name: "Beyond the screen",
         family: Family::Throughput,
         about: "Corners 1e4 to 3e38 px away around a picture that is filled to the last pixel: the time must be that of the \
                 picture, not of the triangle.",
