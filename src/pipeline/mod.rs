@@ -53,7 +53,7 @@ use raster::numbers::Numbers;
 use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
 use settings::Settings;
 use shade::Shader;
-use vertex::{DrawMatrices, containment, transform};
+use vertex::{ClipVertex, DrawMatrices, containment, transform};
 use viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 
 use crate::scene::{Camera, Instance, Scene, TriangleId};
@@ -143,10 +143,46 @@ fn prepare_draw<O: Observer>(
     }
     let vertices = transform(mesh, &matrices, settings, &plan);
     out.vertices += vertices.len();
-    let transformed = Instant::now();
+    out.times.transform += start.elapsed();
+    let draw = ClipSpaceDraw {
+        instance: index as u32,
+        vertices: &vertices,
+        triangles: &mesh.triangles,
+        first,
+        may_cross: plan.runs(Part::Clipping),
+        divides_by_w: plan.runs(Part::PerspectiveDivision),
+    };
+    finish_draw(&draw, settings, viewport, out, observer);
+}
 
+/// The triangles of one draw after the transform.
+#[derive(Clone, Copy, Debug)]
+pub struct ClipSpaceDraw<'a> {
+    /// Its number in the scene.
+    pub instance: u32,
+    /// Vertices in clip space.
+    pub vertices: &'a [ClipVertex],
+    /// Triangles by their vertices.
+    pub triangles: &'a [[u32; 3]],
+    /// Identifier of the first triangle.
+    pub first: TriangleId,
+    /// Whether a triangle may cross a plane of the frustum; else nothing is tested.
+    pub may_cross: bool,
+    /// Whether attributes follow perspective.
+    pub divides_by_w: bool,
+}
+
+/// The geometry stages from clipping to culling. Also the way in for triangles that no camera made.
+pub fn finish_draw<O: Observer>(
+    draw: &ClipSpaceDraw<'_>,
+    settings: &Settings,
+    viewport: Viewport,
+    out: &mut Geometry,
+    observer: &mut O,
+) {
+    let transformed = Instant::now();
     let widening = clip::guard_band_widening(viewport.width, viewport.height);
-    let clipped = clip::clip(&vertices, &mesh.triangles, first, plan.runs(Part::Clipping), widening, observer);
+    let clipped = clip::clip(draw.vertices, draw.triangles, draw.first, draw.may_cross, widening, observer);
     out.triangles_clipped += clipped.len();
     let clipping_done = Instant::now();
 
@@ -155,9 +191,8 @@ fn prepare_draw<O: Observer>(
 
     // Pieces of one triangle stand together.
     for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
-        set_up(pieces, index as u32, &plan, settings, &mut out.triangles, observer);
+        set_up(pieces, draw, settings, &mut out.triangles, observer);
     }
-    out.times.transform += transformed - start;
     out.times.clip += clipping_done - transformed;
     out.times.project += projected_at - clipping_done;
     out.times.cull += projected_at.elapsed();
@@ -166,8 +201,7 @@ fn prepare_draw<O: Observer>(
 /// Culls the pieces of one triangle and sets up the edges of those that stay; if none does, the triangle has one fate.
 fn set_up<O: Observer>(
     pieces: &[(TriangleId, [ScreenVertex; 3])],
-    instance: u32,
-    plan: &DrawPlan,
+    draw: &ClipSpaceDraw<'_>,
     settings: &Settings,
     out: &mut Vec<ScreenTriangle>,
     observer: &mut O,
@@ -183,9 +217,9 @@ fn set_up<O: Observer>(
             Some(facing) => rejected = Some((*id, facing)),
             None => out.push(ScreenTriangle {
                 id: *id,
-                instance,
+                instance: draw.instance,
                 doubled_area: (area * scale).abs(),
-                relative_inv_w: if plan.runs(Part::PerspectiveDivision) { relative_inv_w(corners) } else { [1.0; 3] },
+                relative_inv_w: if draw.divides_by_w { relative_inv_w(corners) } else { [1.0; 3] },
                 vertices: *corners,
             }),
         }

@@ -8,12 +8,12 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::pipeline::clip::{clip, guard_band_widening};
-use rasterscope::pipeline::observe::{Fate, Observer};
-use rasterscope::pipeline::raster::{Sample, cover, doubled_area, edge_values};
-use rasterscope::pipeline::settings::{Arithmetic, Choice, FillRule, Rasterizer};
+use rasterscope::pipeline::observe::Observer;
+use rasterscope::pipeline::raster::{Sample, cover, edge_values};
+use rasterscope::pipeline::settings::{Arithmetic, Choice, Culling, FillRule, Rasterizer, Settings};
 use rasterscope::pipeline::vertex::{ClipVertex, Varyings};
-use rasterscope::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture, TriangleId};
 
 /// The four fill rules under which shared edges are drawn exactly once.
@@ -56,34 +56,19 @@ pub(crate) fn clip_vertex(viewport: Viewport, (x, y): (f32, f32), depth: f32, w:
     ClipVertex { position: (ndc * w).extend(w), varyings: Varyings::default() }
 }
 
-/// Clip, project and edge setup, without culling: the geometry stages for vertices that no camera made.
+/// Clip, project and edge setup in fixed point, without culling: the geometry stages for vertices that no camera made.
 pub(crate) fn screen_triangles(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
     viewport: Viewport,
     observer: &mut impl Observer,
 ) -> Vec<ScreenTriangle> {
-    let widening = guard_band_widening(viewport.width, viewport.height);
-    let mut drawn = Vec::new();
-    for pieces in clip(vertices, triangles, TriangleId(0), true, widening, observer).chunk_by(|a, b| a.id == b.id) {
-        let drawn_before = drawn.len();
-        drawn.extend(pieces.iter().filter_map(|piece| screen_triangle(piece.id, viewport.project(piece))));
-        if drawn.len() == drawn_before {
-            observer.rejected(pieces[0].id, Fate::ZeroArea);
-        }
-    }
-    drawn
-}
-
-fn screen_triangle(id: TriangleId, vertices: [ScreenVertex; 3]) -> Option<ScreenTriangle> {
-    let (area, scale) = doubled_area(Arithmetic::Fixed, vertices.each_ref().map(|v| v.position_px));
-    (area != 0.0).then(|| ScreenTriangle {
-        id,
-        instance: 0,
-        doubled_area: (area * scale).abs(),
-        relative_inv_w: relative_inv_w(&vertices),
-        vertices,
-    })
+    let draw =
+        ClipSpaceDraw { instance: 0, vertices, triangles, first: TriangleId(0), may_cross: true, divides_by_w: true };
+    let settings = Settings { culling: Culling::None, ..Settings::default() };
+    let mut geometry = Geometry::default();
+    finish_draw(&draw, &settings, viewport, &mut geometry, observer);
+    geometry.triangles
 }
 
 /// The samples of a picture that a triangle covers in fixed point.

@@ -9,8 +9,12 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{Counters, Fate, Observer};
-use rasterscope::pipeline::settings::{FillRule, Interpolation, Rasterizer};
+use rasterscope::pipeline::raster::cover;
+use rasterscope::pipeline::settings::{
+    Arithmetic, Choice as _, Culling, FillRule, Interpolation, Rasterizer, Settings,
+};
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use rasterscope::scene::{Camera, Scene, TriangleId};
 
 use crate::common::{
@@ -157,6 +161,42 @@ fn clip_vertices_of_any_bits_end_in_one_fate_or_inside_the_guard_band() {
     let ids: HashSet<_> = drawn.iter().map(|t| t.id).collect();
     assert!(fates.0.iter().all(|(id, fates)| fates.len() == 1 && !ids.contains(id)));
     assert_eq!(fates.0.len() + ids.len(), TRIANGLES as usize);
+}
+
+#[test]
+fn a_million_triangles_of_random_bits_are_drawn_within_the_picture_or_have_a_fate() {
+    const TRIANGLES: u32 = 1_000_000;
+    let ways: Vec<_> = Rasterizer::ALL.iter().flat_map(|r| Arithmetic::ALL.iter().map(move |a| (*r, *a))).collect();
+    let (mut drawn, mut rejected, mut covered) = (0_u64, 0_u64, 0_u64);
+    let mut rng = fastrand::Rng::with_seed(29);
+    for number in 0..TRIANGLES {
+        let vertices = [0; 3].map(|_| bare(Vec4::from_array([0; 4].map(|_| f32::from_bits(rng.u32(..))))));
+        let (rasterizer, arithmetic) = ways[number as usize % ways.len()];
+        let settings = Settings { rasterizer, arithmetic, culling: Culling::None, ..Settings::default() };
+        let (mut geometry, mut fates) = (Geometry::default(), Counters::default());
+        let draw = ClipSpaceDraw {
+            instance: 0,
+            vertices: &vertices,
+            triangles: &[[0, 1, 2]],
+            first: TriangleId(number),
+            may_cross: true,
+            divides_by_w: true,
+        };
+        finish_draw(&draw, &settings, VIEW, &mut geometry, &mut fates);
+        let fated: u64 = fates.rejected.iter().sum();
+        assert_eq!(fated, u64::from(geometry.triangles.is_empty()), "{vertices:?}");
+        rejected += fated;
+        drawn += geometry.triangles.len() as u64;
+        // And the same bits as corners on the screen, which no clipping has tamed.
+        let untamed = vertices.map(|v| [v.position.x, v.position.y]);
+        for corners_px in geometry.triangles.iter().map(ScreenTriangle::corners_px).chain([untamed]) {
+            for span in cover(rasterizer, arithmetic, corners_px, FillRule::TopLeft, VIEW) {
+                assert!(span.row < VIEW.height && span.left < span.right && span.right <= VIEW.width, "{vertices:?}");
+                covered += u64::from(span.right - span.left);
+            }
+        }
+    }
+    assert!(rejected > 500_000 && drawn > 10_000 && covered > 1_000_000, "{rejected} {drawn} {covered}");
 }
 
 #[test]
