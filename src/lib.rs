@@ -26,5 +26,7 @@ pub mod inspect;
 
 pub mod case;
 
+pub mod report;
+
 #[cfg(feature = "ui")]
 pub mod ui;

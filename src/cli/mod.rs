@@ -13,6 +13,7 @@ mod render;
 mod scene_args;
 mod scenes;
 mod screenshot;
+mod stability;
 mod window;
 #[cfg(feature = "ui")]
 mod workbench;
@@ -61,6 +62,9 @@ enum Command {
     /// Answer numerical cases: small inputs to one algorithm each, to be compared with exact answers
     #[command(after_help = EXIT_CODES)]
     Case(case::CaseArgs),
+    /// Judge the engine: stiff and extreme cases against every rasterizer, arithmetic and depth format
+    #[command(after_help = EXIT_CODES)]
+    Stability(stability::StabilityArgs),
     /// List the built-in scenes
     #[command(after_help = EXIT_CODES)]
     Scenes,
@@ -89,6 +93,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Pixel(args)) => pixel::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
         Some(Command::Case(args)) => case::run(args),
+        Some(Command::Stability(args)) => stability::run(args),
         Some(Command::Scenes) => scenes::run(),
     }
 }

@@ -1,0 +1,3 @@
+//! Reports that judge the engine: headless, and shown by the window as well.
+
+pub mod stability;

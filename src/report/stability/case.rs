@@ -1,0 +1,275 @@
+//! One test case as plain data, in the format of case files, so that whatever a report found can be written down and
+//! opened again.
+//!
+//! A case file is one JSON object: `id`, `class`, `note`, `kind`, and what the kind asks for. Every number is the exact
+//! value of an f32, printed with all its digits, so that readers who compute in exact arithmetic see what was drawn. NaN and
+//! the infinities, which JSON does not know, are the strings `"NaN"`, `"Infinity"` and `"-Infinity"`.
+
+use serde::{Deserialize, Serialize};
+
+use super::oracle::{DepthMapping, DepthStorage, ScreenCorner};
+use super::wire;
+use crate::pipeline::settings::FillRule;
+use crate::pipeline::viewport::Viewport;
+
+/// A case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Case {
+    /// Unique name.
+    pub id: String,
+    /// The class of cases that it belongs to.
+    pub class: String,
+    /// What is special about it.
+    #[serde(default)]
+    pub note: String,
+    /// The question.
+    #[serde(flatten)]
+    pub body: Body,
+}
+
+/// What a case asks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Body {
+    /// Which pixels each of several triangles on the screen covers.
+    TriCoverage(Coverage),
+    /// Weights, depth and attributes at some pixels of a triangle on the screen.
+    TriAttr(Attributes),
+    /// The same for two triangles of one plane that cover the same pixels.
+    CoplanarPair(CoplanarPair),
+    /// Which pixels each of several triangles in clip space covers, with weights and depth there.
+    ClipTri(ClipSpace),
+    /// What a depth buffer stores for ascending distances.
+    Depth(Depth),
+    /// How many pairs of near distances a depth buffer confuses.
+    DepthPairs(DepthPairs),
+}
+
+/// Triangles on the screen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Coverage {
+    /// Picture width in px.
+    pub width: u32,
+    /// Picture height in px.
+    pub height: u32,
+    /// Who owns centres on edges.
+    #[serde(with = "wire::rule")]
+    pub rule: FillRule,
+    /// Corners in px, x right and y down; each triangle for itself.
+    #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
+    pub triangles: Vec<[[f32; 2]; 3]>,
+    /// Whether together they cover every pixel of the picture exactly once.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub exactly_once: bool,
+}
+
+/// A triangle on the screen with something to interpolate.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Attributes {
+    /// Picture width in px.
+    pub width: u32,
+    /// Picture height in px.
+    pub height: u32,
+    /// The corners.
+    #[serde(with = "wire::corners")]
+    pub vertices: [ScreenCorner; 3],
+    /// Pixels asked for, column and row; their centres lie inside.
+    pub eval: Vec<[u32; 2]>,
+}
+
+/// Two triangles of one plane.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CoplanarPair {
+    /// Picture width in px.
+    pub width: u32,
+    /// Picture height in px.
+    pub height: u32,
+    /// Corners of the first.
+    #[serde(with = "wire::corners")]
+    pub first: [ScreenCorner; 3],
+    /// Corners of the second.
+    #[serde(with = "wire::corners")]
+    pub second: [ScreenCorner; 3],
+    /// Pixels whose centres lie inside of both, column and row.
+    pub eval: Vec<[u32; 2]>,
+}
+
+/// Triangles in clip space: 0 ≤ z ≤ w inside, y up.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ClipSpace {
+    /// Picture width in px.
+    pub width: u32,
+    /// Picture height in px.
+    pub height: u32,
+    /// Corners x, y, z, w; each triangle for itself.
+    #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
+    pub triangles: Vec<[[f32; 4]; 3]>,
+}
+
+/// Distances before the eye, and how they are stored.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Depth {
+    /// How a distance becomes a number in 0…1.
+    pub mapping: DepthMapping,
+    /// In what it is stored.
+    pub format: DepthStorage,
+    /// Distance of the near plane.
+    #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
+    pub near: f32,
+    /// Distance of the far plane; none means infinitely far.
+    #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
+    pub far: Option<f32>,
+    /// Distances, ascending.
+    #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
+    pub z: Vec<f32>,
+}
+
+/// Random pairs of distances z and z · (1 + gap), z log-uniform between the planes, seen through random views.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct DepthPairs {
+    /// How a distance becomes a number in 0…1.
+    pub mapping: DepthMapping,
+    /// In what it is stored.
+    pub format: DepthStorage,
+    /// Distance of the near plane.
+    #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
+    pub near: f32,
+    /// Distance of the far plane.
+    #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]
+    pub far: f32,
+    /// Relative distance between the two of a pair.
+    pub gap: f64,
+    /// Number of pairs.
+    pub pairs: u32,
+    /// Seed of the random numbers.
+    pub seed: u64,
+}
+
+impl Case {
+    /// The picture that the case is about, where it is about one.
+    pub fn viewport(&self) -> Option<Viewport> {
+        let (width, height) = match &self.body {
+            Body::TriCoverage(c) => (c.width, c.height),
+            Body::TriAttr(c) => (c.width, c.height),
+            Body::CoplanarPair(c) => (c.width, c.height),
+            Body::ClipTri(c) => (c.width, c.height),
+            Body::Depth(_) | Body::DepthPairs(_) => return None,
+        };
+        Some(Viewport { width, height })
+    }
+
+    /// How many triangles it has.
+    pub fn triangle_count(&self) -> usize {
+        match &self.body {
+            Body::TriCoverage(c) => c.triangles.len(),
+            Body::ClipTri(c) => c.triangles.len(),
+            Body::TriAttr(_) => 1,
+            Body::CoplanarPair(_) => 2,
+            Body::Depth(_) | Body::DepthPairs(_) => 0,
+        }
+    }
+
+    /// The same case for another way to store depth; cases that are not about that stay as they are.
+    pub fn stored_as(mut self, mapping: DepthMapping, format: DepthStorage) -> Self {
+        match &mut self.body {
+            Body::Depth(depth) => {
+                depth.far = depth.far.filter(|_| mapping != DepthMapping::ReversedInf);
+                (depth.mapping, depth.format) = (mapping, format);
+            }
+            Body::DepthPairs(pairs) => (pairs.mapping, pairs.format) = (mapping, format),
+            _ => {}
+        }
+        self
+    }
+
+    /// The same case with only some of its parts, named by number: triangles, pixels asked for, or distances. A part of a
+    /// mesh no longer covers the picture.
+    pub fn only(&self, parts: &[usize]) -> Self {
+        let mut case = Self { id: format!("{}-part", self.id), ..self.clone() };
+        match &mut case.body {
+            Body::TriCoverage(c) => {
+                c.exactly_once &= parts.len() == c.triangles.len();
+                keep(&mut c.triangles, parts);
+            }
+            Body::ClipTri(c) => keep(&mut c.triangles, parts),
+            Body::TriAttr(c) => keep(&mut c.eval, parts),
+            Body::CoplanarPair(c) => keep(&mut c.eval, parts),
+            Body::Depth(c) => keep(&mut c.z, parts),
+            Body::DepthPairs(_) => return self.clone(),
+        }
+        case
+    }
+
+    /// The case as a file.
+    pub fn to_json(&self) -> String {
+        // Nothing in a case can fail to be written: its maps have names, and its numbers are finite or strings.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+fn keep<T: Clone>(list: &mut Vec<T>, parts: &[usize]) {
+    *list = parts.iter().filter_map(|part| list.get(*part).cloned()).collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Value, json};
+
+    use super::*;
+
+    fn coverage() -> Case {
+        Case {
+            id: "a-0".into(),
+            class: "a".into(),
+            note: String::new(),
+            body: Body::TriCoverage(Coverage {
+                width: 8,
+                height: 4,
+                rule: FillRule::TopLeft,
+                triangles: vec![[[0.1, 2.0], [f32::NAN, -3e38], [f32::NEG_INFINITY, 1e-45]]; 3],
+                exactly_once: true,
+            }),
+        }
+    }
+
+    #[test]
+    fn numbers_are_written_with_all_digits_of_the_float() {
+        let written: Value = serde_json::from_str(&coverage().to_json()).unwrap();
+        assert_eq!(written["kind"], "tri_coverage");
+        assert_eq!(written["rule"], "top_left");
+        assert_eq!(written["exactly_once"], true);
+        let [[x, _], [nan, _], [infinity, tiny]] =
+            [0, 1, 2].map(|c| [0, 1].map(|i| written["triangles"][0][c][i].clone()));
+        assert_eq!(x, json!(f64::from(0.1_f32)));
+        assert_eq!((nan, infinity), (json!("NaN"), json!("-Infinity")));
+        assert_eq!(tiny, json!(f64::from(1e-45_f32)));
+    }
+
+    #[test]
+    fn what_is_written_is_read_back_bit_for_bit() {
+        let corner = ScreenCorner { x: 0.1, y: -7.5, z: 0.3, w: 1e30, uv: [1e6, -0.7] };
+        let bodies = [
+            coverage().body,
+            Body::TriAttr(Attributes { width: 8, height: 4, vertices: [corner; 3], eval: vec![[1, 2], [3, 3]] }),
+            Body::ClipTri(ClipSpace { width: 8, height: 4, triangles: vec![[[0.3, -0.0, f32::INFINITY, 1.0]; 3]] }),
+            Body::Depth(Depth {
+                mapping: DepthMapping::ReversedInf,
+                format: DepthStorage::Unorm24,
+                near: 0.1,
+                far: None,
+                z: vec![0.3, 7.0],
+            }),
+        ];
+        for body in bodies {
+            let case = Case { id: "x".into(), class: "y".into(), note: "z".into(), body };
+            let read: Case = serde_json::from_str(&case.to_json()).unwrap();
+            assert_eq!(format!("{read:?}"), format!("{case:?}"), "NaN is no reason to differ");
+        }
+    }
+
+    #[test]
+    fn a_part_of_a_mesh_is_no_mesh() {
+        let Body::TriCoverage(part) = coverage().only(&[1]).body else { unreachable!("it stays what it is") };
+        assert_eq!((part.triangles.len(), part.exactly_once), (1, false));
+    }
+}

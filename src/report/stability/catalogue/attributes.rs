@@ -1,0 +1,236 @@
+//! Weights, attributes and depth within a triangle. Corners lie on the 1/256 px grid, so that snapping moves none.
+
+use super::dice::{Dice, to_f32};
+use super::{Class, Draft, Family};
+use crate::pipeline::settings::FillRule;
+use crate::pipeline::viewport::Viewport;
+use crate::report::stability::case::{Attributes, Body, CoplanarPair};
+use crate::report::stability::metric::{Bound, Metric};
+use crate::report::stability::oracle::{Region, ScreenCorner, Snap};
+
+/// Pixels asked for in each triangle.
+const SAMPLES: usize = 24;
+
+/// Side of the ordinary picture, px.
+const SIDE: u32 = 64;
+
+/// Side of the large picture, px.
+const LARGE: u32 = 4096;
+
+/// Numbers all, and weights good to a hundredth of an 8-bit step.
+const CLOSE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1e-5)];
+
+/// The same for pictures 4096 px wide: no worse than 2⁻²⁰.
+const CLOSE_WIDE: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::WeightError, 1.0 / 1_048_576.0)];
+
+/// Texture coordinates good to a thousandth of a texel.
+const CLOSE_TEXELS: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::new(Metric::UvTexels, 1e-3)];
+
+/// The same depth from both triangles.
+const EQUAL: &[Bound] = &[Bound::none(Metric::NotFinite), Bound::none(Metric::Flips)];
+
+pub(super) const CLASSES: &[Class] = &[
+    Class {
+        id: "affine",
+        name: "Without perspective",
+        family: Family::Weights,
+        about: "Equal w at all corners: perspective-correct and affine weights are the same, and only the arithmetic errs.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
+        draft: affine,
+    },
+    Class {
+        id: "perspective",
+        name: "Moderate perspective",
+        family: Family::Weights,
+        about: "Corners up to a hundred times farther than others: who interpolates affinely on the screen is off by half of \
+                the texture.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
+        draft: perspective,
+    },
+    Class {
+        id: "w-ratio",
+        name: "Extreme perspective",
+        family: Family::Weights,
+        about: "Distances that differ by 1e3 to 1e15: the nearest corner takes nearly all the weight, and the others must not \
+                drown in its rounding errors.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
+        draft: w_ratio,
+    },
+    Class {
+        id: "thin",
+        name: "Thin triangles",
+        family: Family::Weights,
+        about: "Slivers through pixel centres: weights are quotients of small differences, and fall outside of 0…1 when these \
+                are rounded.",
+        headline: Metric::WeightError,
+        bounds: CLOSE,
+        draft: thin,
+    },
+    Class {
+        id: "wide-thin",
+        name: "Long thin triangles",
+        family: Family::Weights,
+        about: "The same over a large picture: in f32 the products of coordinates have lost the digits that the small area \
+                needs, and textures tear.",
+        headline: Metric::WeightError,
+        bounds: CLOSE_WIDE,
+        draft: wide_thin,
+    },
+    Class {
+        id: "huge-uv",
+        name: "Huge texture coordinates",
+        family: Family::Weights,
+        about: "Texture coordinates of 1e2 to 1e6 repeats: a float of that size has few digits left for the place within the \
+                texture.",
+        headline: Metric::UvTexels,
+        bounds: CLOSE_TEXELS,
+        draft: huge_uv,
+    },
+    Class {
+        id: "coplanar",
+        name: "Coplanar triangles",
+        family: Family::Weights,
+        about: "Two different triangles of one plane: their depths should be equal everywhere, but differ by rounding, so they \
+                fight for every pixel.",
+        headline: Metric::Flips,
+        bounds: EQUAL,
+        draft: coplanar,
+    },
+];
+
+/// Up to [`SAMPLES`] pixels whose centres lie in all of the triangles.
+fn samples(dice: &mut Dice, side: u32, triangles: &[&[ScreenCorner; 3]]) -> Vec<[u32; 2]> {
+    let viewport = Viewport { width: side, height: side };
+    let regions: Vec<_> = triangles
+        .iter()
+        .map(|corners| Region::triangle(corners.map(|c| [c.x, c.y]), Snap::Unsnapped, FillRule::TopLeft))
+        .collect();
+    let spans = regions.first().map(|region| region.spans(viewport)).unwrap_or_default();
+    let mut pixels: Vec<[u32; 2]> = Vec::new();
+    // A few of each row, lest large triangles list millions.
+    for span in spans {
+        let width = span.right - span.left;
+        let step = (width as usize / SAMPLES).max(1);
+        pixels.extend((span.left..span.right).step_by(step).map(|column| [column, span.row]));
+    }
+    pixels.retain(|[column, row]| regions.iter().all(|region| region.contains(*column, *row)));
+    dice.shuffle(&mut pixels);
+    pixels.truncate(SAMPLES);
+    pixels.sort_unstable();
+    pixels
+}
+
+/// A draft of one triangle, unless no centre lies in it.
+fn draft(dice: &mut Dice, note: impl Into<String>, side: u32, vertices: [ScreenCorner; 3]) -> Option<Draft> {
+    let eval = samples(dice, side, &[&vertices]);
+    let body = Body::TriAttr(Attributes { width: side, height: side, vertices, eval: eval.clone() });
+    (!eval.is_empty()).then(|| Draft::new(note, body))
+}
+
+/// A corner anywhere in the picture with random attributes.
+fn corner(dice: &mut Dice, side: u32, w: f64) -> ScreenCorner {
+    let [x, y] = [(); 2].map(|()| dice.on_grid(0, side as i32));
+    let [z, u, v] = to_f32([(); 3].map(|()| dice.uniform(0.0, 1.0)));
+    ScreenCorner { x, y, z, w: w as f32, uv: [u, v] }
+}
+
+/// Eight triangles whose corners are at distances that `w` gives.
+fn eight(dice: &mut Dice, side: u32, note: &str, mut w: impl FnMut(&mut Dice) -> f64) -> Vec<Draft> {
+    let mut drafts = Vec::new();
+    while drafts.len() < 8 {
+        let corners = [(); 3].map(|()| {
+            let w = w(dice);
+            corner(dice, side, w)
+        });
+        drafts.extend(draft(dice, note, side, corners));
+    }
+    drafts
+}
+
+fn affine(dice: &mut Dice) -> Vec<Draft> {
+    eight(dice, SIDE, "w = 1", |_| 1.0)
+}
+
+fn perspective(dice: &mut Dice) -> Vec<Draft> {
+    let mut drafts = eight(dice, SIDE, "w from 0.1 to 10", |dice| dice.log_uniform(0.1, 10.0));
+    drafts.extend(eight(dice, LARGE, "w from 0.1 to 10, 4096 px", |dice| dice.log_uniform(0.1, 10.0)));
+    drafts
+}
+
+fn w_ratio(dice: &mut Dice) -> Vec<Draft> {
+    let mut exponents = [3.0, 6.0, 9.0, 12.0, 15.0].into_iter().cycle();
+    let mut drafts = Vec::new();
+    while drafts.len() < 10 {
+        let ratio: f64 = exponents.next().unwrap_or_default();
+        let near = 10.0_f64.powf(-ratio / 2.0);
+        let ws = dice.shuffled([near, near * 10.0_f64.powf(ratio), near * 10.0_f64.powf(ratio * 0.5)]);
+        let corners = ws.map(|w| corner(dice, SIDE, w));
+        drafts.extend(draft(dice, format!("w ratio 1e{ratio}"), SIDE, corners));
+    }
+    drafts
+}
+
+/// A sliver from a centre at the left to a centre at the right of the picture, `half` px high on both sides where it starts.
+/// Its axis rises by whole pixels over whole pixels, so it passes through centres on its way.
+fn sliver(dice: &mut Dice, side: u32, half: f32) -> Option<Draft> {
+    let rises = dice.integer(3..(side as i32 / 8).min(100));
+    let run = (side as i32 - 4) / rises * rises;
+    let start = [dice.centre(1, 4), dice.centre(1, side as i32 - rises - 1)];
+    let end = [start[0] + run as f32, start[1] + rises as f32];
+    let mut at =
+        |[x, y]: [f32; 2], z: f32, uv: [f32; 2]| ScreenCorner { x, y, z, w: dice.uniform(1.0, 9.0) as f32, uv };
+    let upper = at([start[0], start[1] - half], 0.1, [0.0, 0.0]);
+    let lower = at([start[0], start[1] + half], 0.5, [0.0, 1.0]);
+    let tip = at(end, 0.9, [1.0, 0.0]);
+    let corners = dice.shuffled([upper, lower, tip]);
+    draft(dice, format!("{half} px high on both sides"), side, corners)
+}
+
+/// Halves of the heights of slivers, all on the grid.
+const HALF_HEIGHTS: [f32; 5] = [0.5, 0.125, 0.031_25, 0.007_812_5, 0.003_906_25];
+
+fn thin(dice: &mut Dice) -> Vec<Draft> {
+    HALF_HEIGHTS.into_iter().cycle().take(10).filter_map(|half| sliver(dice, SIDE, half)).collect()
+}
+
+fn wide_thin(dice: &mut Dice) -> Vec<Draft> {
+    HALF_HEIGHTS.into_iter().cycle().take(10).filter_map(|half| sliver(dice, LARGE, half)).collect()
+}
+
+fn huge_uv(dice: &mut Dice) -> Vec<Draft> {
+    let mut drafts = Vec::new();
+    for offset in [1e2, 1e3, 1e4, 1e5, 1e6] {
+        let mut corners = [(); 3].map(|()| {
+            let w = dice.uniform(1.0, 4.0);
+            corner(dice, SIDE, w)
+        });
+        for corner in &mut corners {
+            let [u, v] = corner.uv.map(f64::from);
+            corner.uv = to_f32([offset + u, v - offset]);
+        }
+        drafts.extend(draft(dice, format!("{offset:e} repeats"), SIDE, corners));
+    }
+    drafts
+}
+
+fn coplanar(dice: &mut Dice) -> Vec<Draft> {
+    let mut drafts = Vec::new();
+    while drafts.len() < 8 {
+        // z = 1/2 + (a·x + b·y) / 2¹⁶ with whole a, b below 2⁸: of numbers with 8 places behind the point an f32 holds every
+        // digit, so the corners lie in one plane exactly.
+        let [a, b] = [(); 2].map(|()| dice.integer(-250..250) as f32);
+        let in_plane =
+            |[x, y]: [f32; 2]| ScreenCorner { x, y, z: 0.5 + (a * x + b * y) / 65_536.0, w: 1.0, uv: [0.0; 2] };
+        let whole = |dice: &mut Dice| [(); 3].map(|()| in_plane([(); 2].map(|()| dice.integer(0..SIDE as i32) as f32)));
+        let (first, second) = (whole(dice), whole(dice));
+        let eval = samples(dice, SIDE, &[&first, &second]);
+        if eval.len() >= SAMPLES / 2 {
+            let body = Body::CoplanarPair(CoplanarPair { width: SIDE, height: SIDE, first, second, eval });
+            drafts.push(Draft::new("two triangles of one plane", body));
+        }
+    }
+    drafts
+}

@@ -1,0 +1,196 @@
+//! Triangles that share edges and together cover the picture: every pixel exactly once.
+
+use std::f64::consts::TAU;
+
+use super::dice::{Dice, to_f32};
+use super::{Class, Draft, Family};
+use crate::pipeline::settings::FillRule;
+use crate::report::stability::case::{Body, Coverage};
+use crate::report::stability::metric::{Bound, Metric};
+
+/// A picture by width and height in px.
+type Size = [u32; 2];
+
+/// The picture of most meshes.
+const SMALL: Size = [32, 32];
+
+/// The picture of the large ones.
+const LARGE: Size = [1024, 256];
+
+/// How far meshes reach beyond the picture, px.
+const MARGIN: f64 = 4.0;
+
+/// Every pixel once, and by the right triangle.
+const WATERTIGHT: &[Bound] = &[Bound::none(Metric::Cracks), Bound::none(Metric::Doubles), Bound::none(Metric::Wrong)];
+
+pub(super) const CLASSES: &[Class] = &[
+    Class {
+        id: "mesh-fan",
+        name: "Fans",
+        family: Family::Mesh,
+        about: "3 to 200 triangles around one corner: where all edges meet, every rounding of that corner or of a slope \
+                opens a crack or draws a pixel twice.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
+        draft: fans,
+    },
+    Class {
+        id: "mesh-grid",
+        name: "Grids",
+        family: Family::Mesh,
+        about: "Up to 12 800 triangles that share all their edges, many of them through pixel centres: with closed edges \
+                every centre on an edge is drawn twice.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
+        draft: grids,
+    },
+    Class {
+        id: "mesh-strips",
+        name: "Strips",
+        family: Family::Mesh,
+        about: "Long thin neighbours, thinner than a pixel in the end: each pixel must find its one triangle among many \
+                that miss it.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
+        draft: strips,
+    },
+    Class {
+        id: "mesh-wide",
+        name: "Wide meshes",
+        family: Family::Mesh,
+        about: "Fans and flat strips over 1024 × 256 px: edges are long enough for their two triangles to drift apart.",
+        headline: Metric::Seams,
+        bounds: WATERTIGHT,
+        draft: wide,
+    },
+];
+
+fn mesh(dice: &mut Dice, note: impl Into<String>, [width, height]: Size, triangles: Vec<[[f32; 2]; 3]>) -> Draft {
+    let mut triangles: Vec<_> = triangles.into_iter().map(|t| dice.shuffled(t)).collect();
+    dice.shuffle(&mut triangles);
+    let rule = FillRule::TopLeft;
+    Draft::new(note, Body::TriCoverage(Coverage { width, height, rule, triangles, exactly_once: true }))
+}
+
+/// `spokes` triangles around `hub`, whose rim lies outside of the picture.
+fn fan(dice: &mut Dice, size: Size, hub: [f32; 2], spokes: usize, reach: f64) -> Draft {
+    let start = dice.uniform(0.0, TAU);
+    let rim: Vec<[f32; 2]> = (0..spokes)
+        .map(|i| {
+            let angle = start + (i as f64 + dice.uniform(-0.05, 0.05)) / spokes as f64 * TAU;
+            // The chords of three spokes come as near as 0.4 of this, and must pass outside of the picture.
+            let radius = reach * (4.0 * f64::from(size[0].max(size[1]))) * dice.uniform(1.0, 1.1);
+            to_f32([f64::from(hub[0]) + radius * angle.cos(), f64::from(hub[1]) + radius * angle.sin()])
+        })
+        .collect();
+    let triangles = (0..spokes).map(|i| [hub, rim[i], rim[(i + 1) % spokes]]).collect();
+    mesh(dice, format!("{spokes} triangles around ({}, {})", hub[0], hub[1]), size, triangles)
+}
+
+fn fans(dice: &mut Dice) -> Vec<Draft> {
+    let mut drafts = Vec::new();
+    for spokes in [3, 8, 17, 64, 200] {
+        let anywhere = to_f32([dice.uniform(2.0, 30.0), dice.uniform(2.0, 30.0)]);
+        let centre = [dice.centre(2, 30), dice.centre(2, 30)];
+        drafts.push(fan(dice, SMALL, anywhere, spokes, 1.0));
+        drafts.push(fan(dice, SMALL, centre, spokes, 1.0));
+    }
+    let hub = to_f32([dice.uniform(2.0, 30.0), dice.uniform(2.0, 30.0)]);
+    drafts.extend([100.0, 1e4].map(|reach| fan(dice, SMALL, hub, 12, reach)));
+    drafts
+}
+
+/// A grid of cells over the picture and its margin. Inner corners are jittered by a share of a cell, then put onto a
+/// lattice of 1/`lattice` px if there is one.
+fn grid(dice: &mut Dice, cells: usize, jitter: f64, lattice: Option<f64>) -> Draft {
+    let size = SMALL;
+    let step = (f64::from(size[0]) + 2.0 * MARGIN) / cells as f64;
+    let corners: Vec<Vec<[f32; 2]>> = (0..=cells)
+        .map(|row| {
+            let place = |column: usize, dice: &mut Dice| {
+                let inner = row > 0 && row < cells && column > 0 && column < cells;
+                let mut along = |n: usize| {
+                    let at = -MARGIN + (n as f64 + if inner { dice.uniform(-jitter, jitter) } else { 0.0 }) * step;
+                    lattice.filter(|_| inner).map_or(at, |lattice| (at * lattice).round() / lattice)
+                };
+                to_f32([along(column), along(row)])
+            };
+            (0..=cells).map(|column| place(column, dice)).collect()
+        })
+        .collect();
+    let mut triangles = Vec::with_capacity(2 * cells * cells);
+    for row in 0..cells {
+        for column in 0..cells {
+            let [a, b] = [corners[row][column], corners[row][column + 1]];
+            let [d, c] = [corners[row + 1][column], corners[row + 1][column + 1]];
+            triangles.extend(if dice.bool() { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] });
+        }
+    }
+    let lattice = lattice.map_or("any place".to_owned(), |l| format!("multiples of 1/{l} px"));
+    mesh(dice, format!("{cells} × {cells} cells, corners at {lattice}"), size, triangles)
+}
+
+fn grids(dice: &mut Dice) -> Vec<Draft> {
+    let kinds = [(4, 0.3, None), (16, 0.3, None), (33, 0.3, None), (20, 0.0, Some(2.0)), (20, 0.3, Some(2.0))];
+    let large = [(50, 0.3, Some(256.0)), (60, 0.25, None), (80, 0.0, Some(2.0))];
+    kinds.into_iter().chain(large).map(|(cells, jitter, lattice)| grid(dice, cells, jitter, lattice)).collect()
+}
+
+/// Quads side by side between two lines of corners, cut in two each.
+fn strip(dice: &mut Dice, note: String, size: Size, sides: &[[[f32; 2]; 2]]) -> Draft {
+    let quads = sides.windows(2).flat_map(|pair| {
+        let ([a, b], [d, c]) = (pair[0], pair[1]);
+        [[a, b, c], [a, c, d]]
+    });
+    let triangles = quads.collect();
+    mesh(dice, note, size, triangles)
+}
+
+/// Strips from left to right whose borders are level lines at random heights.
+fn level(dice: &mut Dice, size: Size, count: usize, tilt: f64) -> Draft {
+    let [width, height] = size.map(f64::from);
+    let mut heights: Vec<f64> = (1..count).map(|_| dice.uniform(-MARGIN, height + MARGIN)).collect();
+    heights.extend([-MARGIN - tilt, height + MARGIN + tilt]);
+    heights.sort_by(f64::total_cmp);
+    let mut sides: Vec<[[f32; 2]; 2]> = heights
+        .iter()
+        .map(|y| {
+            [to_f32([-MARGIN, y + dice.uniform(0.0, tilt)]), to_f32([width + MARGIN, y + dice.uniform(0.0, tilt)])]
+        })
+        .collect();
+    // Borders that would cross each other share an end instead.
+    for end in 0..2 {
+        for i in 1..sides.len() {
+            sides[i][end][1] = sides[i][end][1].max(sides[i - 1][end][1]);
+        }
+    }
+    strip(dice, format!("{count} strips from left to right"), size, &sides)
+}
+
+/// Equally wide slanted strips from above the picture to below.
+fn slanted(dice: &mut Dice, count: usize) -> Draft {
+    let [width, height] = SMALL.map(f64::from);
+    let slant = dice.uniform(5.0, 15.0);
+    let step = (width + 2.0 * MARGIN + slant) / count as f64;
+    let sides: Vec<_> = (0..=count)
+        .map(|i| {
+            let x = -MARGIN - slant + i as f64 * step;
+            [to_f32([x, -MARGIN]), to_f32([x + slant, height + MARGIN])]
+        })
+        .collect();
+    strip(dice, format!("{count} slanted strips, {step:.3} px wide"), SMALL, &sides)
+}
+
+fn strips(dice: &mut Dice) -> Vec<Draft> {
+    let mut drafts: Vec<_> = [3, 12, 60].map(|count| level(dice, SMALL, count, 0.0)).into();
+    drafts.extend([40, 300].map(|count| slanted(dice, count)));
+    drafts
+}
+
+fn wide(dice: &mut Dice) -> Vec<Draft> {
+    let anywhere = to_f32([dice.uniform(300.0, 700.0), dice.uniform(60.0, 200.0)]);
+    let hubs = [(9, [512.5, 128.5]), (40, anywhere), (160, [1000.25, 3.5])];
+    let mut drafts: Vec<_> = hubs.map(|(spokes, hub)| fan(dice, LARGE, hub, spokes, 1.0)).into();
+    drafts.extend([6, 60].map(|count| level(dice, LARGE, count, 2.0)));
+    drafts
+}

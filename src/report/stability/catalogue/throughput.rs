@@ -1,0 +1,96 @@
+//! Shapes that cost more than their pixels: each is timed against a compact triangle of as many pixels.
+
+use super::dice::{Dice, to_f32};
+use super::single::{EXACT, coverage};
+use super::{Class, Draft, Family};
+use crate::report::stability::metric::Metric;
+
+pub(super) const CLASSES: &[Class] = &[
+    Class {
+        id: "long-slivers",
+        name: "Long slivers",
+        family: Family::Throughput,
+        about: "One pixel wide from corner to corner of 512 × 512 px: whoever tests every pixel of the bounding box looks at \
+                some hundred pixels for each one drawn.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
+        draft: long_slivers,
+    },
+    Class {
+        id: "small-triangles",
+        name: "Triangles of a pixel",
+        family: Family::Throughput,
+        about: "Thousands of triangles of about one pixel: nearly all the time goes into setting them up.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
+        draft: small_triangles,
+    },
+    Class {
+        id: "columns",
+        name: "Upright columns",
+        family: Family::Throughput,
+        about: "Upright strips one pixel wide: every row is entered for a single pixel, the worst for methods that work row \
+                by row.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
+        draft: columns,
+    },
+    Class {
+        id: "full-screen",
+        name: "Beyond the screen",
+        family: Family::Throughput,
+        about: "Corners 1e4 to 3e38 px away around a picture that is filled to the last pixel: the time must be that of the \
+                picture, not of the triangle.",
+        headline: Metric::Stiffness,
+        bounds: EXACT,
+        draft: full_screen,
+    },
+];
+
+/// Side of the picture of the slivers, px.
+const SIDE: u32 = 512;
+
+fn long_slivers(dice: &mut Dice) -> Vec<Draft> {
+    let side = f64::from(SIDE);
+    let sliver = |dice: &mut Dice| {
+        let (from, to) = (dice.uniform(2.0, side * 0.2), dice.uniform(side * 0.8, side - 2.0));
+        let start = [from, dice.uniform(2.0, side * 0.2)];
+        let end = [to, dice.uniform(side * 0.8, side - 2.0)];
+        let corners = [to_f32(start), to_f32([start[0] + 1.4, start[1] - 1.4]), to_f32(end)];
+        // Every second one falls the other way.
+        if dice.bool() { corners.map(|[x, y]| [SIDE as f32 - x, y]) } else { corners }
+    };
+    (0..2).map(|_| coverage("", [SIDE; 2], (0..8).map(|_| sliver(dice)).collect())).collect()
+}
+
+fn small_triangles(dice: &mut Dice) -> Vec<Draft> {
+    const SIZE: u32 = 128;
+    let small = |dice: &mut Dice| {
+        let [x, y] = [(); 2].map(|()| dice.uniform(1.0, f64::from(SIZE) - 2.0));
+        let corners = [[x, y], [x + dice.uniform(1.0, 1.8), y], [x, y + dice.uniform(1.0, 1.8)]];
+        dice.shuffled(corners.map(to_f32))
+    };
+    vec![coverage("2000 triangles", [SIZE; 2], (0..2000).map(|_| small(dice)).collect())]
+}
+
+fn columns(dice: &mut Dice) -> Vec<Draft> {
+    let side = f64::from(SIDE);
+    let column = |dice: &mut Dice| {
+        let x = dice.uniform(4.0, side - 8.0);
+        let corners = [[x, 1.0], [x + 1.0, 1.0], [x + dice.uniform(0.0, 1.0), side - 1.0]];
+        dice.shuffled(corners.map(to_f32))
+    };
+    (0..2).map(|_| coverage("", [SIDE; 2], (0..16).map(|_| column(dice)).collect())).collect()
+}
+
+fn full_screen(dice: &mut Dice) -> Vec<Draft> {
+    let around = |dice: &mut Dice, distance: f64| {
+        let start = dice.uniform(0.0, 1.0);
+        [0.0, 1.0, 2.0].map(|third| {
+            let (sin, cos) = ((start + third / 3.0) * std::f64::consts::TAU).sin_cos();
+            to_f32([cos * distance, sin * distance])
+        })
+    };
+    let distances = [1e4, 1e6, 1e12, 3e38];
+    distances.map(|d| coverage(format!("corners {d:e} px away"), [SIDE; 2], vec![around(dice, d)])).into()
+}

@@ -1,0 +1,49 @@
+//! The report as comma-separated values: one line per cell, one column per measure.
+
+use super::metric::Metric;
+use super::sweep::{Cell, ClassReport, Report};
+use crate::pipeline::settings::Choice as _;
+
+/// Columns before the measures.
+const KEYS: [&str; 10] =
+    ["family", "class", "method", "arithmetic", "verdict", "cases", "refused", "triangles", "worst_case", "seed"];
+
+/// Columns after the measures.
+const TIMES: [&str; 5] = ["ns_per_pixel", "ns_per_pixel_p10", "ns_per_pixel_p90", "ns_per_triangle", "rounds"];
+
+/// The whole table with its head. What was not measured is left empty.
+pub fn csv(report: &Report) -> String {
+    let metrics = Metric::ALL.iter().map(|metric| metric.id().replace('-', "_"));
+    let head: Vec<String> =
+        KEYS.into_iter().map(str::to_owned).chain(metrics).chain(TIMES.into_iter().map(str::to_owned)).collect();
+    let cells = report.classes.iter().flat_map(|class| class.cells.iter().map(move |cell| (class, cell)));
+    let lines = cells.map(|(class, cell)| line(report, class, cell));
+    std::iter::once(head.join(",")).chain(lines).map(|line| line + "\n").collect()
+}
+
+/// No word in it has a comma or a quotation mark: they are all names that this program gives.
+fn line(report: &Report, class: &ClassReport, cell: &Cell) -> String {
+    let keys = [
+        class.class.family.id().to_owned(),
+        class.class.id.to_owned(),
+        cell.column.method().to_owned(),
+        cell.column.arithmetic().unwrap_or_default().to_owned(),
+        cell.verdict.name().to_owned(),
+        class.cases.to_string(),
+        cell.refused.to_string(),
+        class.triangles.to_string(),
+        cell.worst.as_ref().map(|worst| worst.of.clone()).unwrap_or_default(),
+        report.seed.to_string(),
+    ];
+    let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+    let metrics = Metric::ALL.iter().map(|metric| number(cell.measures.get(*metric)));
+    let spread = cell.time.and_then(|time| time.ns_per_pixel);
+    let times = [
+        number(spread.map(|s| s.median)),
+        number(spread.map(|s| s.p10)),
+        number(spread.map(|s| s.p90)),
+        number(cell.time.and_then(|time| time.ns_per_triangle)),
+        cell.time.map(|time| time.rounds.to_string()).unwrap_or_default(),
+    ];
+    keys.into_iter().chain(metrics).chain(times).collect::<Vec<_>>().join(",")
+}

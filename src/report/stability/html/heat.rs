@@ -1,0 +1,248 @@
+//! Heat maps: classes down, configurations across, a number and a colour in each cell.
+
+use super::escaped;
+use super::worst::anchor;
+use crate::pipeline::settings::Choice as _;
+use crate::report::stability::catalogue::Family;
+use crate::report::stability::column::Column;
+use crate::report::stability::metric::{LEVELS, Metric, Verdict, short};
+use crate::report::stability::sweep::{Cell, ClassReport, Report};
+
+/// Rasterizers × arithmetics.
+pub(super) fn coverage(report: &Report) -> String {
+    let families = [Family::Coverage, Family::Mesh, Family::ClipSpace, Family::Throughput];
+    let text = "Single triangles count pixels that are wrong, given where the configuration says that corners are; below, \
+        the same against corners where they were given (raw), or the time per pixel where the two agree. Meshes count pixels that \
+        were not drawn exactly once; clip space those that are clearly wrong; throughput is time over that of a compact \
+        triangle. The published rasterizers compute in numbers of their own.";
+    section(report, &families, "Rasterizers and arithmetics", text)
+}
+
+/// Formulas × arithmetics.
+pub(super) fn weights(report: &Report) -> String {
+    let text = "The largest error of a weight against perspective-correct ones; for huge texture coordinates, texels of a \
+        texture 1024 wide; for coplanar triangles, samples where two triangles of one plane have different depths. Below, the \
+        largest error of the interpolated depth in units of the last place, and answers that were no number.";
+    section(report, &[Family::Weights], "Weights and attributes", text)
+}
+
+/// Depth formats, and the published experiment in detail.
+pub(super) fn depth(report: &Report) -> String {
+    let text = "The share of neighbouring distances that get the same stored depth or change places; below, the largest error \
+        in units of the last place that is stored.";
+    let table = section(report, &[Family::Depth], "Depth buffer", text);
+    let published = report.classes.iter().find(|class| class.class.id == "depth-published");
+    match (published, table.strip_suffix("</section>\n")) {
+        (Some(class), Some(open)) => format!("{open}{}</section>\n", experiment(class)),
+        _ => table,
+    }
+}
+
+/// One heat map; nothing if none of its classes ran.
+fn section(report: &Report, families: &[Family], title: &str, text: &str) -> String {
+    let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| families.contains(&c.class.family)).collect();
+    let Some(first) = classes.first().filter(|class| !class.cells.is_empty()) else { return String::new() };
+    let columns: Vec<Column> = first.cells.iter().map(|cell| cell.column).collect();
+    let bodies = families.iter().map(|family| {
+        let classes: Vec<_> = classes.iter().filter(|class| class.class.family == *family).collect();
+        let rows: String = classes.iter().map(|class| row(class, &columns)).collect();
+        let name = format!("<tr class=\"family\"><th>{}</th></tr>\n", escaped(family.name()));
+        if classes.is_empty() { String::new() } else { format!("<tbody>\n{name}{rows}</tbody>\n") }
+    });
+    format!(
+        "<section>\n<h2>{title}</h2>\n<p class=\"soft\">{text}</p>\n{}<div class=\"scroll\"><table>\n{}{}{}</table></div>\n\
+         </section>\n",
+        legend(),
+        header(&columns),
+        bodies.collect::<String>(),
+        footer(&classes, &columns),
+    )
+}
+
+fn legend() -> String {
+    let names = ["none", "least", "", "", "", "", "most"];
+    let boxes = (0..=LEVELS).map(|level| format!("<span><i class=\"h{level}\"></i>{}</span>", names[level]));
+    format!(
+        "<div class=\"legend\"><span>Error, by order of magnitude:</span>{}<span><i class=\"refused\"></i>no answer</span>\
+         <span>✓ within the bounds of its class</span></div>\n",
+        boxes.collect::<String>()
+    )
+}
+
+/// What stands above a column: its arithmetic, if there is a choice.
+fn group(column: Column) -> &'static str {
+    if column.is_published() { "As published" } else { column.arithmetic_name().unwrap_or_default() }
+}
+
+/// Whether a gap stands before the column of this number.
+fn starts_group(columns: &[Column], index: usize) -> bool {
+    index > 0 && group_key(columns, index) != group_key(columns, index - 1)
+}
+
+/// What columns are grouped by: formulas for weights stand together, for all else arithmetics.
+fn group_key(columns: &[Column], index: usize) -> &'static str {
+    match columns[index] {
+        column @ Column::Weights(_) => column.method_name(),
+        column => group(column),
+    }
+}
+
+fn header(columns: &[Column]) -> String {
+    let mut groups: Vec<(&str, usize)> = Vec::new();
+    for index in 0..columns.len() {
+        let name = group_key(columns, index);
+        match groups.last_mut().filter(|(last, _)| *last == name) {
+            Some((_, count)) => *count += 1,
+            None => groups.push((name, 1)),
+        }
+    }
+    let gap = "<th class=\"gap\"></th>";
+    let heads: Vec<String> = groups
+        .iter()
+        .map(|(name, count)| format!("<th class=\"group\" colspan=\"{count}\">{}</th>", escaped(name)))
+        .collect();
+    let methods = columns.iter().enumerate().map(|(index, column)| {
+        let name = match column {
+            Column::Weights(_) => column.arithmetic_name().unwrap_or_default(),
+            Column::Coverage(_) | Column::Depth(_) => column.method_name(),
+        };
+        let before = if starts_group(columns, index) { gap } else { "" };
+        format!("{before}<th class=\"method\">{}</th>", escaped(name.trim_end_matches(" (as published)")))
+    });
+    let methods = methods.collect::<String>();
+    let groups = if heads.len() > 1 { format!("<tr><th></th>{}</tr>\n", heads.join(gap)) } else { String::new() };
+    format!("<thead>\n{groups}<tr><th></th>{methods}</tr>\n</thead>\n")
+}
+
+fn row(class: &ClassReport, columns: &[Column]) -> String {
+    let cells = columns.iter().enumerate().map(|(index, column)| {
+        let before = if starts_group(columns, index) { "<td class=\"gap\"></td>" } else { "" };
+        let cell = class.cells.iter().find(|cell| cell.column == *column);
+        let text = cell.map_or("<td class=\"none\">–</td>".to_owned(), |cell| self::cell(class, cell));
+        format!("{before}{text}")
+    });
+    let counts = format!("{} cases, {}", class.cases, class.class.headline.name());
+    format!(
+        "<tr><th title=\"{}\">{}<small>{}</small></th>{}</tr>\n",
+        escaped(class.class.about),
+        escaped(class.class.name),
+        escaped(&counts),
+        cells.collect::<String>()
+    )
+}
+
+fn cell(class: &ClassReport, cell: &Cell) -> String {
+    let headline = class.class.headline;
+    let level = cell.measures.severity(headline);
+    let style = match (cell.verdict, level) {
+        (Verdict::Refused, _) => "refused".to_owned(),
+        (_, None) => "none".to_owned(),
+        (Verdict::Pass, Some(level)) => format!("h{level} pass"),
+        (Verdict::Measured, Some(level)) => format!("h{level}"),
+    };
+    let value = match cell.measures.get(headline) {
+        _ if cell.verdict == Verdict::Refused => format!("{} refused", cell.refused),
+        Some(value) => headline.format(value),
+        None => "–".to_owned(),
+    };
+    let inner = format!("<b>{}</b><span>{}</span>", escaped(&value), escaped(&second_line(class, cell)));
+    let linked = match &cell.worst {
+        Some(worst) => format!("<a href=\"#{}\">{inner}</a>", anchor(class, worst)),
+        None => inner,
+    };
+    format!("<td class=\"{style}\" title=\"{}\">{linked}</td>", escaped(&tooltip(class, cell)))
+}
+
+/// What stands small below the number: the next thing that one wants to know.
+fn second_line(class: &ClassReport, cell: &Cell) -> String {
+    let value = |metric: Metric| cell.measures.get(metric).filter(|value| *value > 0.0);
+    let time = || cell.time.and_then(|time| time.ns_per_pixel).map(|spread| format!("{} ns", short(spread.median)));
+    let second = match class.class.family {
+        Family::Coverage => {
+            let unsnapped = value(Metric::WrongUnsnapped).filter(|u| Some(*u) != cell.measures.get(Metric::Wrong));
+            unsnapped.map(|count| format!("{} raw", brief(count)))
+        }
+        Family::Mesh => value(Metric::Wrong).map(|count| format!("{} wrong", brief(count))),
+        Family::ClipSpace => value(Metric::WeightError).map(|error| format!("λ′ {}", short(error))),
+        Family::Weights | Family::Depth => {
+            let broken = value(Metric::NotFinite).map(|count| format!("{count:.0} NaN"));
+            broken.or_else(|| value(Metric::DepthUlp).map(|ulp| format!("{} ulp", short(ulp))))
+        }
+        Family::Throughput => None,
+    };
+    second.or_else(time).unwrap_or_default()
+}
+
+/// A count in no more than five characters.
+fn brief(count: f64) -> String {
+    if count < 1e4 { format!("{count:.0}") } else { format!("{count:.1e}") }
+}
+
+/// Everything that is known about a cell, line by line.
+fn tooltip(class: &ClassReport, cell: &Cell) -> String {
+    let mut lines = vec![format!("{} · {}: {}", class.class.name, cell.column.label(), cell.verdict.name())];
+    lines.extend(cell.measures.iter().map(|(metric, value)| format!("{}: {}", metric.name(), metric.format(value))));
+    if let Some(time) = cell.time {
+        if let Some(spread) = time.ns_per_pixel {
+            let [median, p10, p90] = [spread.median, spread.p10, spread.p90].map(short);
+            lines.push(format!("{median} ns per pixel ({p10} to {p90}, {} rounds)", time.rounds));
+        }
+        lines.extend(time.ns_per_triangle.map(|ns| format!("{} ns per triangle", short(ns))));
+    }
+    lines.join("\n")
+}
+
+/// The last row: what a pixel costs over all classes.
+fn footer(classes: &[&ClassReport], columns: &[Column]) -> String {
+    let mean = |column: &Column| {
+        let times = classes.iter().filter_map(|class| {
+            let cell = class.cells.iter().find(|cell| cell.column == *column)?;
+            Some(cell.time?.ns_per_pixel?.median.ln())
+        });
+        let logarithms: Vec<f64> = times.collect();
+        (!logarithms.is_empty()).then(|| (logarithms.iter().sum::<f64>() / logarithms.len() as f64).exp())
+    };
+    let means: Vec<Option<f64>> = columns.iter().map(mean).collect();
+    if means.iter().all(Option::is_none) {
+        return String::new();
+    }
+    let cells = means.iter().enumerate().map(|(index, mean)| {
+        let before = if starts_group(columns, index) { "<td class=\"gap\"></td>" } else { "" };
+        format!("{before}<td><b>{}</b><span>ns</span></td>", mean.map(short).unwrap_or_default())
+    });
+    format!(
+        "<tfoot><tr><th>Time per pixel<small>geometric mean</small></th>{}</tr></tfoot>\n",
+        cells.collect::<String>()
+    )
+}
+
+/// The published experiment setting by setting: ties + inversions in per cent of all pairs.
+fn experiment(class: &ClassReport) -> String {
+    let Some(first) = class.cells.first() else { return String::new() };
+    let heads: String =
+        class.cells.iter().map(|cell| format!("<th>{}</th>", escaped(cell.column.method_name()))).collect();
+    let rows = first.by_case.iter().enumerate().map(|(index, case)| {
+        let cells = class.cells.iter().map(|cell| {
+            let measures = cell.by_case.get(index).and_then(|case| case.measures);
+            let share = |metric| Some(measures?.get(metric)? * 100.0 / measures?.get(Metric::Pairs)?);
+            let text = share(Metric::Ties)
+                .zip(share(Metric::Inversions))
+                .map_or("–".to_owned(), |(ties, inversions)| format!("{} + {}", percent(ties), percent(inversions)));
+            format!("<td>{text}</td>")
+        });
+        format!("<tr><td>{}</td>{}</tr>\n", escaped(&case.note), cells.collect::<String>())
+    });
+    format!(
+        "<h3>{}</h3>\n<p class=\"soft\">{} Per cent of 200 000 random pairs per setting: tied + inverted. What reversed depth \
+         still loses, it loses on the way from world to view.</p>\n<div class=\"scroll\"><table class=\"plain\">\n<thead><tr>\
+         <th></th>{heads}</tr></thead>\n<tbody>\n{}</tbody></table></div>\n",
+        escaped(class.class.name),
+        escaped(class.class.about),
+        rows.collect::<String>()
+    )
+}
+
+/// Per cent with as many places as published tables have.
+fn percent(value: f64) -> String {
+    if value == 0.0 { "0".to_owned() } else { format!("{value:.2}") }
+}

@@ -1,0 +1,93 @@
+//! The report as one page for the browser: no scripts, nothing loaded from elsewhere, light or dark as the reader's system.
+
+mod heat;
+
+mod scatter;
+
+mod worst;
+
+use super::metric::{Metric, Verdict};
+use super::sweep::Report;
+use super::text::machine;
+use crate::pipeline::settings::Choice as _;
+
+/// Colours and layout.
+const STYLE: &str = include_str!("style.css");
+
+/// The whole page.
+pub fn html(report: &Report) -> String {
+    let body = [
+        head(report),
+        heat::coverage(report),
+        heat::weights(report),
+        heat::depth(report),
+        scatter::section(report),
+        worst::section(report),
+        method(report),
+    ];
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\">\n<title>Stability report · Rasterscope</title>\n<style>\n{STYLE}\
+         </style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
+        body.concat()
+    )
+}
+
+/// Text that is safe between tags and within quotation marks.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn head(report: &Report) -> String {
+    let verdicts = || report.classes.iter().flat_map(|class| &class.cells).map(|cell| cell.verdict);
+    let count = |verdict: Verdict| verdicts().filter(|v| *v == verdict).count();
+    let total = |of: fn(&super::sweep::ClassReport) -> usize| report.classes.iter().map(of).sum::<usize>();
+    let tiles = [
+        (report.classes.len().to_string(), "classes of cases"),
+        (total(|class| class.cases).to_string(), "cases"),
+        (Metric::Pixels.format(total(|class| class.triangles) as f64), "triangles"),
+        (count(Verdict::Pass).to_string(), "cells PASS"),
+        (count(Verdict::Measured).to_string(), "cells MEASURED"),
+        (count(Verdict::Refused).to_string(), "cells REFUSED"),
+        (format!("{:.0} s", report.duration.as_secs_f64()), "to make"),
+    ];
+    let tiles: String = tiles
+        .iter()
+        .map(|(value, name)| format!("<div class=\"tile\"><b>{value}</b><span>{name}</span></div>"))
+        .collect();
+    format!(
+        "<h1>Stability report</h1>\n<p class=\"soft\">How wrong, and at what cost: stiff and extreme cases against every \
+         rasterizer, arithmetic and depth format of Rasterscope {}. What is right is decided in exact arithmetic that shares no \
+         code with what is judged.</p>\n<div class=\"tiles\">{tiles}</div>\n",
+        escaped(report.machine.version)
+    )
+}
+
+fn method(report: &Report) -> String {
+    let bounds = report.classes.iter().map(|class| {
+        let bounds: Vec<String> = class.class.bounds.iter().map(ToString::to_string).collect();
+        format!("<dt>{}</dt><dd>{}</dd>", escaped(class.class.name), escaped(&bounds.join(", ")))
+    });
+    let metrics = Metric::ALL.iter().map(|m| format!("<dt>{}</dt><dd>{}</dd>", escaped(m.name()), escaped(m.help())));
+    let times = match report.timing_noise {
+        Some(noise) => format!(
+            "Times are medians over rounds in which all configurations of a class run in turn, in another order each time, \
+             after a warm-up; short runs are repeated until the clock can tell. One thread, no files. The first configuration \
+             runs twice per round as if it were two: half of the time the two were {:.1} % apart or less, and smaller \
+             differences mean nothing.",
+            noise * 100.0
+        ),
+        None => "No times were taken.".to_owned(),
+    };
+    let load = report.machine.load.map(|load| format!(" Load when it began: {load:.2}.")).unwrap_or_default();
+    format!(
+        "<section>\n<h2>How it was measured</h2>\n<p>Seed {}. {}.{load} {times}</p>\n<p>Stiffness is the time of a case over \
+         that of one compact triangle of as many pixels, by the same configuration in the same rounds.</p>\n\
+         <details><summary>What must hold to PASS, class by class</summary><dl>{}</dl></details>\n\
+         <details><summary>What the measures mean</summary><dl>{}</dl></details>\n</section>\n",
+        report.seed,
+        escaped(&machine(report)),
+        bounds.collect::<String>(),
+        metrics.collect::<String>()
+    )
+}

@@ -1,0 +1,120 @@
+//! How wrong the engine's answers to one case are.
+//!
+//! [`Expected`] holds what is right, decided once per case; [`answer`] asks the engine in one of its configurations and
+//! compares. Each kind of case has a function from right and given answers to [`Measures`], which knows nothing of where
+//! the answers come from.
+
+mod clip_space;
+
+mod coverage;
+
+mod depth;
+
+mod samples;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::case::{Body, Case};
+use super::column::Column;
+use super::metric::Measures;
+use super::oracle::Snap;
+use super::subject::{self, Interpolator};
+use clip_space::ExpectedTriangle;
+use coverage::ExpectedCoverage;
+
+/// The right answers to a case.
+#[derive(Clone, Debug)]
+pub enum Expected {
+    /// Pixels.
+    Coverage(ExpectedCoverage),
+    /// Regions, weights and depths.
+    ClipSpace(Vec<ExpectedTriangle>),
+    /// Weights, depths and attributes, one entry per triangle.
+    Samples(Vec<samples::ExpectedSamples>),
+    /// Depths, which depend on the format and are decided along with it.
+    Depth,
+}
+
+/// What came of one case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// How wrong it is; `None` if the engine gave no answer.
+    pub measures: Option<Measures>,
+    /// The parts of the case (see [`Case::only`]) that show the fault; empty stands for all of it.
+    pub culprits: Vec<usize>,
+}
+
+impl Outcome {
+    fn new(measures: Measures, culprits: Vec<usize>) -> Self {
+        // Joining to nothing fills in what follows from others.
+        let mut complete = Measures::default();
+        complete.join(&measures);
+        Self { measures: Some(complete), culprits }
+    }
+
+    fn refused() -> Self {
+        Self { measures: None, culprits: Vec::new() }
+    }
+}
+
+impl Expected {
+    /// Decides a case.
+    pub fn new(case: &Case) -> Self {
+        match &case.body {
+            Body::TriCoverage(body) => Self::Coverage(ExpectedCoverage::new(body)),
+            Body::ClipTri(body) => Self::ClipSpace(clip_space::expected(body)),
+            Body::TriAttr(body) => Self::Samples(vec![samples::expected(&body.vertices, &body.eval)]),
+            Body::CoplanarPair(body) => {
+                Self::Samples([&body.first, &body.second].map(|t| samples::expected(t, &body.eval)).into())
+            }
+            Body::Depth(_) | Body::DepthPairs(_) => Self::Depth,
+        }
+    }
+
+    /// How many pixels, samples or values a complete answer has.
+    pub fn units(&self, case: &Case) -> u64 {
+        match (self, &case.body) {
+            (Self::Coverage(expected), _) => expected.pixels(Snap::Unsnapped),
+            (Self::ClipSpace(triangles), _) => triangles.iter().map(ExpectedTriangle::pixels).sum(),
+            (Self::Samples(triangles), _) => triangles.iter().map(|samples| samples.len() as u64).sum(),
+            (Self::Depth, Body::Depth(body)) => body.z.len() as u64,
+            (Self::Depth, Body::DepthPairs(body)) => 2 * u64::from(body.pairs),
+            (Self::Depth, _) => 0,
+        }
+    }
+}
+
+/// Asks the engine about a case and compares. `None` if the column is not about such cases.
+pub fn answer(case: &Case, expected: &Expected, column: Column) -> Option<Outcome> {
+    let measured = match (&case.body, expected, column) {
+        (Body::TriCoverage(body), Expected::Coverage(expected), Column::Coverage(by)) => attempt(|| {
+            let viewport = case.viewport()?;
+            let answers: Vec<_> = body.triangles.iter().map(|t| subject::cover(by, *t, body.rule, viewport)).collect();
+            Some(coverage::judge(body, expected, by.declared_snap(), &answers))
+        }),
+        (Body::ClipTri(body), Expected::ClipSpace(expected), Column::Coverage(by)) => attempt(|| {
+            let viewport = case.viewport()?;
+            let answers: Vec<_> = body.triangles.iter().map(|t| subject::draw(by, *t, viewport)).collect();
+            Some(clip_space::judge(expected, viewport, &answers))
+        }),
+        (Body::TriAttr(body), Expected::Samples(expected), Column::Weights(by)) => attempt(|| {
+            let triangle = Interpolator::new(by, &body.vertices)?;
+            let answers = body.eval.iter().map(|[x, y]| triangle.at(*x, *y)).collect();
+            Some(samples::judge(expected, &[answers]))
+        }),
+        (Body::CoplanarPair(body), Expected::Samples(expected), Column::Weights(by)) => attempt(|| {
+            let triangles = [Interpolator::new(by, &body.first)?, Interpolator::new(by, &body.second)?];
+            let answers = triangles.map(|t| body.eval.iter().map(|[x, y]| t.at(*x, *y)).collect());
+            Some(samples::judge(expected, &answers))
+        }),
+        (Body::Depth(body), _, Column::Depth(format)) => attempt(|| Some(depth::distances(body, format))),
+        (Body::DepthPairs(body), _, Column::Depth(format)) => attempt(|| Some(depth::pairs(body, format))),
+        _ => return None,
+    };
+    Some(measured.unwrap_or_else(Outcome::refused))
+}
+
+/// What the engine answers; nothing if it panics, as a report of stiff cases must outlive the stiffest.
+fn attempt<T>(ask: impl FnOnce() -> Option<T>) -> Option<T> {
+    catch_unwind(AssertUnwindSafe(ask)).ok().flatten()
+}

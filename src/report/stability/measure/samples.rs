@@ -1,0 +1,140 @@
+//! Weights, depth and attributes at pixel centres.
+
+use super::Outcome;
+use crate::report::stability::metric::{Measures, Metric};
+use crate::report::stability::oracle::{ExactSample, ScreenCorner, error, exact_sample, ulps};
+use crate::report::stability::subject::Sampled;
+
+/// Width of the texture whose texels errors are told in.
+const TEXTURE_WIDTH: f64 = 1024.0;
+
+/// The right values at each pixel asked for; nothing where the triangle has no area.
+pub(super) type ExpectedSamples = Vec<Option<ExactSample>>;
+
+pub(super) fn expected(corners: &[ScreenCorner; 3], eval: &[[u32; 2]]) -> ExpectedSamples {
+    eval.iter().map(|[column, row]| exact_sample(corners, *column, *row)).collect()
+}
+
+/// Compares the samples of one or two triangles with the right ones; two are of one plane and should agree in depth.
+pub(super) fn judge(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> Outcome {
+    let mut all = Measures::default();
+    let mut worst = (0.0, None);
+    let count = answers.first().map_or(0, Vec::len);
+    for index in 0..count {
+        let mut here = Measures::default();
+        for (right, given) in expected.iter().zip(answers) {
+            if let (Some(Some(right)), Some(given)) = (right.get(index), given.get(index)) {
+                here.join(&compare(right, given));
+            }
+        }
+        let depths: Vec<f64> = answers.iter().filter_map(|given| Some(given.get(index)?.depth)).collect();
+        if let [first, second] = depths[..] {
+            here.note(Metric::Flips, u32::from(first != second).into());
+        }
+        let badness = badness(&here);
+        if badness > worst.0 {
+            worst = (badness, Some(index));
+        }
+        all.join(&here);
+    }
+    Outcome::new(all, worst.1.into_iter().collect())
+}
+
+/// Orders samples by what is worst about them: no number at all, then weights, then depth.
+fn badness(measures: &Measures) -> f64 {
+    /// Larger than any error of a number that is one.
+    const NO_NUMBER: f64 = 1e300;
+    let value = |metric| measures.get(metric).unwrap_or(0.0);
+    value(Metric::NotFinite) * NO_NUMBER
+        + value(Metric::WeightError)
+        + value(Metric::UvTexels)
+        + value(Metric::DepthUlp) * 1e-6
+}
+
+fn compare(right: &ExactSample, given: &Sampled) -> Measures {
+    let broken = given.numbers().filter(|number| !number.is_finite()).count();
+    let mut measures = Measures::default().with(Metric::Samples, 1.0).with(Metric::NotFinite, broken as f64);
+    let affine = given.affine.iter().zip(&right.affine).map(|(given, right)| (Metric::AffineError, *given, right));
+    let weights =
+        given.weights.iter().zip(&right.perspective).map(|(given, right)| (Metric::WeightError, *given, right));
+    for (metric, given, right) in affine.chain(weights).filter(|(_, given, _)| given.is_finite()) {
+        measures.note(metric, error(given, right));
+    }
+    if given.depth.is_finite() {
+        measures.note(Metric::DepthUlp, ulps(given.depth, &right.depth));
+    }
+    for (given, right) in given.uv.iter().zip(&right.uv).filter(|(given, _)| given.is_finite()) {
+        measures.note(Metric::UvTexels, error(*given, right) * TEXTURE_WIDTH);
+    }
+    let sum = given.weights.iter().sum::<f64>();
+    if sum.is_finite() {
+        measures.note(Metric::SumError, (sum - 1.0).abs());
+    }
+    let negative = given.weights.iter().any(|weight| *weight < 0.0);
+    measures.note(Metric::NegativeWeights, u32::from(negative).into());
+    measures
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::stability::oracle::approximate;
+
+    fn corners() -> [ScreenCorner; 3] {
+        let at = |x, y, z, w| ScreenCorner { x, y, z, w, uv: [x * 100.0, y] };
+        [at(1.0, 0.5, 0.25, 1.0), at(9.0, 2.25, 0.5, 4.0), at(3.5, 8.0, 0.75, 0.5)]
+    }
+
+    fn rounded(right: &ExactSample) -> Sampled {
+        let near = |values: &[_; 3]| values.each_ref().map(approximate);
+        Sampled {
+            affine: near(&right.affine),
+            weights: near(&right.perspective),
+            depth: approximate(&right.depth),
+            uv: right.uv.each_ref().map(approximate),
+        }
+    }
+
+    fn right_and_rounded() -> (ExpectedSamples, Vec<Sampled>) {
+        let right = expected(&corners(), &[[4, 3], [3, 4], [4, 2]]);
+        let given = right.iter().flatten().map(rounded).collect();
+        (right, given)
+    }
+
+    #[test]
+    fn the_right_answer_has_no_fault_but_rounding() {
+        let (right, given) = right_and_rounded();
+        let measures = judge(&[right], &[given]).measures.unwrap();
+        assert_eq!(measures.get(Metric::Samples), Some(3.0));
+        assert!(measures.get(Metric::WeightError).unwrap() < 1e-15);
+        assert!(measures.get(Metric::UvTexels).unwrap() < 1e-10);
+        assert!(measures.get(Metric::DepthUlp).unwrap() < 1e-6);
+        assert_eq!((measures.get(Metric::NotFinite), measures.get(Metric::Flips)), (Some(0.0), None));
+    }
+
+    #[test]
+    fn each_error_is_found_where_it_is() {
+        let (right, given) = right_and_rounded();
+        let mut wrong = given.clone();
+        wrong[1].weights[2] -= 2.0;
+        wrong[1].uv[0] += 0.5;
+        let outcome = judge(&[right.clone()], &[wrong.clone()]);
+        let measures = outcome.measures.unwrap();
+        let near = |metric, value: f64| (measures.get(metric).unwrap() - value).abs() < 1e-9;
+        assert!(near(Metric::WeightError, 2.0) && near(Metric::SumError, 2.0) && near(Metric::UvTexels, 512.0));
+        assert_eq!((measures.get(Metric::NegativeWeights), outcome.culprits), (Some(1.0), vec![1]));
+        wrong[2].affine = [f64::NAN; 3];
+        let outcome = judge(&[right], &[wrong]);
+        assert_eq!((outcome.measures.unwrap().get(Metric::NotFinite), outcome.culprits), (Some(3.0), vec![2]));
+    }
+
+    #[test]
+    fn two_triangles_of_one_plane_flip_where_their_depths_differ() {
+        let (right, given) = right_and_rounded();
+        let mut other = given.clone();
+        other[0].depth += 1e-12;
+        let both = [right.clone(), right];
+        let measures = judge(&both, &[given, other]).measures.unwrap();
+        assert_eq!((measures.get(Metric::Flips), measures.get(Metric::Samples)), (Some(1.0), Some(6.0)));
+    }
+}

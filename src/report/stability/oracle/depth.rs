@@ -1,0 +1,145 @@
+//! What a depth buffer ideally holds.
+
+use num_bigint::BigInt;
+use num_rational::BigRational;
+use num_traits::{One as _, Zero as _};
+use serde::{Deserialize, Serialize};
+
+use super::number::{approximate, exact, exact_f64, ulps};
+
+/// How a distance becomes a number in 0…1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DepthMapping {
+    /// 0 at the near plane, 1 at the far plane, by the reciprocal.
+    Standard,
+    /// 1 at the near plane, 0 at the far plane, by the reciprocal.
+    Reversed,
+    /// near / distance: 1 at the near plane, 0 at infinity.
+    ReversedInf,
+    /// 0 at the near plane, 1 at the far plane, in proportion to the distance.
+    Linear,
+}
+
+impl DepthMapping {
+    /// Whether what is nearer has the larger number.
+    pub fn is_reversed(self) -> bool {
+        matches!(self, Self::Reversed | Self::ReversedInf)
+    }
+}
+
+/// In what the number is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DepthStorage {
+    /// A float.
+    F32,
+    /// A multiple of 1/(2²⁴ − 1).
+    Unorm24,
+    /// A multiple of 1/(2¹⁶ − 1).
+    Unorm16,
+}
+
+impl DepthStorage {
+    /// Largest code, where codes are whole numbers.
+    fn largest_code(self) -> Option<u32> {
+        match self {
+            Self::F32 => None,
+            Self::Unorm24 => Some((1 << 24) - 1),
+            Self::Unorm16 => Some((1 << 16) - 1),
+        }
+    }
+
+    /// How far a stored number (0…1) is from the exact one, in units of the last place; infinite if it is no number.
+    pub fn error(self, stored: f64, right: &BigRational) -> f64 {
+        let Some(largest) = self.largest_code() else { return ulps(stored, right) };
+        let to_codes = |value: BigRational| value * BigInt::from(largest);
+        let difference = exact_f64(stored).map(|stored| approximate(&to_codes(stored - right)).abs());
+        difference.unwrap_or(f64::INFINITY)
+    }
+}
+
+/// The exact number for a distance: `far` is taken as infinite where there is none. `None` if a number is not finite, or
+/// the planes leave no room.
+pub fn exact_depth(mapping: DepthMapping, near: f32, far: Option<f32>, distance: f32) -> Option<BigRational> {
+    let (near, z) = (exact(near)?, exact(distance)?);
+    if z.is_zero() {
+        return None;
+    }
+    let room = || Some(exact(far?)? - &near).filter(|room| !room.is_zero());
+    Some(match mapping {
+        DepthMapping::ReversedInf => near / z,
+        DepthMapping::Linear => (&z - &near) / room()?,
+        DepthMapping::Standard => exact(far?)? * (&z - &near) / (&z * room()?),
+        DepthMapping::Reversed => &near * (exact(far?)? - &z) / (&z * room()?),
+    })
+}
+
+/// The number rounded once to what is stored: codes as whole numbers, floats as they are, both ordered like the numbers.
+/// Two distances with the same code cannot be told apart, however well anything is computed.
+pub fn ideal_code(storage: DepthStorage, value: &BigRational) -> BigRational {
+    match storage.largest_code() {
+        Some(largest) => {
+            let half = BigRational::new(BigInt::one(), 2.into());
+            (value * BigInt::from(largest) + half).floor()
+        }
+        None => nearest_f32(value),
+    }
+}
+
+/// The float next to a number in 0…1, of two at equal distance the even one.
+fn nearest_f32(value: &BigRational) -> BigRational {
+    // Rounding twice may miss by one; the neighbours decide.
+    let guess = (approximate(value) as f32).to_bits();
+    let candidates = [guess.saturating_sub(1), guess, guess + 1];
+    let distance =
+        |bits: u32| exact(f32::from_bits(bits)).map(|float| if &float > value { float - value } else { value - float });
+    let nearest = candidates.into_iter().min_by_key(|bits| (distance(*bits), bits & 1));
+    nearest.and_then(|bits| exact(f32::from_bits(bits))).unwrap_or_else(BigRational::zero)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn rational(numerator: i64, denominator: i64) -> BigRational {
+        BigRational::new(numerator.into(), denominator.into())
+    }
+
+    #[test]
+    fn the_planes_are_where_the_mappings_say() {
+        use DepthMapping::{Linear, Reversed, ReversedInf, Standard};
+        let at = |mapping, distance| exact_depth(mapping, 0.5, Some(8.0), distance).unwrap();
+        for (mapping, near, far, middle) in
+            [(Standard, 0, 1, rational(14, 15)), (Reversed, 1, 0, rational(1, 15)), (Linear, 0, 1, rational(7, 15))]
+        {
+            assert_eq!(at(mapping, 0.5), rational(near, 1));
+            assert_eq!(at(mapping, 8.0), rational(far, 1));
+            assert_eq!(at(mapping, 4.0), middle, "{mapping:?}");
+        }
+        assert_eq!(exact_depth(ReversedInf, 0.5, None, 4.0), Some(rational(1, 8)));
+        assert_eq!(exact_depth(Standard, 0.5, None, 4.0), None);
+        assert_eq!(exact_depth(Standard, 0.5, Some(0.5), 4.0), None);
+    }
+
+    #[test]
+    fn codes_are_the_nearest_ones() {
+        assert_eq!(ideal_code(DepthStorage::Unorm16, &rational(1, 2)), rational(32_768, 1), "32767.5 goes up");
+        assert_eq!(ideal_code(DepthStorage::Unorm24, &rational(1, 3)), rational(5_592_405, 1));
+        let mut random = fastrand::Rng::with_seed(5);
+        for _ in 0..2000 {
+            let value = random.f64() * 10.0_f64.powi(-random.i32(0..45));
+            let expected = exact(value as f32).unwrap();
+            assert_eq!(ideal_code(DepthStorage::F32, &exact_f64(value).unwrap()), expected, "{value:e}");
+        }
+    }
+
+    #[test]
+    fn errors_are_in_units_of_the_last_place_of_what_is_stored() {
+        let right = rational(100, 65_535);
+        let stored = 100.25 / 65_535.0;
+        assert!((DepthStorage::Unorm16.error(stored, &right) - 0.25).abs() < 1e-9);
+        assert!((DepthStorage::F32.error(0.5 + f64::from(f32::EPSILON), &rational(1, 2)) - 2.0).abs() < 1e-12);
+        assert_eq!(DepthStorage::Unorm24.error(f64::NAN, &right), f64::INFINITY);
+    }
+}

@@ -1,0 +1,308 @@
+//! Regions of the picture bounded by straight lines, and the pixels whose centres lie in them.
+
+use num_bigint::BigInt;
+use num_traits::{Euclid as _, Signed as _, ToPrimitive as _, Zero as _};
+
+use super::number::{places, rounded, scaled};
+use crate::pipeline::raster::Span;
+use crate::pipeline::settings::FillRule;
+use crate::pipeline::viewport::Viewport;
+
+/// Where the corners of a triangle are taken to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Snap {
+    /// Where they are given.
+    Unsnapped,
+    /// At the nearest multiple of 1/256 px, ties to even.
+    Grid256,
+}
+
+/// Binary places of [`Snap::Grid256`].
+const GRID_PLACES: u32 = 8;
+
+/// A centre closer than one part in this many of a pixel to a line is a borderline case: whoever snaps or rounds on the way
+/// to the screen may see it on either side.
+const BORDERLINE: i32 = 128;
+
+/// The half-plane where `by_column` · column + `by_row` · row + `origin`, taken at the centres of pixels, is positive; with
+/// the line itself if it is `closed`.
+#[derive(Clone, Debug)]
+pub(super) struct HalfPlane {
+    pub(super) by_column: BigInt,
+    pub(super) by_row: BigInt,
+    pub(super) origin: BigInt,
+    pub(super) closed: bool,
+}
+
+impl HalfPlane {
+    /// The value at the centre of a pixel.
+    pub(super) fn at(&self, column: u32, row: u32) -> BigInt {
+        &self.by_column * column + &self.by_row * row + &self.origin
+    }
+
+    /// First and last column of a row that lie in the half-plane, where it has such; `None` if no column does.
+    fn columns(&self, row: u32) -> Option<(Option<BigInt>, Option<BigInt>)> {
+        // Values are integers: positive means at least 1.
+        let value = &self.by_row * row + &self.origin - u8::from(!self.closed);
+        if self.by_column.is_zero() {
+            return (!value.is_negative()).then_some((None, None));
+        }
+        let steps = value.div_euclid(&self.by_column.abs());
+        Some(if self.by_column.is_positive() { (Some(-steps), None) } else { (None, Some(steps)) })
+    }
+
+    /// Whether the centre of a pixel is within a 1/[`BORDERLINE`] px of the line. The gradient is per pixel, so the
+    /// distance is |value| / √(`by_column`² + `by_row`²).
+    fn is_close(&self, column: u32, row: u32) -> bool {
+        let value = self.at(column, row) * BORDERLINE;
+        let squared_gradient = &self.by_column * &self.by_column + &self.by_row * &self.by_row;
+        &value * &value <= squared_gradient
+    }
+
+    /// Whether the fill rule gives centres on the line to the region inside: they are pushed by an infinitesimal step, far
+    /// more sideways than up or down, and go where they land.
+    pub(super) fn owns_its_line(&self, rule: FillRule) -> bool {
+        let (right, down) = match rule {
+            FillRule::TopLeft => (1, 1),
+            FillRule::TopRight => (-1, 1),
+            FillRule::BottomLeft => (1, -1),
+            FillRule::BottomRight => (-1, -1),
+            FillRule::Inclusive => return true,
+            FillRule::Exclusive => return false,
+        };
+        let sideways: BigInt = &self.by_column * right;
+        if sideways.is_zero() { (&self.by_row * BigInt::from(down)).is_positive() } else { sideways.is_positive() }
+    }
+}
+
+/// What lies in all of several half-planes. Without any it is empty: a triangle without area covers nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Region {
+    pub(super) bounds: Vec<HalfPlane>,
+    /// Rows outside need not be looked at.
+    rows: Option<(u32, u32)>,
+}
+
+impl Region {
+    /// The region that several half-planes have in common.
+    pub(super) fn new(bounds: Vec<HalfPlane>) -> Self {
+        Self { bounds, rows: None }
+    }
+
+    /// A triangle on the screen, corners in px, of either winding. Without area, or if a corner is not finite, it is empty.
+    pub fn triangle(corners_px: [[f32; 2]; 3], snap: Snap, rule: FillRule) -> Self {
+        if corners_px.iter().flatten().any(|c| !c.is_finite()) {
+            return Self::default();
+        }
+        let (corners, scale) = integer_corners(corners_px, snap);
+        let bounds = [(0, 1), (1, 2), (2, 0)].map(|(from, to)| line(&corners[from], &corners[to], scale));
+        let [a, b, c] = &corners;
+        let doubled_area = (&b[0] - &a[0]) * (&c[1] - &a[1]) - (&c[0] - &a[0]) * (&b[1] - &a[1]);
+        if doubled_area.is_zero() {
+            return Self::default();
+        }
+        let bounds = bounds.into_iter().map(|bound| {
+            let inside = if doubled_area.is_negative() { negated(bound) } else { bound };
+            HalfPlane { closed: inside.owns_its_line(rule), ..inside }
+        });
+        Self { bounds: bounds.collect(), rows: Some(rows_around(corners_px)) }
+    }
+
+    /// Whether there is nothing that could be covered.
+    pub fn is_empty(&self) -> bool {
+        self.bounds.is_empty()
+    }
+
+    /// The pixels of a picture whose centres lie in the region: at most one span per row, from the top.
+    pub fn spans(&self, viewport: Viewport) -> Vec<Span> {
+        if self.is_empty() {
+            return Vec::new();
+        }
+        let (first, last) = self.rows.unwrap_or((0, u32::MAX));
+        (first..viewport.height.min(last.saturating_add(1))).filter_map(|row| self.span(row, viewport.width)).collect()
+    }
+
+    fn span(&self, row: u32, width: u32) -> Option<Span> {
+        let (mut first, mut last): (BigInt, BigInt) = (BigInt::zero(), BigInt::from(width) - 1);
+        for bound in &self.bounds {
+            let (from, to) = bound.columns(row)?;
+            first = from.into_iter().fold(first, BigInt::max);
+            last = to.into_iter().fold(last, BigInt::min);
+        }
+        let end: BigInt = last + 1;
+        let (left, right) = (first.to_u32()?, end.to_u32()?);
+        (left < right).then_some(Span { row, left, right })
+    }
+
+    /// Whether the centre of a pixel lies in the region.
+    pub fn contains(&self, column: u32, row: u32) -> bool {
+        let inside = |bound: &HalfPlane| {
+            let value = bound.at(column, row);
+            value.is_positive() || (bound.closed && value.is_zero())
+        };
+        !self.is_empty() && self.bounds.iter().all(inside)
+    }
+
+    /// Whether the centre of a pixel is within 1/128 px of a line that bounds the region, and not clearly outside of
+    /// another.
+    pub fn is_borderline(&self, column: u32, row: u32) -> bool {
+        let lines = || self.bounds.iter().filter(|b| !b.by_column.is_zero() || !b.by_row.is_zero());
+        let clearly_outside = |bound: &HalfPlane| bound.at(column, row).is_negative() && !bound.is_close(column, row);
+        lines().any(|bound| bound.is_close(column, row)) && !lines().any(clearly_outside)
+    }
+}
+
+/// The corners in units of 2^−scale px, integers all, and the scale: at least 1, as centres lie at halves.
+fn integer_corners(corners_px: [[f32; 2]; 3], snap: Snap) -> ([[BigInt; 2]; 3], u32) {
+    match snap {
+        Snap::Grid256 => (corners_px.map(|corner| corner.map(|c| rounded(c, GRID_PLACES))), GRID_PLACES),
+        Snap::Unsnapped => {
+            let scale = corners_px.iter().flatten().map(|c| places(*c)).fold(1, u32::max);
+            (corners_px.map(|corner| corner.map(|c| scaled(c, scale))), scale)
+        }
+    }
+}
+
+/// The side of the line `from` → `to` that is clockwise of it (y down): positive where (to − from) × (p − from) is.
+fn line(from: &[BigInt; 2], to: &[BigInt; 2], scale: u32) -> HalfPlane {
+    let (by_x, by_y) = (&from[1] - &to[1], &to[0] - &from[0]);
+    let constant = -(&by_x * &from[0] + &by_y * &from[1]);
+    // p = (pixel + 1/2) · 2^scale.
+    let origin = constant + ((&by_x + &by_y) << (scale - 1));
+    HalfPlane { by_column: by_x << scale, by_row: by_y << scale, origin, closed: false }
+}
+
+fn negated(bound: HalfPlane) -> HalfPlane {
+    let HalfPlane { by_column, by_row, origin, closed } = bound;
+    HalfPlane { by_column: -by_column, by_row: -by_row, origin: -origin, closed }
+}
+
+/// First and last row that the triangle may reach, wider by one than it is, as snapping may move it.
+fn rows_around(corners_px: [[f32; 2]; 3]) -> (u32, u32) {
+    let ys = corners_px.map(|[_, y]| y);
+    let (top, bottom) = (ys[0].min(ys[1]).min(ys[2]), ys[0].max(ys[1]).max(ys[2]));
+    // Casts to integers stop at their ends.
+    ((top.floor() as u32).saturating_sub(1), (bottom.ceil() as u32).saturating_add(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use num_rational::BigRational;
+
+    use super::*;
+    use crate::pipeline::settings::Choice as _;
+    use crate::report::stability::oracle::exact;
+
+    const VIEW: Viewport = Viewport { width: 12, height: 10 };
+
+    /// Coverage by the signs of three areas in fractions; on an edge, by their change along the step of the fill rule.
+    fn covers(corners: &[[BigRational; 2]; 3], column: u32, row: u32, rule: FillRule) -> bool {
+        let half = BigRational::new(1.into(), 2.into());
+        let centre = [column, row].map(|pixel| BigRational::from_integer(pixel.into()) + &half);
+        let (right, down) = match rule {
+            FillRule::TopLeft => (1, 1),
+            FillRule::TopRight => (-1, 1),
+            FillRule::BottomLeft => (1, -1),
+            FillRule::BottomRight => (-1, -1),
+            FillRule::Inclusive | FillRule::Exclusive => (0, 0),
+        };
+        let sign = |value: &BigRational| i32::from(value.is_positive()) - i32::from(value.is_negative());
+        let sides = [(0, 1), (1, 2), (2, 0)].map(|(from, to)| {
+            let (a, b) = (&corners[from], &corners[to]);
+            let [along_x, along_y] = [&b[0] - &a[0], &b[1] - &a[1]];
+            let area = &along_x * (&centre[1] - &a[1]) - &along_y * (&centre[0] - &a[0]);
+            (area, [-sign(&along_y) * right, sign(&along_x) * down])
+        });
+        let winding = sign(&sides.iter().map(|(area, _)| area).sum());
+        let inside = |(area, [sideways, downwards]): &(BigRational, [i32; 2])| {
+            let first_that_counts = [sign(area), *sideways, *downwards].into_iter().find(|s| *s != 0).unwrap_or(0);
+            first_that_counts * winding > 0 || (rule == FillRule::Inclusive && area.is_zero())
+        };
+        winding != 0 && sides.iter().all(inside)
+    }
+
+    /// A coordinate of one of several kinds: anywhere, on centres, on the grid, between grid steps, far away, tiny.
+    fn coordinate(random: &mut fastrand::Rng, kind: u8) -> f32 {
+        let anywhere = random.f32() * 20.0 - 4.0;
+        match kind {
+            0 => anywhere,
+            1 => anywhere.floor() + 0.5,
+            2 => (anywhere * 256.0).round() / 256.0,
+            3 => ((anywhere * 256.0).round() + 0.5) / 256.0,
+            4 => anywhere * 10.0_f32.powi(random.i32(0..38)),
+            _ => anywhere.floor() + f32::from_bits(random.u32(..1 << 24)),
+        }
+    }
+
+    #[test]
+    fn spans_hold_exactly_the_centres_that_brute_force_finds_under_every_rule() {
+        let mut random = fastrand::Rng::with_seed(21);
+        let (mut inside, mut corners_on_centres) = (0, 0);
+        for round in 0..60 {
+            let kind = (round % 6) as u8;
+            let corners = std::array::from_fn(|_| std::array::from_fn(|_| coordinate(&mut random, kind)));
+            corners_on_centres += u32::from(kind == 1);
+            let exact_corners = corners.map(|corner: [f32; 2]| corner.map(|c| exact(c).unwrap()));
+            for rule in FillRule::ALL {
+                let region = Region::triangle(corners, Snap::Unsnapped, *rule);
+                let spans = region.spans(VIEW);
+                for row in 0..VIEW.height {
+                    for column in 0..VIEW.width {
+                        let expected = covers(&exact_corners, column, row, *rule);
+                        let found = spans.iter().any(|s| s.row == row && (s.left..s.right).contains(&column));
+                        assert_eq!(found, expected, "{corners:?} {rule:?} {column},{row}");
+                        assert_eq!(region.contains(column, row), expected);
+                        inside += u32::from(expected);
+                    }
+                }
+            }
+        }
+        assert!(inside > 5000 && corners_on_centres == 10, "{inside} inside, {corners_on_centres} on centres");
+    }
+
+    #[test]
+    fn snapping_first_is_the_same_as_snapped_corners() {
+        let mut random = fastrand::Rng::with_seed(22);
+        let mut moved = 0;
+        for round in 0..1000 {
+            let corners: [[f32; 2]; 3] =
+                std::array::from_fn(|_| std::array::from_fn(|_| coordinate(&mut random, round as u8 % 4)));
+            let snapped = corners.map(|corner| corner.map(|c| (c * 256.0).round_ties_even() / 256.0));
+            let rule = FillRule::TopLeft;
+            let of_given = Region::triangle(corners, Snap::Grid256, rule).spans(VIEW);
+            assert_eq!(of_given, Region::triangle(snapped, Snap::Unsnapped, rule).spans(VIEW), "{corners:?}");
+            moved += u32::from(of_given != Region::triangle(corners, Snap::Unsnapped, rule).spans(VIEW));
+        }
+        assert!(moved > 5, "snapping changed only {moved} triangles");
+    }
+
+    #[test]
+    fn triangles_without_area_or_number_cover_nothing() {
+        let flat = [[1.0, 1.0], [5.0, 5.0], [9.0, 9.0]];
+        let collapsed = [[1.0, 1.0], [9.0, 1.000_01], [5.0, 1.000_02]];
+        let broken = [[1.0, 1.0], [f32::NAN, 5.0], [9.0, 2.0]];
+        for (corners, snap) in
+            [(flat, Snap::Unsnapped), (collapsed, Snap::Grid256), (broken, Snap::Unsnapped), (broken, Snap::Grid256)]
+        {
+            assert!(Region::triangle(corners, snap, FillRule::Inclusive).is_empty(), "{corners:?}");
+        }
+        assert!(!Region::triangle(collapsed, Snap::Unsnapped, FillRule::Inclusive).is_empty());
+    }
+
+    #[test]
+    fn borderline_is_what_lies_within_a_128th_of_a_pixel_of_an_edge() {
+        // A left edge at x = 3.5 + d, the other edges far away.
+        let at = |d: f32| {
+            Region::triangle([[3.5 + d, -90.0], [90.0, 5.0], [3.5 + d, 90.0]], Snap::Unsnapped, FillRule::TopLeft)
+        };
+        for (distance, expected) in [(0.0, true), (0.0077, true), (-0.0077, true), (0.0079, false), (-0.0079, false)] {
+            assert_eq!(at(distance).is_borderline(3, 4), expected, "{distance}");
+        }
+        assert!(!at(0.0).is_borderline(2, 4), "a whole pixel away");
+        let corner = Region::triangle([[3.5, 4.0], [9.0, 4.0], [3.5, 9.0]], Snap::Unsnapped, FillRule::TopLeft);
+        assert!(
+            corner.is_borderline(3, 4) && !corner.is_borderline(3, 3),
+            "on the line of one edge, outside of another"
+        );
+    }
+}

@@ -1,0 +1,122 @@
+//! Weights, depth and attributes at the centre of a pixel.
+
+use num_rational::BigRational;
+use num_traits::Zero as _;
+
+use super::number::exact;
+
+/// A corner on the screen, with what is interpolated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScreenCorner {
+    /// Right, px.
+    pub x: f32,
+    /// Down, px.
+    pub y: f32,
+    /// Depth after the division by w.
+    pub z: f32,
+    /// w of clip space, > 0.
+    pub w: f32,
+    /// Texture coordinates.
+    pub uv: [f32; 2],
+}
+
+/// Everything that there is to know at the centre of a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ExactSample {
+    /// Weights of the corners on the screen.
+    pub affine: [BigRational; 3],
+    /// Weights of the corners in space.
+    pub perspective: [BigRational; 3],
+    /// Depth, an affine function of the screen.
+    pub depth: BigRational,
+    /// Texture coordinates by the weights in space.
+    pub uv: [BigRational; 2],
+}
+
+/// The exact values at the centre of a pixel, corners taken where they are. `None` for a triangle without area, with a
+/// number that is not finite, or with w = 0.
+pub fn exact_sample(corners: &[ScreenCorner; 3], column: u32, row: u32) -> Option<ExactSample> {
+    let places = all(corners.map(|c| all([c.x, c.y].map(exact))))?;
+    let half = BigRational::new(1.into(), 2.into());
+    let centre = [column, row].map(|pixel| BigRational::from_integer(pixel.into()) + &half);
+    let edge = |from: usize, to: usize| doubled_area(&places[from], &places[to], &centre);
+    let edges = [edge(1, 2), edge(2, 0), edge(0, 1)];
+    let area: BigRational = edges.iter().sum();
+    if area.is_zero() {
+        return None;
+    }
+    let affine = edges.map(|e| e / &area);
+    let ws = all(corners.map(|c| exact(c.w).filter(|w| !w.is_zero())))?;
+    let over_w = [0, 1, 2].map(|i| &affine[i] / &ws[i]);
+    let sum: BigRational = over_w.iter().sum();
+    if sum.is_zero() {
+        return None;
+    }
+    let perspective = over_w.map(|share| share / &sum);
+    let depth = mean(&affine, all(corners.map(|c| exact(c.z)))?);
+    let [u, v] = [0, 1].map(|axis| Some(mean(&perspective, all(corners.map(|c| exact(c.uv[axis])))?)));
+    Some(ExactSample { affine, perspective, depth, uv: [u?, v?] })
+}
+
+/// Doubled signed area of a triangle.
+fn doubled_area(a: &[BigRational; 2], b: &[BigRational; 2], c: &[BigRational; 2]) -> BigRational {
+    (&b[0] - &a[0]) * (&c[1] - &a[1]) - (&c[0] - &a[0]) * (&b[1] - &a[1])
+}
+
+fn mean(weights: &[BigRational; 3], values: [BigRational; 3]) -> BigRational {
+    weights.iter().zip(values).map(|(weight, value)| weight * value).sum()
+}
+
+/// All of them, if all are there.
+fn all<T, const N: usize>(values: [Option<T>; N]) -> Option<[T; N]> {
+    let found: Vec<T> = values.into_iter().collect::<Option<_>>()?;
+    found.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use num_traits::One as _;
+
+    use super::*;
+
+    fn rational(numerator: i64, denominator: i64) -> BigRational {
+        BigRational::new(numerator.into(), denominator.into())
+    }
+
+    fn corner([x, y]: [f32; 2], z: f32, w: f32, uv: [f32; 2]) -> ScreenCorner {
+        ScreenCorner { x, y, z, w, uv }
+    }
+
+    #[test]
+    fn weights_reproduce_the_place_and_the_plane_through_the_corners() {
+        // z = x / 16 + y / 32 and, in space, the texture coordinates of a point seen in perspective.
+        let at = |p: [f32; 2], w: f32| corner(p, p[0] / 16.0 + p[1] / 32.0, w, [p[0] * w, p[1] * w]);
+        let corners = [at([1.0, 0.5], 1.0), at([9.0, 2.25], 4.0), at([3.5, 8.0], 0.5)];
+        let sample = exact_sample(&corners, 4, 3).unwrap();
+        assert_eq!(sample.affine.iter().sum::<BigRational>(), BigRational::one());
+        assert_eq!(sample.perspective.iter().sum::<BigRational>(), BigRational::one());
+        assert_eq!(sample.depth, rational(9, 32) + rational(7, 64), "4.5 / 16 + 3.5 / 32");
+        // u = x·w at the corners, so u over the interpolated w is the place on the screen.
+        let w = mean(&sample.perspective, corners.map(|c| exact(c.w).unwrap()));
+        assert_eq!(&sample.uv[0] / &w, rational(9, 2));
+        assert_eq!(&sample.uv[1] / &w, rational(7, 2));
+    }
+
+    #[test]
+    fn equal_w_makes_both_kinds_of_weights_the_same() {
+        let corners = [[1.0, 0.5], [9.0, 2.25], [3.5, 8.0]].map(|p| corner(p, 0.5, 3.0, p));
+        let sample = exact_sample(&corners, 4, 3).unwrap();
+        assert_eq!(sample.affine, sample.perspective);
+        assert_eq!(sample.uv, [rational(9, 2), rational(7, 2)]);
+    }
+
+    #[test]
+    fn what_has_no_weights_has_no_sample() {
+        let line = [[1.0, 1.0], [2.0, 2.0], [3.0, 3.0]].map(|p| corner(p, 0.5, 1.0, p));
+        assert_eq!(exact_sample(&line, 0, 0), None);
+        let mut broken = [[1.0, 1.0], [2.0, 7.0], [3.0, 3.0]].map(|p| corner(p, 0.5, 1.0, p));
+        assert!(exact_sample(&broken, 0, 0).is_some());
+        broken[1].w = 0.0;
+        assert_eq!(exact_sample(&broken, 0, 0), None);
+    }
+}

@@ -1,0 +1,132 @@
+//! Runs of pixels, and how two sets of them differ.
+
+use crate::pipeline::raster::Span;
+use crate::pipeline::viewport::Viewport;
+
+fn length(span: &Span) -> u64 {
+    span.right.saturating_sub(span.left).into()
+}
+
+/// How many pixels spans have, each counted as often as it occurs.
+pub fn pixel_count(spans: &[Span]) -> u64 {
+    spans.iter().map(length).sum()
+}
+
+/// The same set of pixels, in order, without overlaps and without empty spans.
+pub fn normalized(spans: &[Span]) -> Vec<Span> {
+    let mut sorted: Vec<Span> = spans.iter().copied().filter(|s| s.left < s.right).collect();
+    sorted.sort_unstable_by_key(|s| (s.row, s.left, s.right));
+    let mut merged: Vec<Span> = Vec::with_capacity(sorted.len());
+    for span in sorted {
+        match merged.last_mut() {
+            Some(last) if last.row == span.row && span.left <= last.right => last.right = last.right.max(span.right),
+            _ => merged.push(span),
+        }
+    }
+    merged
+}
+
+/// The pixels that are in exactly one of two sets, in order.
+pub fn difference(a: &[Span], b: &[Span]) -> Vec<Span> {
+    let (a, b) = (normalized(a), normalized(b));
+    // Each pixel run starts and ends where membership of one set changes; a change of both leaves the result as it is.
+    let mut ends: Vec<(u32, u32)> = a.iter().chain(&b).flat_map(|s| [(s.row, s.left), (s.row, s.right)]).collect();
+    ends.sort_unstable();
+    let mut result: Vec<Span> = Vec::new();
+    let mut open: Option<(u32, u32)> = None;
+    for end in ends {
+        open = match open {
+            None => Some(end),
+            Some((row, left)) => {
+                result.push(Span { row, left, right: end.1 });
+                None
+            }
+        };
+    }
+    normalized(&result)
+}
+
+/// How often each pixel of a picture was hit, row by row.
+#[derive(Clone, Debug)]
+pub struct Hits {
+    viewport: Viewport,
+    counts: Vec<u16>,
+}
+
+impl Hits {
+    /// No hit anywhere.
+    pub fn none(viewport: Viewport) -> Self {
+        Self { viewport, counts: vec![0; viewport.width as usize * viewport.height as usize] }
+    }
+
+    /// Adds spans; what lies outside of the picture is not counted.
+    pub fn add(&mut self, spans: &[Span]) {
+        let width = self.viewport.width as usize;
+        for span in spans.iter().filter(|s| s.row < self.viewport.height) {
+            let (left, right) = (width.min(span.left as usize), width.min(span.right as usize));
+            let start = span.row as usize * width;
+            for count in self.counts.get_mut(start + left..start + right).unwrap_or_default() {
+                *count = count.saturating_add(1);
+            }
+        }
+    }
+
+    /// Pixels that were never hit.
+    pub fn cracks(&self) -> u64 {
+        self.counts.iter().filter(|count| **count == 0).count() as u64
+    }
+
+    /// Pixels that were hit more than once.
+    pub fn doubles(&self) -> u64 {
+        self.counts.iter().filter(|count| **count > 1).count() as u64
+    }
+
+    /// The first pixel, column and row, that was not hit exactly once.
+    pub fn first_fault(&self) -> Option<(u32, u32)> {
+        let at = self.counts.iter().position(|count| *count != 1)?;
+        let width = self.viewport.width as usize;
+        Some(((at % width) as u32, (at / width) as u32))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn span(row: u32, left: u32, right: u32) -> Span {
+        Span { row, left, right }
+    }
+
+    #[test]
+    fn differences_are_those_of_sets_of_pixels() {
+        let mut random = fastrand::Rng::with_seed(8);
+        for _ in 0..500 {
+            let mut some = || -> Vec<Span> {
+                let left = |random: &mut fastrand::Rng| random.u32(..12);
+                (0..5)
+                    .map(|_| {
+                        let (row, left) = (random.u32(..3), left(&mut random));
+                        span(row, left, left + random.u32(..6))
+                    })
+                    .collect()
+            };
+            let (a, b) = (some(), some());
+            let holds = |spans: &[Span], row, x| spans.iter().any(|s| s.row == row && (s.left..s.right).contains(&x));
+            let found = difference(&a, &b);
+            for row in 0..3 {
+                for x in 0..20 {
+                    assert_eq!(holds(&found, row, x), holds(&a, row, x) != holds(&b, row, x), "{a:?} {b:?}");
+                }
+            }
+            assert_eq!(found, normalized(&found));
+        }
+    }
+
+    #[test]
+    fn hits_are_counted_and_what_lies_outside_is_not() {
+        let mut hits = Hits::none(Viewport { width: 4, height: 2 });
+        hits.add(&[span(0, 0, 4), span(0, 1, 2), span(1, 0, 3), span(1, 2, 900), span(7, 0, 4)]);
+        assert_eq!((hits.cracks(), hits.doubles(), hits.first_fault()), (0, 2, Some((1, 0))));
+        assert_eq!(Hits::none(Viewport { width: 4, height: 2 }).cracks(), 8);
+    }
+}

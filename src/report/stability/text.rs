@@ -1,0 +1,86 @@
+//! The report as text for people: family by family a table of its classes, arithmetic by arithmetic.
+
+use super::catalogue::Family;
+use super::column::Column;
+use super::metric::{Verdict, short};
+use super::sweep::{Cell, ClassReport, Report};
+
+/// Width of the column of classes.
+const CLASS_WIDTH: usize = 17;
+
+/// Width of the others.
+const CELL_WIDTH: usize = 22;
+
+/// The whole report, many lines.
+pub fn text(report: &Report) -> String {
+    let mut lines = vec![
+        format!("Stability report, seed {}, {:.1} s on {}", report.seed, report.duration.as_secs_f64(), machine(report)),
+        "Each cell: the measure that the table is named for, then nanoseconds per pixel; * stands for PASS, ! for REFUSED."
+            .to_owned(),
+    ];
+    for family in Family::ALL {
+        let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| c.class.family == family).collect();
+        for (group, columns) in groups(&classes) {
+            lines.push(String::new());
+            lines.push(format!("{}{}", family.name(), group.map(|g| format!(" · {g}")).unwrap_or_default()));
+            lines.extend(table(&classes, &columns));
+        }
+    }
+    lines.push(String::new());
+    lines.push(totals(report));
+    lines.join("\n") + "\n"
+}
+
+/// What times rest on, in a few words.
+pub(super) fn machine(report: &Report) -> String {
+    let machine = &report.machine;
+    let processor = machine.processor.as_deref().unwrap_or("an unknown processor");
+    let build = if machine.optimized { "" } else { ", not optimised" };
+    format!("{processor}, {} threads, {}{build}", machine.threads, machine.platform)
+}
+
+/// Columns by what their table is headed with: the arithmetic, where there is a choice.
+fn groups(classes: &[&ClassReport]) -> Vec<(Option<&'static str>, Vec<Column>)> {
+    let mut groups: Vec<(Option<&'static str>, Vec<Column>)> = Vec::new();
+    for cell in classes.first().map(|class| &class.cells).into_iter().flatten() {
+        let name = if cell.column.is_published() { Some("as published") } else { cell.column.arithmetic_name() };
+        match groups.iter_mut().find(|(group, _)| *group == name) {
+            Some((_, columns)) => columns.push(cell.column),
+            None => groups.push((name, vec![cell.column])),
+        }
+    }
+    groups
+}
+
+fn table(classes: &[&ClassReport], columns: &[Column]) -> Vec<String> {
+    let heads: String = columns.iter().map(|column| format!(" {:>CELL_WIDTH$}", column.method())).collect();
+    let mut lines = vec![format!("  {:CLASS_WIDTH$}{heads}", "")];
+    for class in classes {
+        let cell = |column: &Column| class.cells.iter().find(|cell| cell.column == *column);
+        let cells = columns.iter().map(|column| cell(column).map(|cell| cell_text(class, cell)).unwrap_or_default());
+        let cells: String = cells.map(|text| format!(" {text:>CELL_WIDTH$}")).collect();
+        lines.push(format!("  {:CLASS_WIDTH$}{cells}", class.class.id));
+    }
+    lines
+}
+
+fn cell_text(class: &ClassReport, cell: &Cell) -> String {
+    let metric = class.class.headline;
+    let value = cell.measures.get(metric).map_or("–".to_owned(), |value| metric.format(value));
+    let mark = match cell.verdict {
+        Verdict::Pass => "*",
+        Verdict::Measured => "",
+        Verdict::Refused => "!",
+    };
+    let time = cell.time.and_then(|time| time.ns_per_pixel).map(|spread| format!(" {:>7} ns", short(spread.median)));
+    format!("{value}{mark}{}", time.unwrap_or_default())
+}
+
+fn totals(report: &Report) -> String {
+    let verdicts: Vec<Verdict> =
+        report.classes.iter().flat_map(|class| &class.cells).map(|cell| cell.verdict).collect();
+    let count = |verdict: Verdict| verdicts.iter().filter(|v| **v == verdict).count();
+    let [pass, measured, refused] = [Verdict::Pass, Verdict::Measured, Verdict::Refused].map(count);
+    let noise = report.timing_noise.map(|noise| format!("; times are good to about {:.1} %", noise * 100.0));
+    format!("{pass} PASS, {measured} MEASURED, {refused} REFUSED{}", noise.unwrap_or_default())
+}

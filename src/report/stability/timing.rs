@@ -1,0 +1,299 @@
+//! What a pixel costs.
+//!
+//! All configurations of a class run in turn, round after round, in another order each time, so that whatever disturbs the
+//! machine disturbs all of them. Short ones are repeated until the clock can tell. The first configuration runs twice per
+//! round, as if it were two: how far the two are apart is the noise below which differences mean nothing.
+
+use std::hint::black_box;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+
+use super::case::{Body, Case};
+use super::catalogue::{Class, Family};
+use super::column::Column;
+use super::oracle::{Region, Snap};
+use super::spans::pixel_count;
+use super::subject::{self, DepthBuffer, Interpolator};
+use crate::measure::timing::summarize;
+use crate::pipeline::settings::FillRule;
+use crate::pipeline::viewport::Viewport;
+
+/// Least time between two looks at the clock.
+const LEAST_SPELL: Duration = Duration::from_micros(100);
+
+/// Time that a class may take for all its configurations.
+const CLASS_BUDGET: Duration = Duration::from_millis(900);
+
+/// Rounds at least, however long they take.
+const FEWEST_ROUNDS: usize = 5;
+
+/// Rounds at most.
+const MOST_ROUNDS: usize = 31;
+
+/// Distances that stand for a case of random pairs.
+const DISTANCES: usize = 2000;
+
+/// Middle and spread of a number over the rounds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Half of the rounds were below.
+    pub median: f64,
+    /// One in ten was below.
+    pub p10: f64,
+    /// One in ten was above.
+    pub p90: f64,
+}
+
+/// What one configuration costs on the cases of a class.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Time {
+    /// Nanoseconds per pixel that the exact answer covers, per sample, or per depth stored; nothing where there is none.
+    pub ns_per_pixel: Option<Spread>,
+    /// Nanoseconds per triangle.
+    pub ns_per_triangle: Option<f64>,
+    /// Time per pixel as a multiple of what a compact triangle of as many pixels takes.
+    pub stiffness: Option<f64>,
+    /// Rounds that this rests on.
+    pub rounds: usize,
+}
+
+/// Something to be timed: runs all cases of a class once.
+type Work<'a> = Box<dyn Fn() + 'a>;
+
+/// Times every column of a class, of which there is at least one. `units` is how many pixels, samples or depths each case
+/// has. Also gives the relative distance of two measurements of the same thing. Nothing if it was cancelled.
+pub(super) fn time_class(
+    class: &Class,
+    cases: &[Case],
+    units: &[u64],
+    columns: &[Column],
+    cancel: &AtomicBool,
+) -> Option<(Vec<Time>, f64)> {
+    let twins = twins(class, cases, units);
+    let units = cases.iter().zip(units).map(|(case, units)| timed_units(case, *units)).sum();
+    let twin_pixels: u64 = twins.iter().map(|twin| twin.pixels()).sum();
+    let mut works: Vec<Work<'_>> = columns.iter().map(|column| work(cases, *column)).collect();
+    if twin_pixels > 0 {
+        works.extend(columns.iter().map(|column| twin_work(&twins, *column)));
+    }
+    works.extend(columns.first().map(|first| work(cases, *first)));
+    let seconds = interleaved(&works, cancel)?;
+    let triangles: usize = cases.iter().map(Case::triangle_count).sum();
+    let times = (0..columns.len()).map(|index| {
+        let spent = &seconds[index];
+        let ns_per_pixel = spread(spent, units);
+        let twin = seconds.get(columns.len() + index).filter(|_| twin_pixels > 0);
+        let twin_per_pixel = twin.and_then(|spent| Some(spread(spent, twin_pixels)?.median));
+        Time {
+            ns_per_pixel,
+            ns_per_triangle: spread(spent, triangles as u64).map(|spread| spread.median),
+            stiffness: ns_per_pixel.zip(twin_per_pixel).map(|(here, there)| here.median / there),
+            rounds: spent.len(),
+        }
+    });
+    let noise = match (seconds.first().map(|s| spread(s, 1)), seconds.last().map(|s| spread(s, 1))) {
+        (Some(Some(first)), Some(Some(again))) => (again.median / first.median - 1.0).abs(),
+        _ => 0.0,
+    };
+    Some((times.collect(), noise))
+}
+
+/// Seconds as nanoseconds per unit.
+fn spread(seconds: &[f64], units: u64) -> Option<Spread> {
+    let per_unit: Vec<f64> = seconds.iter().map(|s| s * 1e9 / units as f64).collect();
+    let summary = summarize(&per_unit).filter(|_| units > 0)?;
+    Some(Spread { median: summary.median, p10: summary.p10, p90: summary.p90 })
+}
+
+/// Seconds per run of each work, one entry per round.
+fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>> {
+    // The first run warms up, and tells how often to run.
+    let mut repeats = Vec::new();
+    let mut round = Duration::ZERO;
+    for work in works {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
+        work();
+        let once = timed(work, 1).max(Duration::from_nanos(1));
+        let times = (LEAST_SPELL.as_secs_f64() / once.as_secs_f64()).ceil().max(1.0);
+        round += once.mul_f64(times);
+        repeats.push(times as u32);
+    }
+    let affordable = CLASS_BUDGET.as_secs_f64() / round.as_secs_f64().max(1e-9);
+    let rounds = (affordable as usize).clamp(FEWEST_ROUNDS, MOST_ROUNDS);
+    let mut random = fastrand::Rng::with_seed(0);
+    let mut order: Vec<usize> = (0..works.len()).collect();
+    let mut seconds = vec![Vec::with_capacity(rounds); works.len()];
+    for _ in 0..rounds {
+        random.shuffle(&mut order);
+        for index in &order {
+            if cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            let spent = timed(&works[*index], repeats[*index]);
+            seconds[*index].push(spent.as_secs_f64() / f64::from(repeats[*index]));
+        }
+    }
+    Some(seconds)
+}
+
+fn timed(work: &Work<'_>, repeats: u32) -> Duration {
+    let start = Instant::now();
+    for _ in 0..repeats {
+        work();
+    }
+    start.elapsed()
+}
+
+/// Asks the engine about all cases.
+fn work(cases: &[Case], column: Column) -> Work<'_> {
+    let parts: Vec<Work<'_>> = cases.iter().filter_map(|case| case_work(case, column)).collect();
+    Box::new(move || parts.iter().for_each(|part| part()))
+}
+
+fn case_work(case: &Case, column: Column) -> Option<Work<'_>> {
+    let viewport = case.viewport();
+    Some(match (&case.body, column) {
+        (Body::TriCoverage(body), Column::Coverage(by)) => {
+            let viewport = viewport?;
+            Box::new(move || {
+                for triangle in &body.triangles {
+                    black_box(subject::cover(by, black_box(*triangle), body.rule, viewport));
+                }
+            })
+        }
+        (Body::ClipTri(body), Column::Coverage(by)) => {
+            let viewport = viewport?;
+            Box::new(move || {
+                for triangle in &body.triangles {
+                    black_box(subject::draw(by, black_box(*triangle), viewport));
+                }
+            })
+        }
+        (Body::TriAttr(body), Column::Weights(by)) => sampling([Interpolator::new(by, &body.vertices)], &body.eval),
+        (Body::CoplanarPair(body), Column::Weights(by)) => {
+            sampling([Interpolator::new(by, &body.first), Interpolator::new(by, &body.second)], &body.eval)
+        }
+        (Body::Depth(body), Column::Depth(format)) => {
+            let buffer = DepthBuffer::new(format, body.near, body.far.unwrap_or(f32::MAX));
+            storing(buffer, body.z.clone())
+        }
+        (Body::DepthPairs(body), Column::Depth(format)) => {
+            let ratio = f64::from(body.far) / f64::from(body.near);
+            let share = |i: usize| i as f64 / DISTANCES as f64;
+            let distances = (0..DISTANCES).map(|i| body.near * ratio.powf(share(i)) as f32);
+            storing(DepthBuffer::new(format, body.near, body.far), distances.collect())
+        }
+        _ => return None,
+    })
+}
+
+/// Weights at every pixel; setting up the triangles is not part of it.
+fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 2]]) -> Work<'_> {
+    Box::new(move || {
+        for triangle in triangles.iter().flatten() {
+            for [column, row] in eval {
+                black_box(triangle.weights(black_box(*column), *row));
+            }
+        }
+    })
+}
+
+fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> Work<'a> {
+    Box::new(move || {
+        for z in &distances {
+            black_box(buffer.stored(black_box(*z)));
+        }
+    })
+}
+
+/// How many depths, pixels or samples a run of [`work`] has, where that is not what the case says.
+fn timed_units(case: &Case, units: u64) -> u64 {
+    if matches!(case.body, Body::DepthPairs(_)) { DISTANCES as u64 } else { units }
+}
+
+/// Compact triangles in a picture, all the same: the benign counterpart of a case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Twin {
+    corners_px: [[f32; 2]; 3],
+    viewport: Viewport,
+    count: u32,
+}
+
+impl Twin {
+    /// Of about as many pixels as asked for: right triangles with equal legs, as large as the picture takes.
+    fn new(pixels: u64, viewport: Viewport) -> Self {
+        /// Off the corner of the pixel, so that no centre lies on an edge.
+        const AT: f32 = 0.3;
+        let room = f64::from(viewport.width.min(viewport.height)) - 1.0;
+        let leg = (2.0 * pixels as f64).sqrt().min(room).max(1.0) as f32;
+        let corners_px = [[AT, AT], [AT + leg, AT], [AT, AT + leg]];
+        let one = Self { corners_px, viewport, count: 1 };
+        Self { count: (pixels / one.pixels().max(1)).clamp(1, u32::MAX.into()) as u32, ..one }
+    }
+
+    fn pixels(&self) -> u64 {
+        let spans = Region::triangle(self.corners_px, Snap::Unsnapped, FillRule::TopLeft).spans(self.viewport);
+        pixel_count(&spans) * u64::from(self.count)
+    }
+}
+
+/// One twin per case that covers anything, for families of triangles on the screen.
+fn twins(class: &Class, cases: &[Case], pixels: &[u64]) -> Vec<Twin> {
+    if !matches!(class.family, Family::Coverage | Family::Mesh | Family::Throughput) {
+        return Vec::new();
+    }
+    let visible = cases.iter().zip(pixels).filter(|(_, pixels)| **pixels > 0);
+    visible.filter_map(|(case, pixels)| Some(Twin::new(*pixels, case.viewport()?))).collect()
+}
+
+fn twin_work(twins: &[Twin], column: Column) -> Work<'_> {
+    Box::new(move || {
+        let Column::Coverage(by) = column else { return };
+        for twin in twins {
+            for _ in 0..twin.count {
+                black_box(subject::cover(by, black_box(twin.corners_px), FillRule::TopLeft, twin.viewport));
+            }
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_twin_has_about_as_many_pixels_as_asked_for() {
+        let viewport = Viewport { width: 64, height: 32 };
+        for pixels in [50, 100, 400, 5000, 100_000] {
+            let twin = Twin::new(pixels, viewport);
+            let found = twin.pixels() as f64 / pixels as f64;
+            assert!((0.6..1.4).contains(&found), "{} px for {pixels}", twin.pixels());
+        }
+    }
+
+    #[test]
+    fn longer_work_takes_longer_and_rounds_are_as_many_as_said() {
+        let work = |turns: u32| -> Work<'_> {
+            Box::new(move || {
+                (0..turns).for_each(|turn| {
+                    black_box(turn);
+                });
+            })
+        };
+        let seconds = interleaved(&[work(2000), work(200_000)], &AtomicBool::new(false)).unwrap();
+        let median = |index: usize| spread(&seconds[index], 1).unwrap().median;
+        assert!(median(1) > 5.0 * median(0), "{} {}", median(0), median(1));
+        assert!((FEWEST_ROUNDS..=MOST_ROUNDS).contains(&seconds[0].len()));
+        assert_eq!(interleaved(&[work(1)], &AtomicBool::new(true)), None);
+    }
+
+    #[test]
+    fn nothing_per_no_pixel() {
+        assert_eq!(spread(&[1.0, 2.0], 0), None);
+        assert_eq!(spread(&[1e-6, 3e-6], 1000).unwrap().median, 2.0);
+    }
+}

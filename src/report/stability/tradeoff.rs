@@ -1,0 +1,119 @@
+//! Error against time: what being right costs.
+//!
+//! One point per configuration. Its time is the geometric mean over classes of the time per pixel, so that no class counts
+//! more because its pixels are dear; its error is the mean share of wrong pixels, or the largest error of a weight.
+
+use super::catalogue::Family;
+use super::column::Column;
+use super::metric::Metric;
+use super::sweep::{Cell, ClassReport, Report};
+use super::timing::Spread;
+
+/// A configuration by its time and its error.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// The configuration.
+    pub column: Column,
+    /// Nanoseconds per pixel or sample.
+    pub ns: Spread,
+    /// The error; 0 is none.
+    pub error: f64,
+    /// Answers that were no number, which no error counts.
+    pub not_finite: f64,
+    /// Whether no other is both as fast and as right, and better in one of the two.
+    pub optimal: bool,
+    /// Class by class: its name, nanoseconds, and error.
+    pub by_class: Vec<(&'static str, f64, f64)>,
+}
+
+/// Rasterizers × arithmetics: the error is the share of pixels that are wrong where corners were given, averaged over the
+/// classes of single triangles and meshes.
+pub fn coverage(report: &Report) -> Vec<Point> {
+    let share = |cell: &Cell| {
+        let pixels = cell.measures.get(Metric::Pixels).filter(|pixels| *pixels > 0.0)?;
+        Some(cell.measures.get(Metric::WrongUnsnapped)? / pixels)
+    };
+    let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+    points(report, &[Family::Coverage, Family::Mesh], share, mean)
+}
+
+/// Formulas for weights × arithmetics: the error is the largest one of a weight.
+pub fn weights(report: &Report) -> Vec<Point> {
+    let error = |cell: &Cell| cell.measures.get(Metric::WeightError);
+    let largest = |errors: &[f64]| errors.iter().copied().fold(0.0, f64::max);
+    points(report, &[Family::Weights], error, largest)
+}
+
+/// Points of all columns that were timed. `error` is that of a cell, `join` that of all classes.
+fn points(
+    report: &Report,
+    families: &[Family],
+    error: impl Fn(&Cell) -> Option<f64>,
+    join: impl Fn(&[f64]) -> f64,
+) -> Vec<Point> {
+    let classes: Vec<&ClassReport> = report.classes.iter().filter(|c| families.contains(&c.class.family)).collect();
+    let columns = classes.first().map(|class| class.cells.iter().map(|cell| cell.column)).into_iter().flatten();
+    let point = |column: Column| {
+        let cells = classes.iter().filter_map(|class| Some((class, class.cells.iter().find(|c| c.column == column)?)));
+        let complete: Vec<_> = cells
+            .filter_map(|(class, cell)| Some((class.class.id, cell.time?.ns_per_pixel?, error(cell)?, cell)))
+            .collect();
+        let errors: Vec<f64> = complete.iter().map(|(_, _, error, _)| *error).collect();
+        let middle = |of: fn(&Spread) -> f64| geometric_mean(complete.iter().map(|(_, spread, _, _)| of(spread)));
+        Some(Point {
+            column,
+            ns: Spread { median: middle(|s| s.median)?, p10: middle(|s| s.p10)?, p90: middle(|s| s.p90)? },
+            error: join(&errors),
+            not_finite: complete.iter().filter_map(|(_, _, _, cell)| cell.measures.get(Metric::NotFinite)).sum(),
+            optimal: false,
+            by_class: complete.iter().map(|(id, spread, error, _)| (*id, spread.median, *error)).collect(),
+        })
+    };
+    let mut points: Vec<Point> = columns.filter_map(point).collect();
+    mark_optimal(&mut points);
+    points
+}
+
+fn mark_optimal(points: &mut [Point]) {
+    let places: Vec<(f64, f64)> = points.iter().map(|point| (point.ns.median, point.error)).collect();
+    for (point, (ns, error)) in points.iter_mut().zip(&places) {
+        let beats = |(n, e): &(f64, f64)| n <= ns && e <= error && (n < ns || e < error);
+        point.optimal = point.not_finite == 0.0 && !places.iter().any(beats);
+    }
+}
+
+/// Nothing for no numbers, or for one that is not positive.
+fn geometric_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let logarithms: Vec<f64> = values.map(f64::ln).collect();
+    let mean = logarithms.iter().sum::<f64>() / logarithms.len() as f64;
+    mean.is_finite().then(|| mean.exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn optimal_is_what_nobody_beats() {
+        let column = Column::of(Family::Depth)[0];
+        let point = |ns: f64, error: f64| Point {
+            column,
+            ns: Spread { median: ns, p10: ns, p90: ns },
+            error,
+            not_finite: 0.0,
+            optimal: false,
+            by_class: Vec::new(),
+        };
+        let mut points = [point(1.0, 0.5), point(2.0, 0.1), point(3.0, 0.1), point(4.0, 0.0), point(5.0, 0.7)];
+        points[1].not_finite = 1.0;
+        mark_optimal(&mut points);
+        assert_eq!(points.map(|point| point.optimal), [true, false, false, true, false]);
+    }
+
+    #[test]
+    fn the_geometric_mean_is_the_middle_of_magnitudes() {
+        assert!((geometric_mean([1.0, 100.0].into_iter()).unwrap() - 10.0).abs() < 1e-12);
+        assert_eq!(geometric_mean(std::iter::empty()), None);
+        assert_eq!(geometric_mean([1.0, 0.0].into_iter()), None);
+    }
+}

@@ -1,0 +1,132 @@
+//! How cases write and read numbers: exact values of f32 with all digits, and words for what JSON has no number for.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
+
+/// Numbers and lists of numbers.
+pub(super) trait Wire: Sized {
+    /// As JSON.
+    fn write(&self) -> Value;
+
+    /// From JSON, or what is wrong with it.
+    fn read(value: &Value) -> Result<Self, String>;
+}
+
+impl Wire for f32 {
+    fn write(&self) -> Value {
+        let word = if self.is_nan() {
+            "NaN"
+        } else if *self > 0.0 {
+            "Infinity"
+        } else {
+            "-Infinity"
+        };
+        serde_json::Number::from_f64(f64::from(*self)).map_or_else(|| Value::from(word), Value::Number)
+    }
+
+    fn read(value: &Value) -> Result<Self, String> {
+        match value {
+            // The nearest float, as the decimals may have been cut short, or read with a rounding error of their own.
+            Value::Number(number) => {
+                let float = number.as_f64().map(|value| value as Self).filter(|float| float.is_finite());
+                float.ok_or_else(|| format!("{number} is too large for an f32"))
+            }
+            Value::String(word) if word == "NaN" => Ok(Self::NAN),
+            Value::String(word) if word == "Infinity" => Ok(Self::INFINITY),
+            Value::String(word) if word == "-Infinity" => Ok(Self::NEG_INFINITY),
+            other => Err(format!("{other} is no number")),
+        }
+    }
+}
+
+impl<T: Wire> Wire for Option<T> {
+    fn write(&self) -> Value {
+        self.as_ref().map_or(Value::Null, T::write)
+    }
+
+    fn read(value: &Value) -> Result<Self, String> {
+        if value.is_null() { Ok(None) } else { T::read(value).map(Some) }
+    }
+}
+
+impl<T: Wire> Wire for Vec<T> {
+    fn write(&self) -> Value {
+        self.iter().map(T::write).collect()
+    }
+
+    fn read(value: &Value) -> Result<Self, String> {
+        value.as_array().ok_or_else(|| format!("{value} is no list"))?.iter().map(T::read).collect()
+    }
+}
+
+impl<T: Wire, const N: usize> Wire for [T; N] {
+    fn write(&self) -> Value {
+        self.iter().map(T::write).collect()
+    }
+
+    fn read(value: &Value) -> Result<Self, String> {
+        Vec::read(value)?.try_into().map_err(|list: Vec<T>| format!("{N} entries are needed, not {}", list.len()))
+    }
+}
+
+/// For `serialize_with`.
+pub(super) fn serialize<T: Wire, S: Serializer>(value: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    value.write().serialize(serializer)
+}
+
+/// For `deserialize_with`.
+pub(super) fn deserialize<'de, T: Wire, D: Deserializer<'de>>(deserializer: D) -> Result<T, D::Error> {
+    T::read(&Value::deserialize(deserializer)?).map_err(D::Error::custom)
+}
+
+/// Fill rules, which case files write with `_`.
+pub(super) mod rule {
+    use serde::de::Error as _;
+    use serde::{Deserialize as _, Deserializer, Serializer};
+
+    use crate::pipeline::settings::{Choice as _, FillRule};
+
+    pub(in super::super) fn serialize<S: Serializer>(rule: &FillRule, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(&rule.id().replace('-', "_"))
+    }
+
+    pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FillRule, D::Error> {
+        let word = String::deserialize(deserializer)?.replace('_', "-");
+        let rule = FillRule::ALL.iter().copied().find(|rule| rule.id() == word);
+        rule.ok_or_else(|| D::Error::custom(format!("`{word}` is no fill rule")))
+    }
+}
+
+/// Corners with attributes: objects of x, y, z, w, u, v.
+pub(super) mod corners {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    use super::super::oracle::ScreenCorner;
+
+    #[derive(Serialize, Deserialize)]
+    struct Corner {
+        #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
+        x: f32,
+        #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
+        y: f32,
+        #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
+        z: f32,
+        #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
+        w: f32,
+        #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
+        u: f32,
+        #[serde(serialize_with = "super::serialize", deserialize_with = "super::deserialize")]
+        v: f32,
+    }
+
+    pub(in super::super) fn serialize<S: Serializer>(corners: &[ScreenCorner; 3], to: S) -> Result<S::Ok, S::Error> {
+        let written = |&ScreenCorner { x, y, z, w, uv: [u, v] }: &ScreenCorner| Corner { x, y, z, w, u, v };
+        corners.each_ref().map(written).serialize(to)
+    }
+
+    pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<[ScreenCorner; 3], D::Error> {
+        let read = <[Corner; 3]>::deserialize(from)?;
+        Ok(read.map(|Corner { x, y, z, w, u, v }| ScreenCorner { x, y, z, w, uv: [u, v] }))
+    }
+}

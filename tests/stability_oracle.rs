@@ -1,0 +1,163 @@
+//! The report's oracle against answers that another one gave, in other arithmetic and another language: whoever judges
+//! must first be judged.
+#![expect(clippy::print_stderr, reason = "says what was checked")]
+
+mod cases;
+
+use std::collections::BTreeSet;
+
+use cases::Sample;
+use rasterscope::pipeline::raster::Span;
+use rasterscope::pipeline::settings::FillRule;
+use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::report::stability::case::{Attributes, Body, Case, ClipSpace, Coverage, Depth};
+use rasterscope::report::stability::oracle::{
+    ClipTriangle, Region, Snap, approximate, exact_depth, exact_sample, ideal_code,
+};
+use rasterscope::report::stability::spans::Hits;
+use serde_json::Value;
+
+/// Answers are frozen as the nearest f64; ours go through another division.
+const FROZEN: f64 = 1e-15;
+
+/// Cases of all classes whose name starts with `prefix`, each with its answer.
+fn cases_of(prefix: &str) -> Vec<(Case, Value)> {
+    let read = |Sample { case, expected, .. }: Sample| {
+        (serde_json::from_value(case.clone()).unwrap_or_else(|e| panic!("{}: {e}", case["id"])), expected)
+    };
+    cases::starting_with(prefix).into_iter().map(read).collect()
+}
+
+fn spans(answer: &Value) -> Vec<Span> {
+    let rows: Vec<[u32; 3]> = serde_json::from_value(answer.clone()).expect("spans");
+    rows.into_iter().map(|[row, left, right]| Span { row, left, right }).collect()
+}
+
+fn pixels(spans: &[Span]) -> BTreeSet<[u32; 2]> {
+    spans.iter().flat_map(|s| (s.left..s.right).map(|x| [x, s.row])).collect()
+}
+
+fn numbers(row: &Value) -> Vec<f64> {
+    serde_json::from_value(row.clone()).expect("a row of numbers")
+}
+
+#[track_caller]
+fn assert_near(id: &str, ours: f64, theirs: f64) {
+    assert!((ours - theirs).abs() <= FROZEN * theirs.abs().max(1e-290), "{id}: {ours:e} is not {theirs:e}");
+}
+
+fn check_coverage(id: &str, case: &Coverage, answer: &Value) {
+    let viewport = Viewport { width: case.width, height: case.height };
+    for (name, snap) in [("none", Snap::Unsnapped), ("8", Snap::Grid256)] {
+        let mut hits = Hits::none(viewport);
+        let theirs = answer["spans"][name].as_array().expect("one list of spans per triangle");
+        assert_eq!(theirs.len(), case.triangles.len());
+        for (triangle, theirs) in case.triangles.iter().zip(theirs) {
+            let ours = Region::triangle(*triangle, snap, case.rule).spans(viewport);
+            assert_eq!(ours, spans(theirs), "{id} {snap:?} {triangle:?}");
+            hits.add(&ours);
+        }
+        if case.exactly_once {
+            let theirs = &answer["exactly_once"][name];
+            assert_eq!(
+                [hits.cracks(), hits.doubles()].map(Value::from),
+                [theirs["cracks"].clone(), theirs["double"].clone()]
+            );
+        }
+    }
+    if let Some(theirs) = answer.get("borderline") {
+        let regions: Vec<_> = case.triangles.iter().map(|t| Region::triangle(*t, Snap::Unsnapped, case.rule)).collect();
+        check_borderline(id, &regions, viewport, theirs);
+    }
+}
+
+fn check_borderline(id: &str, regions: &[Region], viewport: Viewport, theirs: &Value) {
+    let all = (0..viewport.height).flat_map(|y| (0..viewport.width).map(move |x| [x, y]));
+    let ours: BTreeSet<_> = all.filter(|[x, y]| regions.iter().any(|r| r.is_borderline(*x, *y))).collect();
+    assert_eq!(ours, pixels(&spans(theirs)), "{id}");
+}
+
+fn check_clip_space(id: &str, case: &ClipSpace, answer: &Value) {
+    let viewport = Viewport { width: case.width, height: case.height };
+    let triangles: Vec<_> = case.triangles.iter().map(|t| ClipTriangle::new(*t, viewport)).collect();
+    let region = |t: &Option<ClipTriangle>| t.as_ref().map(|t| t.region(FillRule::TopLeft)).unwrap_or_default();
+    let regions: Vec<_> = triangles.iter().map(region).collect();
+    for (index, region) in regions.iter().enumerate() {
+        assert_eq!(region.spans(viewport), spans(&answer["spans"][index]), "{id} triangle {index}");
+    }
+    check_borderline(id, &regions, viewport, &answer["borderline"]);
+    for row in answer["attr"].as_array().expect("rows of weights") {
+        let row = numbers(row);
+        let triangle = triangles[row[0] as usize].as_ref().expect("it covers a pixel");
+        let (weights, depth) = triangle.at(row[1] as u32, row[2] as u32).expect("the pixel is covered");
+        for (ours, theirs) in weights.iter().chain([&depth]).zip(&row[3..]) {
+            assert_near(id, approximate(ours), *theirs);
+        }
+    }
+}
+
+fn check_attributes(id: &str, case: &Attributes, answer: &Value) {
+    let rows = answer["pixels"].as_array().expect("rows of attributes");
+    assert_eq!(rows.len(), case.eval.len());
+    for ([x, y], row) in case.eval.iter().zip(rows) {
+        let row = numbers(row);
+        assert_eq!([row[0] as u32, row[1] as u32], [*x, *y]);
+        let sample = exact_sample(&case.vertices, *x, *y).expect("a triangle with area");
+        let ours = sample.affine.iter().chain(&sample.perspective).chain([&sample.depth]).chain(&sample.uv);
+        for (ours, theirs) in ours.zip(&row[2..]) {
+            assert_near(id, approximate(ours), *theirs);
+        }
+    }
+}
+
+fn check_depth(id: &str, case: &Depth, answer: &Value) {
+    let exact = |z: &f32| exact_depth(case.mapping, case.near, case.far, *z).expect("a distance between the planes");
+    let ours: Vec<_> = case.z.iter().map(exact).collect();
+    for (ours, theirs) in ours.iter().zip(numbers(&answer["depth"])) {
+        assert_near(id, approximate(ours), theirs);
+    }
+    let codes: Vec<_> = ours.iter().map(|value| ideal_code(case.format, value)).collect();
+    let ties = codes.windows(2).filter(|pair| pair[0] == pair[1]).count();
+    assert_eq!(Value::from(ties), answer["ideal"]["ties"], "{id}");
+}
+
+/// Checks all cases of some classes, of which there are at least `least` where there are any at all.
+fn check(prefix: &str, least: usize) {
+    let all = cases_of(prefix);
+    for (case, answer) in &all {
+        match &case.body {
+            Body::TriCoverage(body) => check_coverage(&case.id, body, answer),
+            Body::ClipTri(body) => check_clip_space(&case.id, body, answer),
+            Body::TriAttr(body) => check_attributes(&case.id, body, answer),
+            Body::Depth(body) => check_depth(&case.id, body, answer),
+            Body::CoplanarPair(_) | Body::DepthPairs(_) => panic!("{}: there are no answers to this", case.id),
+        }
+    }
+    eprintln!("{} cases of {prefix}… agree", all.len());
+    assert!(all.is_empty() || all.len() >= least, "only {} cases of {prefix}…", all.len());
+}
+
+#[test]
+fn single_triangles_cover_the_same_pixels() {
+    check("cov_", 138);
+}
+
+#[test]
+fn meshes_cover_the_same_pixels() {
+    check("mesh_", 37);
+}
+
+#[test]
+fn triangles_in_clip_space_show_the_same_pixels_weights_and_depths() {
+    check("clip", 34);
+}
+
+#[test]
+fn weights_depth_and_attributes_are_the_same() {
+    check("attr_", 60);
+}
+
+#[test]
+fn depth_buffers_ideally_hold_the_same() {
+    check("depth", 42);
+}
