@@ -2,7 +2,9 @@
 //!
 //! A coordinate is first brought into [0, 1] by its addressing mode, so that neither 10³⁰ nor an infinity reaches the
 //! integers; NaN reads texel 0. Then x = u·width − 0.5, so that texel centres sit at half-integers, and neighbours beyond
-//! the border wrap (repeat) or stay (clamp, mirror).
+//! the border wrap (repeat) or stay (clamp, mirror). Up to there in f64: what is left of a coordinate without its whole
+//! part, and where that falls among the texels, may need twice the digits of f32, and a texel's border is no place for
+//! rounding.
 
 use glam::{Vec2, Vec3, Vec4};
 use serde::Serialize;
@@ -90,12 +92,12 @@ impl Sampler {
 
 /// The coordinate in [0, 1] that means the same under an addressing mode.
 #[inline]
-fn bring_into_unit(u: f32, address: Address) -> f32 {
+fn bring_into_unit(u: f32, address: Address) -> f64 {
     let unit = match address {
-        Address::Clamp => u.clamp(0.0, 1.0),
-        Address::Repeat => u - floor(u),
+        Address::Clamp => f64::from(u.clamp(0.0, 1.0)),
+        Address::Repeat => f64::from(u) - f64::from(floor(u)),
         Address::Mirror => {
-            let period = u - 2.0 * floor(u * 0.5);
+            let period = f64::from(u) - 2.0 * f64::from(floor(u * 0.5));
             if period > 1.0 { 2.0 - period } else { period }
         }
     };
@@ -104,18 +106,19 @@ fn bring_into_unit(u: f32, address: Address) -> f32 {
 }
 
 #[inline]
-fn nearest(unit: f32, size: u32) -> u32 {
-    ((unit * size as f32) as u32).min(size - 1)
+fn nearest(unit: f64, size: u32) -> u32 {
+    ((unit * f64::from(size)) as u32).min(size - 1)
 }
 
 /// The two texels around a coordinate in [0, 1] and the weight of the second one.
 #[inline]
-fn neighbours(unit: f32, size: u32, address: Address) -> ((u32, u32), f32) {
-    let position = unit * size as f32 - 0.5;
-    let below = floor(position);
-    let weight = position - below;
+fn neighbours(unit: f64, size: u32, address: Address) -> ((u32, u32), f32) {
+    let position = unit * f64::from(size) - 0.5;
+    let truncated = position as i32;
+    let below = truncated - i32::from(f64::from(truncated) > position);
+    let weight = (position - f64::from(below)) as f32;
     let last = size as i32 - 1;
-    let (i0, i1) = (below as i32, below as i32 + 1);
+    let (i0, i1) = (below, below + 1);
     let bring_inside = |i: i32| match address {
         Address::Repeat if i < 0 => last,
         Address::Repeat if i > last => 0,
@@ -162,6 +165,21 @@ mod tests {
         assert_eq!(red(Filter::Point, Address::Repeat, -0.1).round(), 240.0);
         assert_eq!(red(Filter::Point, Address::Mirror, -0.1).round(), 0.0);
         assert_eq!(red(Filter::Point, Address::Mirror, 1.1).round(), 240.0);
+    }
+
+    #[test]
+    fn a_coordinate_just_before_a_border_reads_the_texel_before_it() {
+        // −0.2 as f32 is a hair less than −1/5, so that of five texels it lies in the fourth. One minus it is closer to
+        // 4/5 than f32 can tell.
+        let texture = Image::from_fn(5, 1, |x, _| [x as u8; 4]);
+        let read = |u: f32| {
+            let ([tap, ..], _) =
+                Sampler::new(Filter::Point, Address::Repeat, ColorSpace::Bytes).taps(texture.size(), Vec2::new(u, 0.5));
+            tap.x
+        };
+        assert!(f64::from(-0.2_f32) < -0.2);
+        assert_eq!([-0.2, 0.8, (-0.2_f32).next_up()].map(read), [3, 4, 4]);
+        assert_eq!([-1e-30, 0.0, -3.0, 1e30].map(read), [4, 0, 0, 0]);
     }
 
     #[test]
