@@ -14,6 +14,8 @@ pub mod scene;
 
 pub mod pipeline;
 
+pub mod antialias;
+
 pub mod upscale;
 
 pub mod chain;
@@ -21,6 +23,8 @@ pub mod chain;
 pub mod measure;
 
 pub mod inspect;
+
+pub mod case;
 
 pub mod report;
 

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use rasterscope::case::Task;
 use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::{Buffer, Stage};
@@ -92,14 +93,16 @@ fn help_tells_ranges_and_exit_codes() {
 }
 
 #[test]
-fn the_readme_names_every_setting_scene_method_buffer_and_class() {
+fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_cases() {
     let readme = include_str!("../README.md");
     let settings = Recipe::keys().into_iter().map(|(key, _)| key);
     let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
     let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
     let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
+    let kinds = Task::KINDS.iter().map(|kind| (*kind).to_owned());
     let classes = catalogue::all().map(|class| class.id.to_owned());
-    for name in settings.chain(scenes).chain(methods).chain(buffers).chain(classes) {
+    let names = settings.chain(scenes).chain(methods).chain(buffers).chain(kinds).chain(classes);
+    for name in names {
         assert!(readme.contains(&format!("`{name}`")), "{name}");
     }
 }
@@ -393,6 +396,102 @@ fn a_reader_that_goes_away_is_no_failure() {
         let output = program(&folder(), args).stdout(writer).output().unwrap();
         assert_success(&output);
         assert_eq!(stderr(&output), "");
+    }
+}
+
+const LINE: &str = r#"{"id": "a line", "kind": "line", "p0": [1, 1], "p1": [4, 2], "last_pixel": true}"#;
+
+const LINE_RESULT: &str = "{\"id\":\"a line\",\"pixels\":[[1,1],[2,1],[3,2],[4,2]]}\n";
+
+const REFUSED: &str =
+    r#"{"id": "refused", "kind": "upscale", "image": [[1, 2]], "scale": 4, "kernel": "mitchell", "phase": "corner"}"#;
+
+#[test]
+fn a_case_is_answered_on_standard_output_or_into_a_file() {
+    let folder = folder();
+    fs::write(folder.path().join("case.json"), LINE).unwrap();
+    let output = run(&folder, &["case", "case.json"]);
+    assert_success(&output);
+    assert_eq!(stdout(&output), LINE_RESULT);
+    let output = run(&folder, &["case", "case.json", "-o", "result.json"]);
+    assert_success(&output);
+    assert_eq!(stdout(&output), "result.json: answered\n");
+    assert_eq!(fs::read_to_string(folder.path().join("result.json")).unwrap(), LINE_RESULT);
+}
+
+#[test]
+fn a_case_beyond_the_program_is_refused_in_words() {
+    let folder = folder();
+    fs::write(folder.path().join("case.json"), REFUSED).unwrap();
+    let output = run(&folder, &["case", "case.json"]);
+    assert_success(&output);
+    assert_eq!(stdout(&output), "{\"id\":\"refused\",\"error\":\"no upscaler has the kernel `mitchell`\"}\n");
+    let output = run(&folder, &["case", "case.json", "-o", "result.json"]);
+    assert_eq!(stdout(&output), "result.json: refused, as no upscaler has the kernel `mitchell`\n");
+}
+
+#[test]
+fn corners_of_polygons_are_snapped_unless_told() {
+    let folder = folder();
+    // Its left edge is a hair right of the first column's centres, but not on the 1/256 px grid.
+    let polygon = r#"{"id": "p", "kind": "poly_fill", "width": 3, "height": 1, "rule": "nonzero",
+        "contours": [[[0.5001, 0], [2, 0], [2, 1], [0.5001, 1]]]}"#;
+    fs::write(folder.path().join("case.json"), polygon).unwrap();
+    let result = |options: &[&str]| {
+        let output = run(&folder, &[&["case", "case.json"], options].concat());
+        assert_success(&output);
+        stdout(&output).to_owned()
+    };
+    assert_eq!(result(&[]), "{\"id\":\"p\",\"snap_bits\":8,\"spans\":[[0,0,2]]}\n");
+    assert_eq!(result(&["--corners", "as-given"]), "{\"id\":\"p\",\"snap_bits\":null,\"spans\":[[0,1,2]]}\n");
+}
+
+#[test]
+fn of_many_cases_the_broken_ones_are_told_and_the_others_answered() {
+    let folder = folder();
+    for (name, text) in [("1", LINE), ("2", "{"), ("3", REFUSED), ("4", LINE), ("5", r#"{"id": "x", "kind": "cube"}"#)]
+    {
+        fs::write(folder.path().join(format!("{name}.json")), text).unwrap();
+    }
+    let cases = ["1.json", "2.json", "3.json", "4.json", "5.json", "6.json"];
+    let output = run(&folder, &[&["case", "--out-dir", "results/new"], &cases[..]].concat());
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(stdout(&output), "results/new: 1 cases answered, 1 refused\n");
+    let complaints: Vec<_> = stderr(&output).lines().collect();
+    let starts = [
+        "error: 2.json:1:1: EOF while parsing an object",
+        "error: 4.json: an earlier case has the id `a line`, too",
+        "error: 5.json: unknown kind `cube`, expected one of `tri_coverage`, ",
+        "error: 6.json: cannot read it: ",
+    ];
+    assert_eq!(complaints.len(), starts.len(), "{complaints:?}");
+    assert!(complaints.iter().zip(starts).all(|(line, start)| line.starts_with(start)), "{complaints:?}");
+    let results = folder.path().join("results/new");
+    assert_eq!(fs::read_to_string(results.join("a line.json")).unwrap(), LINE_RESULT);
+    assert_eq!(fs::read_dir(results).unwrap().count(), 2);
+}
+
+#[test]
+fn cases_that_cannot_be_used_are_one_line_each() {
+    let folder = folder();
+    fs::write(folder.path().join("case.json"), LINE).unwrap();
+    fs::write(
+        folder.path().join("wide.json"),
+        r#"{"id": "w", "kind": "tri_area", "width": 1000000000, "height": 1,
+        "triangle": [[0, 0], [1, 0], [0, 1]]}"#,
+    )
+    .unwrap();
+    let inputs: [(&[&str], &str); 7] = [
+        (&[], "CASE.json"),
+        (&["nowhere.json"], "nowhere.json: cannot read it"),
+        (&["."], ".: cannot read it: it is a folder"),
+        (&["wide.json"], "wide.json: a picture of 1000000000 × 1 px: each side must be 1 to 16384"),
+        (&["case.json", "case.json"], "2 cases need --out-dir"),
+        (&["case.json", "-o", "missing/result.json"], "missing/result.json: cannot write it: "),
+        (&["case.json", "--out-dir", "case.json"], "case.json: cannot write it: "),
+    ];
+    for (args, culprit) in inputs {
+        assert_failure(&run(&folder, &[&["case"], args].concat()), 2, culprit);
     }
 }
 

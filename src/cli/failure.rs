@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use rasterscope::case::CaseError;
 use rasterscope::chain::SetError;
 use rasterscope::image::file::ImageFileError;
 use rasterscope::pipeline::viewport::Viewport;
@@ -39,9 +40,12 @@ pub(crate) enum Failure {
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] ImageFileError),
-    /// A report cannot be written.
-    #[error("{}: {cause}", path.display())]
-    File { path: PathBuf, cause: std::io::Error },
+    /// A case cannot be read.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// A result or report cannot be written into its file.
+    #[error("{}: cannot write it: {source}", path.display())]
+    ResultFile { path: PathBuf, source: std::io::Error },
     /// Results cannot be written.
     #[error("standard output: {0}")]
     Output(std::io::Error),

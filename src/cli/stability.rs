@@ -85,7 +85,9 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     let written = render(args, &report)?;
     match &args.output {
         None => output::print(&written),
-        Some(path) => std::fs::write(path, written).map_err(|cause| Failure::File { path: path.clone(), cause }),
+        Some(path) => {
+            std::fs::write(path, written).map_err(|source| Failure::ResultFile { path: path.clone(), source })
+        }
     }
 }
 

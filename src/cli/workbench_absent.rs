@@ -7,7 +7,7 @@ use super::scene_args::View;
 use super::screenshot::Look;
 
 const BUILT_WITHOUT: &str = "this program was built without its window (feature `ui`); \
-    the commands render, pixel and scenes work";
+    the commands render, pixel, case and scenes work";
 
 /// There is no window to open.
 pub(crate) fn open(_view: View) -> Result<(), String> {

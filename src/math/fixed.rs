@@ -21,6 +21,13 @@ pub fn snap(pixels: f32) -> i64 {
     (pixels * SUBPIXELS as f32).round_ties_even() as i64
 }
 
+/// The coordinate on the grid nearest to one in pixels, ties to even. Without any error: the grid step is a power of two,
+/// and what is too large to have a fraction is on the grid already. Magnitudes up to 2¹⁰⁰⁰.
+pub fn snap_to_grid(pixels: f64) -> f64 {
+    const STEPS_PER_PIXEL: f64 = SUBPIXELS as f64;
+    (pixels * STEPS_PER_PIXEL).round_ties_even() / STEPS_PER_PIXEL
+}
+
 /// The pixel coordinate of a grid position. Exact for everything inside the guard band.
 pub fn to_pixels(subpixels: i64) -> f32 {
     subpixels as f32 / SUBPIXELS as f32
@@ -36,6 +43,18 @@ mod tests {
         assert_eq!(snap(0.5 / 256.0), 0, "a tie goes to the even neighbour below");
         assert_eq!(snap(1.5 / 256.0), 2, "a tie goes to the even neighbour above");
         assert_eq!(snap(-0.6 / 256.0), -1);
+    }
+
+    #[test]
+    fn both_ways_of_snapping_agree() {
+        let mut random = fastrand::Rng::with_seed(43);
+        for _ in 0..10_000 {
+            // Ties are frequent at 1/1024 px.
+            let pixels = random.i32(-(1 << 22)..1 << 22) as f32 / 1024.0;
+            assert_eq!(snap_to_grid(pixels.into()), f64::from(to_pixels(snap(pixels))), "{pixels}");
+        }
+        assert_eq!(snap_to_grid(3e38), 3e38);
+        assert_eq!(snap_to_grid(2.0_f64.powi(-149)), 0.0);
     }
 
     #[test]

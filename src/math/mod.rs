@@ -14,6 +14,10 @@
 //! | colour | textures and the final image are 8-bit sRGB; shading works in linear light unless told otherwise |
 //! | texel | texture coordinate u·width − 0.5, so texel centres sit at half-integers; v is flipped once, on load |
 
+pub mod double_double;
+
+pub mod expansion;
+
 pub mod fixed;
 
 mod bounds;

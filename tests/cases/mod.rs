@@ -4,15 +4,18 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 
-/// Case and expected answer of every file of a class. Empty, with a word on stderr, without the folder.
-#[allow(dead_code, reason = "each test file uses a part of it")]
-pub(crate) fn of_class(class: &str) -> Vec<(Value, Value)> {
-    starting_with(&format!("{class}__"))
+/// One of them.
+pub(crate) struct Sample {
+    /// The file of the case.
+    pub(crate) path: PathBuf,
+    /// What it says.
+    pub(crate) case: Value,
+    /// The exact answer.
+    pub(crate) expected: Value,
 }
 
-/// Case and expected answer of every file whose name starts with `prefix`. Empty, with a word on stderr, without the
-/// folder.
-pub(crate) fn starting_with(prefix: &str) -> Vec<(Value, Value)> {
+/// All cases of these kinds, by name. Empty, with a word on stderr, without the folder.
+pub(crate) fn of_kinds(kinds: &[&str]) -> Vec<Sample> {
     let samples = std::env::var_os("RASTERSCOPE_SAMPLES")
         .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")), PathBuf::from);
     let folder = samples.join("cases");
@@ -21,11 +24,16 @@ pub(crate) fn starting_with(prefix: &str) -> Vec<(Value, Value)> {
         return Vec::new();
     };
     let mut names: Vec<_> = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
-    names.retain(|name| name.starts_with(prefix));
     names.sort_unstable();
-    let read = |kind: &str, name: &str| {
-        let text = std::fs::read_to_string(folder.join(kind).join(name)).expect("a readable case");
+    let read = |path: &PathBuf| -> Value {
+        let text = std::fs::read_to_string(path).expect("a readable case");
         serde_json::from_str(&text).expect("a case in JSON")
     };
-    names.iter().map(|name| (read("cases", name), read("expected", name))).collect()
+    let of_kind = |name: &String| {
+        let path = folder.join("cases").join(name);
+        let case = read(&path);
+        let wanted = kinds.iter().any(|kind| case["kind"] == *kind);
+        wanted.then(|| Sample { path, case, expected: read(&folder.join("expected").join(name)) })
+    };
+    names.iter().filter_map(of_kind).collect()
 }

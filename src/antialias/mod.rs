@@ -1,0 +1,3 @@
+//! Smooth edges: what share of a pixel a shape covers.
+
+pub mod area;

@@ -1,0 +1,99 @@
+//! `clip_tri`: triangles in clip space (0 ≤ z ≤ w), which may reach behind the eye, all the way to covered samples.
+
+use glam::{Vec3, Vec4};
+use serde::{Deserialize, Serialize};
+
+use super::{Check, Covered, Exactly, Options, Real, check_picture};
+use crate::pipeline::depth::depth_at;
+use crate::pipeline::interpolate::{Attributes, interpolate};
+use crate::pipeline::raster::{Span, cover, edge_values};
+use crate::pipeline::settings::{Arithmetic, Culling, FillRule, Interpolation, Settings};
+use crate::pipeline::vertex::{ClipVertex, Varyings};
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
+use crate::scene::TriangleId;
+
+/// The case.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct ClipTri {
+    /// Width of the picture, px.
+    pub width: u32,
+    /// Height of the picture, px.
+    pub height: u32,
+    /// Corners as [x, y, z, w], of either winding.
+    pub triangles: Vec<Exactly<Exactly<Real, 4>, 3>>,
+}
+
+impl Check for ClipTri {
+    fn check(&self) -> Result<(), String> {
+        check_picture(self.width, self.height)
+    }
+}
+
+impl ClipTri {
+    /// Clips, projects, covers and interpolates, as the pipeline does with what its vertex stage gives.
+    pub(super) fn answer(&self, options: Options) -> ClipTriAnswer {
+        let mut answer = ClipTriAnswer { triangles: Vec::new(), attr: Vec::new() };
+        for (number, Exactly(corners)) in self.triangles.iter().enumerate() {
+            let vertices = corners.map(|Exactly(position)| ClipVertex {
+                position: Vec4::from_array(position.map(|number| number.0 as f32)),
+                varyings: Varyings::default(),
+            });
+            let mut spans = Vec::new();
+            for piece in self.pieces(&vertices, options) {
+                let covered = self.cover(&piece, options);
+                answer.attr.extend(covered.iter().flat_map(|span| pixels(*span)).filter_map(|(x, y)| {
+                    let (p, z) = at(&piece, options.arithmetic, (x, y))?;
+                    Some((number, x, y, p.x.into(), p.y.into(), p.z.into(), z.into()))
+                }));
+                spans.extend(covered);
+            }
+            answer.triangles.push(Covered::new(&spans));
+        }
+        answer
+    }
+
+    fn pieces(&self, vertices: &[ClipVertex; 3], options: Options) -> Vec<ScreenTriangle> {
+        let draw = ClipSpaceDraw {
+            instance: 0,
+            vertices,
+            triangles: &[[0, 1, 2]],
+            first: TriangleId(0),
+            may_cross: true,
+            divides_by_w: true,
+        };
+        let settings = Settings { culling: Culling::None, arithmetic: options.arithmetic, ..Settings::default() };
+        let mut geometry = Geometry::default();
+        finish_draw(&draw, &settings, self.viewport(), &mut geometry, &mut ());
+        geometry.triangles
+    }
+
+    fn cover(&self, piece: &ScreenTriangle, options: Options) -> Vec<Span> {
+        cover(options.rasterizer, options.arithmetic, piece.corners_px(), FillRule::TopLeft, self.viewport())
+    }
+
+    fn viewport(&self) -> Viewport {
+        Viewport { width: self.width, height: self.height }
+    }
+}
+
+fn pixels(span: Span) -> impl Iterator<Item = (u32, u32)> {
+    (span.left..span.right).map(move |x| (x, span.row))
+}
+
+/// Weights of the corners before clipping, and depth, at a pixel.
+fn at(piece: &ScreenTriangle, arithmetic: Arithmetic, pixel: (u32, u32)) -> Option<(Vec3, f32)> {
+    let (sample, _) = edge_values(arithmetic, piece.corners_px(), pixel)?;
+    let fragment = interpolate(piece, sample, Attributes::all(Interpolation::Perspective));
+    Some((fragment.source_weights, depth_at(piece, &sample)))
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClipTriAnswer {
+    /// One for each triangle.
+    pub triangles: Vec<Covered>,
+    /// For each covered pixel the number of the triangle; column and row; perspective-correct weights p0, p1, p2 of the
+    /// triangle's own corners; and depth.
+    pub attr: Vec<(usize, u32, u32, f64, f64, f64, f64)>,
+}

@@ -1,0 +1,136 @@
+//! Parts of cases in JSON: numbers within range, and lists of a given length.
+
+use std::array;
+use std::fmt;
+use std::marker::PhantomData;
+
+use glam::DVec2;
+use serde::de::{Error as _, IgnoredAny, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use crate::image::Image;
+
+/// A number within the range of 32-bit floats: 0, or of a magnitude from 2⁻¹⁴⁹ to the largest of them.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "f64")]
+pub struct Real(pub f64);
+
+impl TryFrom<f64> for Real {
+    type Error = String;
+
+    fn try_from(number: f64) -> Result<Self, String> {
+        /// 2⁻¹⁴⁹.
+        const LEAST: f32 = f32::from_bits(1);
+        let range = f64::from(LEAST)..=f64::from(f32::MAX);
+        if number == 0.0 || range.contains(&number.abs()) {
+            Ok(Self(number))
+        } else {
+            Err(format!("{number:e} lies outside of the range of 32-bit floats"))
+        }
+    }
+}
+
+/// A point, written [x, y].
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(from = "Exactly<Real, 2>")]
+pub struct Point(pub DVec2);
+
+impl From<Exactly<Real, 2>> for Point {
+    fn from(Exactly([x, y]): Exactly<Real, 2>) -> Self {
+        Self(DVec2::new(x.0, y.0))
+    }
+}
+
+/// A list of `N` values, with an error that says so where there are more or fewer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exactly<T, const N: usize>(pub [T; N]);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Deserialize<'de> for Exactly<T, N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(ExactlyVisitor(PhantomData))
+    }
+}
+
+struct ExactlyVisitor<T, const N: usize>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>, const N: usize> Visitor<'de> for ExactlyVisitor<T, N> {
+    type Value = Exactly<T, N>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a list of {N}")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Self::Value, A::Error> {
+        let mut values: [Option<T>; N] = array::from_fn(|_| None);
+        let mut length = 0;
+        while length < N
+            && let Some(value) = list.next_element()?
+        {
+            values[length] = Some(value);
+            length += 1;
+        }
+        while list.next_element::<IgnoredAny>()?.is_some() {
+            length += 1;
+        }
+        let wrong_length = || A::Error::invalid_length(length, &self);
+        if length > N {
+            return Err(wrong_length());
+        }
+        let values: Option<Vec<T>> = values.into_iter().collect();
+        values.and_then(|values| values.try_into().ok()).map(Exactly).ok_or_else(wrong_length)
+    }
+}
+
+/// Reads rows of equal length, at least one of at least one value.
+pub(super) fn rows<'de, D: Deserializer<'de>, T: Copy + Deserialize<'de>>(
+    deserializer: D,
+) -> Result<Image<T>, D::Error> {
+    let rows = Vec::<Vec<T>>::deserialize(deserializer)?;
+    let width = rows.first().map_or(0, Vec::len);
+    if width == 0 || rows.iter().any(|row| row.len() != width) {
+        return Err(D::Error::custom("this must be rows of equal length, at least one of at least one value"));
+    }
+    let sides = u32::try_from(width).ok().zip(u32::try_from(rows.len()).ok());
+    let (width, height) = sides.ok_or_else(|| D::Error::custom("these are too many values"))?;
+    Ok(Image::from_pixels(width, height, rows.concat()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error<T: for<'de> Deserialize<'de>>(json: &str) -> String {
+        serde_json::from_str::<T>(json).err().unwrap().to_string()
+    }
+
+    #[test]
+    fn lists_of_another_length_are_refused_with_both_lengths() {
+        let Exactly(values) = serde_json::from_str::<Exactly<u8, 3>>("[1, 2, 3]").unwrap();
+        assert_eq!(values, [1, 2, 3]);
+        for (json, length) in [("[]", 0), ("[1, 2]", 2), ("[1, 2, 3, 4]", 4), ("[1, 2, 3, [], {}]", 5)] {
+            let message = error::<Exactly<u8, 3>>(json);
+            assert!(message.starts_with(&format!("invalid length {length}, expected a list of 3")), "{message}");
+        }
+        assert!(error::<Exactly<u8, 3>>("7").starts_with("invalid type: integer `7`, expected a list of 3"));
+    }
+
+    #[test]
+    fn numbers_reach_as_far_as_32_bit_floats() {
+        for number in [0.0, -0.0, 1.5, f32::MAX.into(), -f64::from(f32::MAX), f64::from(f32::from_bits(1))] {
+            assert_eq!(serde_json::from_str::<Real>(&format!("{number:?}")).unwrap().0, number);
+        }
+        for number in ["1e39", "-1e300", "1e-46"] {
+            assert!(error::<Real>(number).contains("32-bit"), "{number}");
+        }
+        assert!(error::<Real>("1e999").starts_with("number out of range"));
+    }
+
+    #[test]
+    fn rows_of_unequal_length_are_no_picture() {
+        let rows = |json: &str| rows::<_, u8>(&mut serde_json::Deserializer::from_str(json));
+        assert_eq!(rows("[[1, 2, 3], [4, 5, 6]]").unwrap(), Image::from_pixels(3, 2, vec![1, 2, 3, 4, 5, 6]));
+        for json in ["[]", "[[]]", "[[1], [1, 2]]", "[[1], []]"] {
+            assert!(rows(json).unwrap_err().to_string().contains("rows of equal length"), "{json}");
+        }
+    }
+}

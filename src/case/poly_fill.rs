@@ -1,0 +1,78 @@
+//! `poly_fill`: which samples lie inside a polygon of any number of contours.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Check, Options, Point, Real, check_picture, rows_of_spans};
+use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
+
+/// The case.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct PolyFill {
+    /// Width of the picture, px.
+    pub width: u32,
+    /// Height of the picture, px.
+    pub height: u32,
+    /// What is inside.
+    pub rule: PolygonRule,
+    /// Where samples lie: 0.5 in the middle of pixels, 0 on whole coordinates.
+    #[serde(default = "middle")]
+    pub center: Real,
+    /// Corners in px; contours close by themselves.
+    pub contours: Vec<Vec<Point>>,
+}
+
+fn middle() -> Real {
+    Real(0.5)
+}
+
+/// What is inside of contours that may overlap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PolygonRule {
+    /// Where the winding number is odd.
+    EvenOdd,
+    /// Where it differs from 0.
+    Nonzero,
+}
+
+impl Check for PolyFill {
+    fn check(&self) -> Result<(), String> {
+        if self.sample_point().is_none() {
+            return Err(format!("`center` must be 0.5 or 0, not {}", self.center.0));
+        }
+        check_picture(self.width, self.height)
+    }
+}
+
+impl PolyFill {
+    fn sample_point(&self) -> Option<SamplePoint> {
+        match self.center.0 {
+            0.5 => Some(SamplePoint::Center),
+            0.0 => Some(SamplePoint::Lattice),
+            _ => None,
+        }
+    }
+
+    /// Fills the polygon. Where edges and samples meet is decided exactly either way; there is no variant that rounds.
+    pub(super) fn answer(&self, options: Options) -> PolyFillAnswer {
+        let snap_bits = options.snap_bits();
+        let corners = if snap_bits.is_some() { Corners::Snapped } else { Corners::AsGiven };
+        let rule = match self.rule {
+            PolygonRule::EvenOdd => InsideRule::EvenOdd,
+            PolygonRule::Nonzero => InsideRule::NonZero,
+        };
+        let sample = self.sample_point().unwrap_or(SamplePoint::Center);
+        let contours: Vec<Vec<_>> = self.contours.iter().map(|c| c.iter().map(|point| point.0).collect()).collect();
+        let filling = Filling { rule, corners, sample, width: self.width, height: self.height };
+        PolyFillAnswer { snap_bits, spans: rows_of_spans(fill(&contours, filling)) }
+    }
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PolyFillAnswer {
+    /// Fraction bits of the grid that corners were snapped to; `None` if they were used as given.
+    pub snap_bits: Option<u32>,
+    /// [row, first column, one past the last column] of each run.
+    pub spans: Vec<[u32; 3]>,
+}

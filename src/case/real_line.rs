@@ -1,0 +1,36 @@
+//! `real_line`: the pixels nearest to a line between two real points.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Check, Point, Refusal, check_length};
+use crate::flat2d::real_line::{MAX_COORDINATE_PX, real_line};
+
+/// The case.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct RealLine {
+    /// One end, px.
+    pub p0: Point,
+    /// The other end, px.
+    pub p1: Point,
+}
+
+impl Check for RealLine {}
+
+impl RealLine {
+    pub(super) fn answer(&self) -> Result<RealLineAnswer, Refusal> {
+        let (Point(p0), Point(p1)) = (self.p0, self.p1);
+        let line = real_line(p0, p1).ok_or_else(|| {
+            Refusal(format!("an end lies farther than {MAX_COORDINATE_PX:e} px out, where half pixels run out"))
+        })?;
+        // Casts saturate.
+        check_length("line", (p1 - p0).abs().max_element() as u64)?;
+        Ok(RealLineAnswer { pixels: line.collect() })
+    }
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RealLineAnswer {
+    /// Columns and rows, from the first end on.
+    pub pixels: Vec<(i64, i64)>,
+}

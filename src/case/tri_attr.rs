@@ -1,0 +1,145 @@
+//! `tri_attr`: weights and attributes at the centres of some pixels, inside the triangle or not.
+
+use glam::Vec2;
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::{Check, Exactly, Real, Refusal};
+use crate::math::fixed::snap;
+use crate::pipeline::depth::depth_at;
+use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
+use crate::pipeline::raster::{doubled_area, edge_values};
+use crate::pipeline::settings::{Arithmetic, Interpolation};
+use crate::pipeline::vertex::Varyings;
+use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex, relative_inv_w};
+use crate::scene::TriangleId;
+
+/// The case.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct TriAttr {
+    /// The triangle's corners.
+    pub vertices: Exactly<Vertex, 3>,
+    /// Columns and rows of the pixels.
+    pub eval: Vec<Exactly<i64, 2>>,
+}
+
+/// A corner of a triangle on the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub struct Vertex {
+    /// px.
+    pub x: Real,
+    /// px, down.
+    pub y: Real,
+    /// Depth, after the division by w.
+    pub z: Real,
+    /// w of clip space.
+    pub w: Real,
+    /// Texture coordinate.
+    pub u: Real,
+    /// Texture coordinate.
+    pub v: Real,
+}
+
+impl Check for TriAttr {
+    fn check(&self) -> Result<(), String> {
+        if self.vertices.0.iter().any(|v| v.w.0 <= 0.0) {
+            return Err("`w` must be positive: corners behind the eye have no place on the screen".to_owned());
+        }
+        if self.eval.iter().any(|Exactly(pixel)| pixel.iter().any(|c| !(0..i64::from(MAX_SIDE_PX)).contains(c))) {
+            return Err(format!("pixels to evaluate have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
+        }
+        Ok(())
+    }
+}
+
+impl TriAttr {
+    /// What the pipeline interpolates. Where snapping leaves the triangle no area, its corners are taken as given.
+    pub(super) fn answer(&self, arithmetic: Arithmetic) -> Result<TriAttrAnswer, Refusal> {
+        let vertices = self.vertices.0.map(Vertex::on_screen);
+        let corners_px = vertices.map(|v| v.position_px);
+        let has_area = |arithmetic: &Arithmetic| doubled_area(*arithmetic, corners_px).0 != 0.0;
+        let arithmetic = [arithmetic, Arithmetic::Exact].into_iter().find(has_area);
+        let arithmetic = arithmetic.ok_or_else(|| Refusal("a triangle without area has no weights".to_owned()))?;
+        let (area, scale) = doubled_area(arithmetic, corners_px);
+        let triangle = ScreenTriangle {
+            id: TriangleId(0),
+            instance: 0,
+            doubled_area: (area * scale).abs(),
+            relative_inv_w: relative_inv_w(&vertices),
+            vertices,
+        };
+        let pixels = self.eval.iter().filter_map(|Exactly([x, y])| {
+            let pixel = (u32::try_from(*x).ok()?, u32::try_from(*y).ok()?);
+            let (sample, _) = edge_values(arithmetic, corners_px, pixel)?;
+            let fragment = interpolate(&triangle, sample, Attributes::all(Interpolation::Perspective));
+            Some(SampleAttributes {
+                pixel: [*x, *y],
+                affine_weights: affine_weights(&triangle, &sample).map(f64::from),
+                perspective_weights: fragment.weights.map(f64::from),
+                depth: depth_at(&triangle, &sample).into(),
+                uv: fragment.uv.as_dvec2().into(),
+            })
+        });
+        Ok(TriAttrAnswer { pixels: pixels.collect() })
+    }
+}
+
+impl Vertex {
+    fn on_screen(self) -> ScreenVertex {
+        let [x, y, z, w, u, v] = [self.x, self.y, self.z, self.w, self.u, self.v].map(|number| number.0 as f32);
+        ScreenVertex {
+            position_px: [x, y],
+            x: snap(x) as i32,
+            y: snap(y) as i32,
+            depth: z,
+            inv_w: 1.0 / w,
+            varyings: Varyings { uv: Vec2::new(u, v), ..Varyings::default() },
+        }
+    }
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TriAttrAnswer {
+    /// One for each pixel asked for, in any order.
+    pub pixels: Vec<SampleAttributes>,
+}
+
+/// What holds at the centre of a pixel. Written as one list of all numbers, in this order.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleAttributes {
+    /// Column and row.
+    pub pixel: [i64; 2],
+    /// Weights of the corners, affine in the screen.
+    pub affine_weights: [f64; 3],
+    /// Weights of the corners in perspective.
+    pub perspective_weights: [f64; 3],
+    /// z by the affine weights.
+    pub depth: f64,
+    /// u and v in perspective.
+    pub uv: [f64; 2],
+}
+
+impl Serialize for SampleAttributes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let Self { pixel: [x, y], affine_weights: [b0, b1, b2], perspective_weights: [p0, p1, p2], depth, uv: [u, v] } =
+            self;
+        (x, y, b0, b1, b2, p0, p1, p2, depth, u, v).serialize(serializer)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sample_is_written_as_one_list() {
+        let sample = SampleAttributes {
+            pixel: [-1, 2],
+            affine_weights: [0.5, 0.25, 0.25],
+            perspective_weights: [1.0, 0.0, 0.0],
+            depth: 0.75,
+            uv: [3.5, -4.5],
+        };
+        assert_eq!(serde_json::to_string(&sample).unwrap(), "[-1,2,0.5,0.25,0.25,1.0,0.0,0.0,0.75,3.5,-4.5]");
+    }
+}

@@ -1,0 +1,80 @@
+//! `tri_coverage`: which samples lie inside triangles, each asked for itself.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Check, Exactly, Options, Point, check_picture};
+use crate::pipeline::raster::{Span, cover};
+use crate::pipeline::settings::FillRule;
+use crate::pipeline::viewport::Viewport;
+
+/// The case.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+pub struct TriCoverage {
+    /// Width of the picture, px.
+    pub width: u32,
+    /// Height of the picture, px.
+    pub height: u32,
+    /// Who owns samples on an edge.
+    pub rule: CoverageRule,
+    /// Corners in px, of either winding.
+    pub triangles: Vec<Exactly<Point, 3>>,
+}
+
+/// Who owns a sample that lies exactly on an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CoverageRule {
+    /// The triangle whose left edge or horizontal top edge it is.
+    TopLeft,
+    /// Every triangle whose edge it is.
+    Inclusive,
+}
+
+impl Check for TriCoverage {
+    fn check(&self) -> Result<(), String> {
+        check_picture(self.width, self.height)
+    }
+}
+
+impl TriCoverage {
+    pub(super) fn answer(&self, options: Options) -> TriCoverageAnswer {
+        let viewport = Viewport { width: self.width, height: self.height };
+        let triangles = self.triangles.iter().map(|Exactly(corners)| {
+            let corners_px = corners.map(|Point(corner)| [corner.x as f32, corner.y as f32]);
+            Covered::new(&cover(options.rasterizer, options.arithmetic, corners_px, self.rule.into(), viewport))
+        });
+        TriCoverageAnswer { snap_bits: options.snap_bits(), triangles: triangles.collect() }
+    }
+}
+
+impl From<CoverageRule> for FillRule {
+    fn from(rule: CoverageRule) -> Self {
+        match rule {
+            CoverageRule::TopLeft => Self::TopLeft,
+            CoverageRule::Inclusive => Self::Inclusive,
+        }
+    }
+}
+
+/// The answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TriCoverageAnswer {
+    /// Fraction bits of the grid that corners were snapped to; `None` if they were used as given.
+    pub snap_bits: Option<u32>,
+    /// One for each triangle.
+    pub triangles: Vec<Covered>,
+}
+
+/// What one triangle covers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Covered {
+    /// [row, first column, one past the last column] of each run.
+    pub spans: Vec<[u32; 3]>,
+}
+
+impl Covered {
+    /// Writes spans of a rasterizer.
+    pub(super) fn new(spans: &[Span]) -> Self {
+        Self { spans: spans.iter().map(|span| [span.row, span.left, span.right]).collect() }
+    }
+}

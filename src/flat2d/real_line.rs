@@ -1,0 +1,190 @@
+//! Lines between real points: one pixel for every whole coordinate along the longer axis, the one nearest to the line.
+//!
+//! Rounding y = y₀ + m (x − x₀) goes wrong where the line passes close to the middle between two pixels, and adding m
+//! step by step drifts on top of that. Here it is only the first guess. As the line leaves its row by at most one per step,
+//! the pixel of the next step is the same or a neighbour, and on which side of the midpoint between them the line passes
+//! is decided exactly. A line through a midpoint takes the pixel of the larger coordinate, whatever its direction.
+
+use std::cmp::Ordering;
+
+use glam::DVec2;
+
+use super::side;
+use crate::math::expansion::Expansion;
+
+/// Largest coordinate of an end, px: twice as far out there would be no half pixels any more.
+pub const MAX_COORDINATE_PX: f64 = (1_u64 << 50) as f64;
+
+/// The walk along a line; see [`real_line`].
+#[derive(Clone, Debug)]
+pub struct RealLine {
+    /// Whether y is the longer axis. Everything below has the longer axis as x.
+    steep: bool,
+    /// The end with the smaller x, and the other one.
+    low: DVec2,
+    high: DVec2,
+    /// x of the next pixel, the one after the last, and ±1.
+    major: i64,
+    end: i64,
+    step: i64,
+    /// y of the pixel before.
+    minor: i64,
+}
+
+/// The pixels from `p0` to `p1`; none if the line lies between two whole coordinates. `None` if an end is not finite or
+/// farther out than [`MAX_COORDINATE_PX`].
+pub fn real_line(p0: DVec2, p1: DVec2) -> Option<RealLine> {
+    if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
+        return None;
+    }
+    let steep = is_steep(p0, p1);
+    let along = |p: DVec2| if steep { DVec2::new(p.y, p.x) } else { p };
+    let (from, to) = (along(p0), along(p1));
+    let forward = from.x <= to.x;
+    let (low, high) = if forward { (from, to) } else { (to, from) };
+    let (first, last) = (low.x.ceil() as i64, high.x.floor() as i64);
+    let (major, end, step) = if forward { (first, last + 1, 1) } else { (last, first - 1, -1) };
+    // A line between two whole coordinates would run away from its end.
+    let end = if first > last { major } else { end };
+    // A point has a direction, too, so that sides are defined; on a whole coordinate the sum is exact.
+    let high = if low == high { high + DVec2::X } else { high };
+    let slope = (high.y - low.y) / (high.x - low.x);
+    let minor = (low.y + (major as f64 - low.x) * slope).round() as i64;
+    Some(RealLine { steep, low, high, major, end, step, minor })
+}
+
+/// Whether |Δx| < |Δy|, exactly.
+fn is_steep(p0: DVec2, p1: DVec2) -> bool {
+    let (dx, dy) = (Expansion::difference(p1.x, p0.x), Expansion::difference(p1.y, p0.y));
+    (&(&dx * &dx) - &(&dy * &dy)).sign() == Ordering::Less
+}
+
+impl RealLine {
+    /// Whether y is the longer axis, of which every whole coordinate gets a pixel.
+    pub fn is_steep(&self) -> bool {
+        self.steep
+    }
+
+    /// Coordinate along the longer axis of the pixel that comes next; `None` at the end.
+    pub fn major(&self) -> Option<i64> {
+        (self.major != self.end).then_some(self.major)
+    }
+
+    /// Coordinate across, from where the nearest pixel of the next step is looked for: that of the pixel before.
+    pub fn minor(&self) -> i64 {
+        self.minor
+    }
+
+    /// Whether the line passes the next step at `minor` − ½ or beyond.
+    fn reaches(&self, minor: i64) -> bool {
+        side(self.low, self.high, DVec2::new(self.major as f64, minor as f64 - 0.5)) != Ordering::Greater
+    }
+}
+
+impl Iterator for RealLine {
+    type Item = (i64, i64);
+
+    fn next(&mut self) -> Option<(i64, i64)> {
+        let major = self.major()?;
+        while !self.reaches(self.minor) {
+            self.minor -= 1;
+        }
+        while self.reaches(self.minor + 1) {
+            self.minor += 1;
+        }
+        self.major += self.step;
+        Some(if self.steep { (self.minor, major) } else { (major, self.minor) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pixels(p0: (f64, f64), p1: (f64, f64)) -> Vec<(i64, i64)> {
+        real_line(p0.into(), p1.into()).unwrap().collect()
+    }
+
+    /// By the definition, for ends that are whole numbers of `unit`-ths of a pixel.
+    fn by_definition(p0: (i64, i64), p1: (i64, i64), unit: i64) -> Vec<(i64, i64)> {
+        let steep = (p1.0 - p0.0).abs() < (p1.1 - p0.1).abs();
+        let swap = |(x, y): (i64, i64)| if steep { (y, x) } else { (x, y) };
+        let (from, to) = (swap(p0), swap(p1));
+        let (dx, dy) = (i128::from(to.0 - from.0), i128::from(to.1 - from.1));
+        let (least, greatest) = (from.0.min(to.0), from.0.max(to.0));
+        let mut found: Vec<_> = (least.div_euclid(unit)..=greatest.div_euclid(unit))
+            .filter(|x| (least..=greatest).contains(&(x * unit)))
+            .map(|x| {
+                // y = from.1 + (x·unit − from.0) dy/dx, rounded half up: ⌊(2y + unit) / 2·unit⌋.
+                let (numerator, denominator) = match dx {
+                    0 => (from.1.into(), 1),
+                    _ => (i128::from(from.1) * dx + i128::from(x * unit - from.0) * dy, dx),
+                };
+                let (numerator, denominator) = (numerator * denominator.signum(), denominator.abs());
+                let unit = i128::from(unit);
+                let y = (2 * numerator + unit * denominator).div_euclid(2 * unit * denominator) as i64;
+                swap((x, y))
+            })
+            .collect();
+        if from.0 > to.0 {
+            found.reverse();
+        }
+        found
+    }
+
+    #[test]
+    fn every_pixel_is_the_nearest_one_decided_exactly() {
+        let mut random = fastrand::Rng::with_seed(51);
+        let mut ties = 0;
+        for round in 0..20_000 {
+            // Coarse units make ties frequent; fine ones make near ties frequent.
+            let unit = [1, 2, 4, 1 << 10, 1 << 20][round % 5];
+            let mut coordinate = || random.i64(-40 * unit..40 * unit);
+            let (p0, p1) = ((coordinate(), coordinate()), (coordinate(), coordinate()));
+            let real = |(x, y): (i64, i64)| (x as f64 / unit as f64, y as f64 / unit as f64);
+            let found = pixels(real(p0), real(p1));
+            assert_eq!(found, by_definition(p0, p1, unit), "{p0:?} {p1:?} in 1/{unit} px");
+            let mirrored = pixels((-real(p0).0, -real(p0).1), (-real(p1).0, -real(p1).1));
+            ties += usize::from(mirrored != found.iter().map(|(x, y)| (-x, -y)).collect::<Vec<_>>());
+        }
+        assert!(ties > 500, "only {ties} lines went through a midpoint");
+    }
+
+    #[test]
+    fn a_point_is_a_pixel_if_it_lies_on_a_whole_coordinate() {
+        assert_eq!(pixels((3.0, 2.4), (3.0, 2.4)), [(3, 2)]);
+        assert_eq!(pixels((3.0, 2.5), (3.0, 2.5)), [(3, 3)]);
+        assert_eq!(pixels((3.1, 2.0), (3.1, 2.0)), []);
+        assert_eq!(pixels((3.2, 5.0), (3.4, 5.1)), [], "no whole x between the ends");
+    }
+
+    #[test]
+    fn what_no_float_can_tell_is_told() {
+        let tiny = 2.0_f64.powi(-149);
+        assert_eq!(pixels((0.0, 0.5 - f64::EPSILON / 4.0), (2.0, 0.5)), [(0, 0), (1, 0), (2, 1)]);
+        assert_eq!(pixels((0.0, tiny), (0.0, tiny)), [(0, 0)]);
+        // Longer in x by 10⁻⁴⁵ px; as long in y.
+        assert_eq!(pixels((-tiny, 0.0), (1.0, 1.0)), [(0, 0), (1, 1)]);
+        assert!(!real_line(DVec2::new(-tiny, 0.0), DVec2::ONE).unwrap().is_steep());
+        assert!(real_line(DVec2::new(tiny, 0.0), DVec2::ONE).unwrap().is_steep());
+    }
+
+    #[test]
+    fn ends_far_out_are_walked_from_or_refused() {
+        let far = MAX_COORDINATE_PX;
+        let mut line = real_line(DVec2::new(-far, far), DVec2::new(far, -far)).unwrap();
+        assert_eq!(line.nth(1), Some((1 - far as i64, far as i64 - 1)));
+        assert!(real_line(DVec2::new(0.0, f64::NAN), DVec2::ONE).is_none());
+        assert!(real_line(DVec2::ZERO, DVec2::new(2.0 * far, 0.0)).is_none());
+    }
+
+    #[test]
+    fn the_state_runs_ahead_of_the_pixels() {
+        let mut line = real_line(DVec2::new(0.25, 0.0), DVec2::new(3.0, 2.0)).unwrap();
+        assert_eq!((line.is_steep(), line.major()), (false, Some(1)));
+        assert_eq!(line.next(), Some((1, 1)));
+        assert_eq!((line.major(), line.minor()), (Some(2), 1));
+        assert_eq!(line.by_ref().last(), Some((3, 2)));
+        assert_eq!(line.major(), None);
+    }
+}

@@ -1,0 +1,241 @@
+//! Filling a region from a seed, span by span.
+//!
+//! *Flood fill* recolours everything of the seed's own colour that hangs together with it; *boundary fill* everything up
+//! to a boundary of one colour. Hanging together means over sides (4-connected) or also over corners (8-connected), with
+//! the two failures that belong to them: an 8-connected fill leaks through a boundary that is only 8-connected itself, a
+//! diagonal wall; and a 4-connected fill stops where a region goes on over a corner.
+//!
+//! Recursion pixel by pixel is as deep as the region is large. Here a stack of seeds is kept, one for each run of
+//! fillable pixels found beside a filled one, and whatever is popped is filled as a whole span. The fill ends because
+//! filled pixels are no longer fillable; a flood that would change nothing fills nothing.
+
+use std::ops::Range;
+
+use super::Span;
+use crate::image::Image;
+
+/// How far a fill goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Region<T> {
+    /// As far as the colour of the seed.
+    Flood,
+    /// Up to this colour; pixels of the new colour count as done.
+    Boundary(T),
+}
+
+/// Which neighbours belong together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Connectivity {
+    /// Those that share a side.
+    Four,
+    /// Those that share a side or a corner.
+    Eight,
+}
+
+/// A fill on its way: the picture is filled as spans are asked for. See [`seed_fill`].
+#[derive(Debug)]
+pub struct SeedFill<'a, T> {
+    image: &'a mut Image<T>,
+    connectivity: Connectivity,
+    new: T,
+    fillable: Fillable<T>,
+    seeds: Vec<(u32, u32)>,
+}
+
+/// Which colours are filled.
+#[derive(Clone, Copy, Debug)]
+enum Fillable<T> {
+    Only(T),
+    AllBut(T),
+}
+
+/// Fills `image` with `new` from `seed` on, in spans of which no two share a pixel. Nothing is filled from a seed outside
+/// the picture.
+pub fn seed_fill<T: Copy + PartialEq>(
+    image: &mut Image<T>,
+    seed: (u32, u32),
+    region: Region<T>,
+    connectivity: Connectivity,
+    new: T,
+) -> SeedFill<'_, T> {
+    let old = image.get(seed.0, seed.1);
+    let fillable = match (region, old) {
+        (Region::Boundary(boundary), _) => Fillable::AllBut(boundary),
+        (Region::Flood, old) => Fillable::Only(old.unwrap_or(new)),
+    };
+    let seeds = if old.is_some() { vec![seed] } else { Vec::new() };
+    SeedFill { image, connectivity, new, fillable, seeds }
+}
+
+impl<T: Copy + PartialEq> SeedFill<'_, T> {
+    /// The picture as far as it has been filled.
+    pub fn image(&self) -> &Image<T> {
+        self.image
+    }
+
+    /// The pixels from where the fill goes on, the last one first. Some may have been filled meanwhile.
+    pub fn seeds(&self) -> &[(u32, u32)] {
+        &self.seeds
+    }
+
+    fn is_fillable(&self, x: u32, y: u32) -> bool {
+        let color = self.image.at(x, y);
+        color != self.new
+            && match self.fillable {
+                Fillable::Only(old) => color == old,
+                Fillable::AllBut(boundary) => color != boundary,
+            }
+    }
+
+    /// The run of fillable pixels around one of them.
+    fn run_around(&self, x: u32, y: u32) -> Range<u32> {
+        let x0 = (0..x).rev().take_while(|x| self.is_fillable(*x, y)).last().unwrap_or(x);
+        let x1 = (x..self.image.width()).take_while(|x| self.is_fillable(*x, y)).last().unwrap_or(x);
+        x0..x1 + 1
+    }
+
+    /// Puts one seed on the stack for each run of fillable pixels in these columns of a row.
+    fn push_runs(&mut self, columns: Range<u32>, y: u32) {
+        let mut in_run = false;
+        for x in columns {
+            let fillable = self.is_fillable(x, y);
+            if fillable && !in_run {
+                self.seeds.push((x, y));
+            }
+            in_run = fillable;
+        }
+    }
+
+    /// Fills a run and looks for more in the rows above and below.
+    fn fill_run(&mut self, columns: Range<u32>, y: u32) {
+        columns.clone().for_each(|x| self.image.set(x, y, self.new));
+        let beside = match self.connectivity {
+            Connectivity::Four => columns,
+            Connectivity::Eight => columns.start.saturating_sub(1)..(columns.end + 1).min(self.image.width()),
+        };
+        if y > 0 {
+            self.push_runs(beside.clone(), y - 1);
+        }
+        if y + 1 < self.image.height() {
+            self.push_runs(beside, y + 1);
+        }
+    }
+}
+
+impl<T: Copy + PartialEq> Iterator for SeedFill<'_, T> {
+    type Item = Span;
+
+    fn next(&mut self) -> Option<Span> {
+        loop {
+            let (x, y) = self.seeds.pop()?;
+            if self.is_fillable(x, y) {
+                let run = self.run_around(x, y);
+                self.fill_run(run.clone(), y);
+                return Some(Span { y, x0: run.start, x1: run.end });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WALL: u8 = b'#';
+
+    const NEW: u8 = b'*';
+
+    fn picture(rows: &[&str]) -> Image<u8> {
+        let pixels = rows.iter().flat_map(|row| row.bytes()).collect();
+        Image::from_pixels(rows[0].len() as u32, rows.len() as u32, pixels)
+    }
+
+    fn filled(mut image: Image<u8>, seed: (u32, u32), region: Region<u8>, connectivity: Connectivity) -> Image<u8> {
+        seed_fill(&mut image, seed, region, connectivity, NEW).for_each(drop);
+        image
+    }
+
+    /// Spreads by one pixel at a time until nothing changes any more.
+    fn by_spreading(image: &Image<u8>, seed: (u32, u32), region: Region<u8>, connectivity: Connectivity) -> Image<u8> {
+        let old = image.at(seed.0, seed.1);
+        let may = |x: u32, y: u32| match region {
+            Region::Flood => image.at(x, y) == old && old != NEW,
+            Region::Boundary(boundary) => ![boundary, NEW].contains(&image.at(x, y)),
+        };
+        let mut reached = Image::from_fn(image.width(), image.height(), |x, y| (x, y) == seed && may(x, y));
+        loop {
+            let touches = |x: u32, y: u32| {
+                let steps = [-1, 0, 1].into_iter().flat_map(|dx| [-1, 0, 1].map(|dy| (dx, dy)));
+                steps.filter(|(dx, dy)| connectivity == Connectivity::Eight || dx * dy == 0).any(|(dx, dy)| {
+                    let neighbour = x.checked_add_signed(dx).zip(y.checked_add_signed(dy));
+                    neighbour.is_some_and(|(x, y)| reached.get(x, y) == Some(true))
+                })
+            };
+            let next = Image::from_fn(image.width(), image.height(), |x, y| may(x, y) && touches(x, y));
+            if next == reached {
+                return Image::from_fn(image.width(), image.height(), |x, y| {
+                    if reached.at(x, y) { NEW } else { image.at(x, y) }
+                });
+            }
+            reached = next;
+        }
+    }
+
+    #[test]
+    fn what_is_filled_is_what_spreading_reaches() {
+        let mut random = fastrand::Rng::with_seed(71);
+        for round in 0..600 {
+            let (width, height) = (random.u32(1..14), random.u32(1..14));
+            let walls = [0.1, 0.35, 0.5][round % 3];
+            let image = Image::from_fn(width, height, |_, _| match random.f32() {
+                share if share < walls => WALL,
+                share if share > 0.95 => NEW,
+                _ => b'.',
+            });
+            let seed = (random.u32(0..width), random.u32(0..height));
+            for region in [Region::Flood, Region::Boundary(WALL), Region::Boundary(NEW)] {
+                for connectivity in [Connectivity::Four, Connectivity::Eight] {
+                    assert_eq!(
+                        filled(image.clone(), seed, region, connectivity),
+                        by_spreading(&image, seed, region, connectivity),
+                        "{region:?} {connectivity:?} from {seed:?} in {image:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_two_failures_are_those_of_the_textbook() {
+        let diagonal_wall = picture(&["..#.", ".#..", "#..."]);
+        let four = filled(diagonal_wall.clone(), (0, 0), Region::Flood, Connectivity::Four);
+        assert_eq!(four, picture(&["**#.", "*#..", "#..."]), "stops at the corner");
+        let eight = filled(diagonal_wall, (0, 0), Region::Flood, Connectivity::Eight);
+        assert_eq!(eight, picture(&["**#*", "*#**", "#***"]), "leaks through the wall");
+    }
+
+    #[test]
+    fn a_flood_of_its_own_colour_and_a_seed_outside_end_at_once() {
+        let mut image = Image::filled(50, 50, NEW);
+        for region in [Region::Flood, Region::Boundary(WALL)] {
+            assert_eq!(seed_fill(&mut image, (3, 3), region, Connectivity::Four, NEW).count(), 0);
+            assert_eq!(seed_fill(&mut image, (50, 3), region, Connectivity::Four, b'.').count(), 0);
+        }
+    }
+
+    #[test]
+    fn spans_never_share_a_pixel_and_the_stack_stays_small() {
+        // A comb of corridors, the worst for recursion.
+        let mut image = Image::from_fn(400, 400, |x, y| if x % 2 == 1 && y > 0 { WALL } else { b'.' });
+        let open = image.pixels().iter().filter(|p| **p == b'.').count();
+        let mut fill = seed_fill(&mut image, (0, 399), Region::Flood, Connectivity::Four, NEW);
+        let (mut covered, mut deepest) = (0, 0);
+        while let Some(span) = fill.next() {
+            covered += (span.x1 - span.x0) as usize;
+            deepest = deepest.max(fill.seeds().len());
+        }
+        assert_eq!(covered, open);
+        assert!(deepest <= 400, "{deepest} seeds");
+        assert!(fill.image().pixels().iter().all(|p| *p != b'.'));
+    }
+}

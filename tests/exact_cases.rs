@@ -1,0 +1,164 @@
+//! Numerical cases, read and answered as the command does, against answers in exact arithmetic.
+#![expect(clippy::print_stderr, reason = "says how many were checked, and how many were not")]
+
+mod cases;
+
+use std::collections::HashSet;
+
+use cases::Sample;
+use rasterscope::case::{Answer, Case, Options, Outcome, solve};
+use rasterscope::flat2d::polygon::Corners;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+/// The answer to a case that must not be refused.
+fn answer(sample: &Sample, options: Options) -> Answer {
+    match outcome(sample, options) {
+        Outcome::Answered(answer) => answer,
+        Outcome::Refused { error } => panic!("{} refused: {error}", sample.path.display()),
+    }
+}
+
+fn outcome(sample: &Sample, options: Options) -> Outcome {
+    let case = Case::read(&sample.path).unwrap_or_else(|error| panic!("{error}"));
+    let result = solve(&case, options);
+    assert_eq!(sample.case["id"], result.id);
+    result.outcome
+}
+
+fn value<T: DeserializeOwned>(value: &Value) -> T {
+    serde_json::from_value(value.clone()).unwrap_or_else(|error| panic!("{error}: {value}"))
+}
+
+/// Checks all cases of a kind, which must not be refused, and says how many there were.
+fn check_all(kind: &str, check: impl Fn(&Sample, Answer)) {
+    let samples = cases::of_kinds(&[kind]);
+    for sample in &samples {
+        check(sample, answer(sample, Options::default()));
+    }
+    eprintln!("{} {kind} cases checked", samples.len());
+}
+
+fn set<T: std::hash::Hash + Eq + Copy + std::fmt::Debug>(list: &[T]) -> HashSet<T> {
+    let set: HashSet<_> = list.iter().copied().collect();
+    assert_eq!(set.len(), list.len(), "a pixel comes twice in {list:?}");
+    set
+}
+
+#[test]
+fn polygons_cover_the_exact_samples_as_given_and_snapped() {
+    let samples = cases::of_kinds(&["poly_fill"]);
+    for sample in &samples {
+        for (corners, key, bits) in [(Corners::AsGiven, "none", None), (Corners::Snapped, "8", Some(8))] {
+            let Answer::PolyFill(polygon) = answer(sample, Options { corners, ..Options::default() }) else { panic!() };
+            let exact: Vec<[u32; 3]> = value(&sample.expected["spans"][key]);
+            assert_eq!((polygon.spans, polygon.snap_bits), (exact, bits), "{} {corners:?}", sample.path.display());
+        }
+    }
+    eprintln!("{} poly_fill cases checked twice", samples.len());
+}
+
+#[test]
+fn lines_are_those_of_the_midpoint_rule() {
+    check_all("line", |sample, answer| {
+        let Answer::Line(line) = answer else { panic!() };
+        assert_eq!(line.pixels, value::<Vec<(i64, i64)>>(&sample.expected["pixels"]), "{}", sample.path.display());
+    });
+}
+
+#[test]
+fn real_lines_take_the_nearest_pixel_at_every_step() {
+    check_all("real_line", |sample, answer| {
+        let Answer::RealLine(line) = answer else { panic!() };
+        let pixels = set(&line.pixels);
+        let alternatives: Vec<Vec<(i64, i64)>> = value(&sample.expected["pixels"]);
+        assert_eq!(pixels.len(), alternatives.len(), "{}", sample.path.display());
+        for nearest in alternatives {
+            let taken = nearest.iter().filter(|pixel| pixels.contains(pixel)).count();
+            assert_eq!(taken, 1, "{}: of {nearest:?}", sample.path.display());
+        }
+    });
+}
+
+#[test]
+fn lines_by_distance_are_closed() {
+    check_all("distance_line", |sample, answer| {
+        let Answer::DistanceLine(line) = answer else { panic!() };
+        let inside: Vec<(u32, u32)> = value(&sample.expected["must"]);
+        let on_border: Vec<(u32, u32)> = value(&sample.expected["tie"]);
+        assert_eq!(set(&line.pixels), set(&[inside, on_border].concat()), "{}", sample.path.display());
+    });
+}
+
+#[test]
+fn circles_have_the_nearest_pixels_each_once() {
+    check_all("circle", |sample, answer| {
+        let Answer::Circle(circle) = answer else { panic!() };
+        let exact: Vec<(i64, i64)> = value(&sample.expected["pixels"]);
+        assert_eq!(set(&circle.pixels), set(&exact), "{}", sample.path.display());
+    });
+}
+
+#[test]
+fn regions_are_filled_to_their_borders() {
+    check_all("region_fill", |sample, answer| {
+        let Answer::RegionFill(region) = answer else { panic!() };
+        assert_eq!(region.grid, value::<Vec<Vec<i64>>>(&sample.expected["grid"]), "{}", sample.path.display());
+    });
+}
+
+#[test]
+fn areas_are_right_to_the_last_bit() {
+    check_all("tri_area", |sample, answer| {
+        let Answer::TriArea(triangle) = answer else { panic!() };
+        let mut areas = triangle.area;
+        areas.sort_by_key(|(x, y, _)| (*x, *y));
+        assert_eq!(areas, value::<Vec<(u32, u32, f64)>>(&sample.expected["area"]), "{}", sample.path.display());
+    });
+}
+
+/// Of a code: what single precision loses in the coordinates of a texture of few texels, and in weighing them.
+const TEXTURE_TOLERANCE: f64 = 1e-3;
+
+#[test]
+fn textures_read_as_the_exact_mixture() {
+    check_all("texture", |sample, answer| {
+        let Answer::Texture(texture) = answer else { panic!() };
+        let exact: Vec<f64> = value(&sample.expected["values"]);
+        assert_eq!(texture.values.len(), exact.len());
+        for (index, (found, exact)) in texture.values.iter().zip(exact).enumerate() {
+            let path = sample.path.display();
+            assert!((found - exact).abs() < TEXTURE_TOLERANCE, "{path}: value {index} is {found}, not {exact}");
+        }
+    });
+}
+
+#[test]
+fn enlarged_pictures_are_the_exact_ones_rounded_half_up() {
+    let samples = cases::of_kinds(&["upscale"]);
+    let mut refused = 0;
+    for sample in &samples {
+        let offered = ["nearest_floor", "bilinear", "lagrange"].iter().any(|kernel| sample.case["kernel"] == *kernel)
+            && sample.case["phase"] == "corner"
+            && [2, 4].iter().any(|scale| sample.case["scale"] == *scale);
+        match outcome(sample, Options::default()) {
+            Outcome::Answered(Answer::Upscale(picture)) => {
+                assert!(offered && picture.quantized, "{}", sample.path.display());
+                let exact: Vec<Vec<f64>> = value(&sample.expected["values"]);
+                let codes = |row: Vec<f64>| row.iter().map(|v| (v.clamp(0.0, 255.0) + 0.5).floor() as u8).collect();
+                let exact: Vec<Vec<u8>> = exact.into_iter().map(codes).collect();
+                assert_eq!(picture.values, exact, "{}", sample.path.display());
+            }
+            Outcome::Refused { error } => {
+                assert!(!offered, "{}: {error}", sample.path.display());
+                refused += 1;
+            }
+            Outcome::Answered(other) => panic!("{other:?}"),
+        }
+    }
+    eprintln!(
+        "{} upscale cases checked, {refused} of other kernels, phases or scales refused",
+        samples.len() - refused
+    );
+    assert!(samples.is_empty() || refused < samples.len(), "not one case was answered");
+}
