@@ -9,6 +9,7 @@ use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::{Buffer, Stage};
 use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::report::stability::catalogue;
 use rasterscope::scene::builtin;
 use rasterscope::upscale;
 use tempfile::TempDir;
@@ -86,20 +87,22 @@ fn help_tells_ranges_and_exit_codes() {
     for (key, values) in [("light.ambient", "number, 0…1"), ("upscaler.scale", "2, 4")] {
         assert!(help(&["render"]).contains(&format!("{key}: {values}")), "{key}");
     }
-    for command in COMMANDS_WITH_SETTINGS.into_iter().chain([&["scenes"][..]]) {
+    for command in COMMANDS_WITH_SETTINGS.into_iter().chain([&["scenes"][..], &["stability"]]) {
         assert_eq!(help(command).matches("Exit codes: 0 done; 2 ").count(), 1, "{command:?}");
     }
 }
 
 #[test]
-fn the_readme_names_every_setting_scene_method_buffer_and_kind_of_case() {
+fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_cases() {
     let readme = include_str!("../README.md");
     let settings = Recipe::keys().into_iter().map(|(key, _)| key);
     let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
     let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
     let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
     let kinds = Task::KINDS.iter().map(|kind| (*kind).to_owned());
-    for name in settings.chain(scenes).chain(methods).chain(buffers).chain(kinds) {
+    let classes = catalogue::all().map(|class| class.id.to_owned());
+    let names = settings.chain(scenes).chain(methods).chain(buffers).chain(kinds).chain(classes);
+    for name in names {
         assert!(readme.contains(&format!("`{name}`")), "{name}");
     }
 }
@@ -226,6 +229,57 @@ fn the_story_of_a_pixel_is_told_in_words() {
     for part in ["Won by", "fragment 1 of 2", "fragment 2 of 2", "overwritten", "visible", "λ′", "edges"] {
         assert!(text.contains(part), "no `{part}` in:\n{text}");
     }
+}
+
+/// A class of few cases, in the configurations that a report takes least time for.
+const SMALL_REPORT: [&str; 7] =
+    ["stability", "--class", "needles", "--rasterizer", "scanline", "--rasterizer", "scanline-published"];
+
+#[test]
+fn a_stability_report_of_one_class_is_told_in_words() {
+    let output = run(&folder(), &[&SMALL_REPORT[..], &["--untimed"]].concat());
+    assert_success(&output);
+    assert_eq!(stderr(&output), "", "progress is for terminals");
+    let lines: Vec<_> = stdout(&output).lines().collect();
+    assert!(lines[0].starts_with("Stability report, seed 1, "), "{}", lines[0]);
+    assert_eq!(
+        lines.iter().filter(|line| line.starts_with("  needles ")).count(),
+        5,
+        "four arithmetics, and as published"
+    );
+    assert!(
+        lines.last().unwrap().ends_with(" PASS, 3 MEASURED, 0 REFUSED") || lines.last().unwrap().contains("REFUSED")
+    );
+}
+
+#[test]
+fn a_stability_report_is_the_same_in_all_forms() {
+    let folder = folder();
+    let write = |options: &[&str], name: &str| {
+        assert_success(&run(&folder, &[&SMALL_REPORT[..], options, &["-o", name]].concat()));
+        fs::read_to_string(folder.path().join(name)).unwrap()
+    };
+    let json: serde_json::Value = serde_json::from_str(&write(&["--json"], "report.json")).unwrap();
+    let cells = json["classes"][0]["cells"].as_array().unwrap();
+    assert_eq!(cells.len(), 5);
+    let fixed = &cells[0];
+    assert_eq!((fixed["rasterizer"].as_str(), fixed["arithmetic"].as_str()), (Some("scanline"), Some("fixed")));
+    assert_eq!((fixed["verdict"].as_str(), fixed["measures"]["wrong"].as_f64()), (Some("PASS"), Some(0.0)));
+    assert!(fixed["time"]["ns_per_pixel"]["median"].as_f64() > Some(0.0));
+    assert_eq!(cells[4]["verdict"], "MEASURED");
+    assert_eq!(cells[4]["worst"]["case"]["kind"], "tri_coverage");
+    assert_eq!(write(&["--csv", "--untimed"], "report.csv").lines().count(), 6);
+    let page = write(&["--html"], "report.html");
+    assert!(page.starts_with("<!doctype html>") && page.contains("Error against time"));
+}
+
+#[test]
+fn stability_names_what_it_does_not_know_and_cannot_write() {
+    let folder = folder();
+    assert_failure(&run(&folder, &["stability", "--class", "nonesuch"]), 2, "nonesuch");
+    assert_failure(&run(&folder, &["stability", "--json", "--csv"]), 2, "--json");
+    let target = "no/such/folder/report.txt";
+    assert_failure(&run(&folder, &[&SMALL_REPORT[..], &["--untimed", "-o", target]].concat()), 2, target);
 }
 
 #[test]

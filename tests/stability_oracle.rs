@@ -6,26 +6,30 @@ mod cases;
 
 use std::collections::BTreeSet;
 
-use cases::Sample;
 use rasterscope::pipeline::raster::Span;
 use rasterscope::pipeline::settings::FillRule;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::report::stability::case::{Attributes, Body, Case, ClipSpace, Coverage, Depth};
+use rasterscope::report::stability::catalogue;
 use rasterscope::report::stability::oracle::{
     ClipTriangle, Region, Snap, approximate, exact_depth, exact_sample, ideal_code,
 };
 use rasterscope::report::stability::spans::Hits;
+use rasterscope::report::stability::sweep::DEFAULT_SEED;
 use serde_json::Value;
 
 /// Answers are frozen as the nearest f64; ours go through another division.
 const FROZEN: f64 = 1e-15;
 
-/// Cases of all classes whose name starts with `prefix`, each with its answer.
-fn cases_of(prefix: &str) -> Vec<(Case, Value)> {
-    let read = |Sample { case, expected, .. }: Sample| {
-        (serde_json::from_value(case.clone()).unwrap_or_else(|e| panic!("{}: {e}", case["id"])), expected)
+/// Cases of a kind whose class starts with `prefix`, each with its answer.
+fn cases_of(kind: &str, prefix: &str) -> Vec<(Case, Value)> {
+    let all = cases::of_kinds(&[kind]).into_iter();
+    let wanted = all.filter(|sample| sample.case["class"].as_str().is_some_and(|class| class.starts_with(prefix)));
+    let read = |sample: cases::Sample| {
+        let case = serde_json::from_value(sample.case);
+        (case.unwrap_or_else(|e| panic!("{}: {e}", sample.path.display())), sample.expected)
     };
-    cases::starting_with(prefix).into_iter().map(read).collect()
+    wanted.map(read).collect()
 }
 
 fn spans(answer: &Value) -> Vec<Span> {
@@ -122,8 +126,8 @@ fn check_depth(id: &str, case: &Depth, answer: &Value) {
 }
 
 /// Checks all cases of some classes, of which there are at least `least` where there are any at all.
-fn check(prefix: &str, least: usize) {
-    let all = cases_of(prefix);
+fn check(kind: &str, prefix: &str, least: usize) {
+    let all = cases_of(kind, prefix);
     for (case, answer) in &all {
         match &case.body {
             Body::TriCoverage(body) => check_coverage(&case.id, body, answer),
@@ -139,25 +143,42 @@ fn check(prefix: &str, least: usize) {
 
 #[test]
 fn single_triangles_cover_the_same_pixels() {
-    check("cov_", 138);
+    check("tri_coverage", "cov_", 138);
 }
 
 #[test]
 fn meshes_cover_the_same_pixels() {
-    check("mesh_", 37);
+    check("tri_coverage", "mesh_", 37);
 }
 
 #[test]
 fn triangles_in_clip_space_show_the_same_pixels_weights_and_depths() {
-    check("clip", 34);
+    check("clip_tri", "clip", 34);
 }
 
 #[test]
 fn weights_depth_and_attributes_are_the_same() {
-    check("attr_", 60);
+    check("tri_attr", "attr_", 60);
 }
 
 #[test]
 fn depth_buffers_ideally_hold_the_same() {
-    check("depth", 42);
+    check("depth", "depth", 42);
+}
+
+#[test]
+fn the_catalogue_can_be_opened_as_case_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("case.json");
+    let mut opened = 0;
+    // What is no number, two triangles at once and random pairs are the report's own.
+    for class in catalogue::all().filter(|class| !["not-finite", "coplanar", "depth-published"].contains(&class.id)) {
+        for case in class.cases(DEFAULT_SEED) {
+            std::fs::write(&path, case.to_json()).expect("a file");
+            let read = rasterscope::case::Case::read(&path);
+            assert_eq!(read.map(|read| read.id).map_err(|e| e.to_string()), Ok(case.id));
+            opened += 1;
+        }
+    }
+    assert!(opened > 200, "{opened}");
 }

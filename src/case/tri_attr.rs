@@ -54,7 +54,7 @@ impl Check for TriAttr {
 impl TriAttr {
     /// What the pipeline interpolates. Where snapping leaves the triangle no area, its corners are taken as given.
     pub(super) fn answer(&self, arithmetic: Arithmetic) -> Result<TriAttrAnswer, Refusal> {
-        let vertices = self.vertices.0.map(|v| v.on_screen());
+        let vertices = self.vertices.0.map(Vertex::on_screen);
         let corners_px = vertices.map(|v| v.position_px);
         let has_area = |arithmetic: &Arithmetic| doubled_area(*arithmetic, corners_px).0 != 0.0;
         let arithmetic = [arithmetic, Arithmetic::Exact].into_iter().find(has_area);

@@ -43,7 +43,7 @@ pub(crate) enum Failure {
     /// A case cannot be read.
     #[error(transparent)]
     Case(#[from] CaseError),
-    /// A result cannot be written into its file.
+    /// A result or report cannot be written into its file.
     #[error("{}: cannot write it: {source}", path.display())]
     ResultFile { path: PathBuf, source: std::io::Error },
     /// Results cannot be written.

@@ -1,7 +1,5 @@
 //! Exact cases kept outside the crate: one file per case, and beside it the answer in exact arithmetic.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
-
 use std::path::PathBuf;
 
 use serde_json::Value;
@@ -18,15 +16,6 @@ pub(crate) struct Sample {
 
 /// All cases of these kinds, by name. Empty, with a word on stderr, without the folder.
 pub(crate) fn of_kinds(kinds: &[&str]) -> Vec<Sample> {
-    samples(|_, case| kinds.iter().any(|kind| case["kind"] == *kind))
-}
-
-/// All cases in files whose name starts with `prefix`, by name. Empty, with a word on stderr, without the folder.
-pub(crate) fn starting_with(prefix: &str) -> Vec<Sample> {
-    samples(|name, _| name.starts_with(prefix))
-}
-
-fn samples(wanted: impl Fn(&str, &Value) -> bool) -> Vec<Sample> {
     let samples = std::env::var_os("RASTERSCOPE_SAMPLES")
         .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")), PathBuf::from);
     let folder = samples.join("cases");
@@ -40,10 +29,11 @@ fn samples(wanted: impl Fn(&str, &Value) -> bool) -> Vec<Sample> {
         let text = std::fs::read_to_string(path).expect("a readable case");
         serde_json::from_str(&text).expect("a case in JSON")
     };
-    let sample = |name: &String| {
+    let of_kind = |name: &String| {
         let path = folder.join("cases").join(name);
         let case = read(&path);
-        wanted(name, &case).then(|| Sample { path, case, expected: read(&folder.join("expected").join(name)) })
+        let wanted = kinds.iter().any(|kind| case["kind"] == *kind);
+        wanted.then(|| Sample { path, case, expected: read(&folder.join("expected").join(name)) })
     };
-    names.iter().filter_map(sample).collect()
+    names.iter().filter_map(of_kind).collect()
 }

@@ -46,7 +46,7 @@ enum Join {
     Derived,
 }
 
-/// Levels of [`Metric::severity`] beyond 0.
+/// Levels of [`Measures::severity`] beyond 0.
 pub const LEVELS: usize = 6;
 
 impl Metric {
@@ -129,7 +129,7 @@ fn grouped(value: f64) -> String {
 pub fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
-        v if v < 0.001 || v >= 1e5 => format!("{value:.1e}"),
+        v if !(0.001..1e5).contains(&v) => format!("{value:.1e}"),
         v if v < 0.1 => format!("{value:.3}"),
         v if v < 10.0 => format!("{value:.2}"),
         v if v < 100.0 => format!("{value:.1}"),

@@ -73,7 +73,7 @@ pub(super) fn time_class(
 ) -> Option<(Vec<Time>, f64)> {
     let twins = twins(class, cases, units);
     let units = cases.iter().zip(units).map(|(case, units)| timed_units(case, *units)).sum();
-    let twin_pixels: u64 = twins.iter().map(|twin| twin.pixels()).sum();
+    let twin_pixels: u64 = twins.iter().map(Twin::pixels).sum();
     let mut works: Vec<Work<'_>> = columns.iter().map(|column| work(cases, *column)).collect();
     if twin_pixels > 0 {
         works.extend(columns.iter().map(|column| twin_work(&twins, *column)));

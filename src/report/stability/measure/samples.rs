@@ -118,7 +118,7 @@ mod tests {
         let mut wrong = given.clone();
         wrong[1].weights[2] -= 2.0;
         wrong[1].uv[0] += 0.5;
-        let outcome = judge(&[right.clone()], &[wrong.clone()]);
+        let outcome = judge(std::slice::from_ref(&right), std::slice::from_ref(&wrong));
         let measures = outcome.measures.unwrap();
         let near = |metric, value: f64| (measures.get(metric).unwrap() - value).abs() < 1e-9;
         assert!(near(Metric::WeightError, 2.0) && near(Metric::SumError, 2.0) && near(Metric::UvTexels, 512.0));
