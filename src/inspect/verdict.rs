@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use super::hits::{Fault, FaultKind};
 use super::pixel::{FragmentRecord, Outcome, PixelReport};
 use crate::pipeline::depth::Comparison;
 use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::settings::{Choice as _, Settings};
 
 /// What happened at a pixel, in one sentence.
 pub(super) fn verdict(report: &PixelReport, grid: SampleGrid, comparison: Comparison) -> String {
@@ -48,6 +50,57 @@ fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> Str
         }
         _ if triangles == 2 => format!("Won by {name} against one other."),
         _ => format!("Won by {name} against {} others.", triangles - 1),
+    }
+}
+
+/// What is wrong at a sample along a shared edge, and why, in one sentence.
+pub(super) fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
+    let [one, other] = fault.sharing.map(|id| id.0);
+    let (hits, due) = (fault.hit_by.len(), fault.due.len());
+    let cause = cause(settings);
+    match (fault.kind, hits) {
+        (FaultKind::DoubleHit, _) => {
+            let count = match (hits, due) {
+                (2, ..=1) => "Hit twice".to_owned(),
+                (_, 0) => format!("Hit {hits} times, though no triangle should"),
+                (_, 1) => format!("Hit {hits} times instead of once"),
+                _ => format!("Hit {hits} times instead of {due}"),
+            };
+            let pair = if one == other {
+                format!("two pieces of triangle {one}")
+            } else {
+                format!("triangles {} and {}", one.min(other), one.max(other))
+            };
+            format!("{count}: {pair} share an edge here and {cause}.")
+        }
+        (FaultKind::Crack, 0) => {
+            format!(
+                "A crack: no triangle covers this pixel, though triangle {one} should; {}.",
+                beside(one, other, &cause)
+            )
+        }
+        (FaultKind::Crack, _) => {
+            format!(
+                "A crack: {hits} instead of {due} triangles cover this pixel, triangle {one} is missing; {}.",
+                beside(one, other, &cause)
+            )
+        }
+    }
+}
+
+fn beside(one: u32, other: u32, cause: &str) -> String {
+    let neighbour = if one == other { "another piece of it".to_owned() } else { format!("triangle {other}") };
+    format!("it shares an edge here with {neighbour} and {cause}")
+}
+
+/// The setting that lets shared edges go wrong.
+fn cause(settings: &Settings) -> String {
+    if settings.rasterizer.is_published() {
+        format!("the rasterizer is “{}”", settings.rasterizer.name())
+    } else if settings.fill_rule.is_sound() {
+        format!("the arithmetic is {}", settings.arithmetic.name())
+    } else {
+        format!("the fill rule is {}", settings.fill_rule.id())
     }
 }
 

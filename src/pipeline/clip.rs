@@ -286,7 +286,8 @@ mod tests {
     #[test]
     fn a_corner_at_the_eye_is_seen_in_the_direction_of_the_others() {
         // The plane of such a triangle goes through the eye: what is left of it projects onto a line.
-        let (cut, left) = clip_one([vertex(0.0, 0.0, 0.0, 0.0), vertex(1.0, 0.0, 0.5, 1.0), vertex(0.0, 1.0, 0.5, 1.0)]);
+        let (cut, left) =
+            clip_one([vertex(0.0, 0.0, 0.0, 0.0), vertex(1.0, 0.0, 0.5, 1.0), vertex(0.0, 1.0, 0.5, 1.0)]);
         assert_eq!(cut, Ok(Cut::Pieces));
         let on_line = |v: &ClipVertex| ((v.position.x + v.position.y) / v.position.w - 1.0).abs() < 1e-6;
         assert!(left.iter().all(on_line), "{left:?}");
