@@ -115,6 +115,7 @@ fn ulps_apart(a: f32, b: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
     use crate::scene::TriangleId;
 
     /// The last of `fragments` (triangle, depth) is visible.
@@ -126,7 +127,7 @@ mod tests {
             outcome: if place + 1 == fragments.len() { Outcome::Visible } else { Outcome::Overwritten },
             reason: String::new(),
             corners_px: [[0.0; 2]; 3],
-            arithmetic: crate::pipeline::settings::Arithmetic::Fixed,
+            arithmetic: Arithmetic::Fixed,
             edges: [1.0; 3],
             doubled_area: 3.0,
             affine_weights: [0.0; 3],
@@ -138,6 +139,38 @@ mod tests {
             shading: None,
         };
         fragment_verdict(&fragments.iter().enumerate().map(record).collect::<Vec<_>>(), comparison)
+    }
+
+    #[test]
+    fn a_fault_is_told_with_its_triangles_and_its_cause() {
+        let fault = |kind, hit_by: &[u32], due: &[u32], sharing: [u32; 2]| {
+            let ids = |list: &[u32]| list.iter().copied().map(TriangleId).collect();
+            Fault { x: 0, y: 0, kind, hit_by: ids(hit_by), due: ids(due), sharing: sharing.map(TriangleId) }
+        };
+        let by_rule = |fill_rule| Settings { fill_rule, ..Settings::default() };
+        let double = fault(FaultKind::DoubleHit, &[3, 4], &[3], [4, 3]);
+        assert_eq!(
+            fault_verdict(&double, &by_rule(FillRule::Inclusive)),
+            "Hit twice: triangles 3 and 4 share an edge here and the fill rule is inclusive."
+        );
+        let crack = fault(FaultKind::Crack, &[], &[4], [4, 3]);
+        assert_eq!(
+            fault_verdict(&crack, &by_rule(FillRule::Exclusive)),
+            "A crack: no triangle covers this pixel, though triangle 4 should; it shares an edge here with triangle 3 and \
+             the fill rule is exclusive."
+        );
+        let deep = fault(FaultKind::DoubleHit, &[1, 3, 3], &[1, 3], [3, 3]);
+        assert_eq!(
+            fault_verdict(&deep, &Settings { arithmetic: Arithmetic::F32, ..Settings::default() }),
+            "Hit 3 times instead of 2: two pieces of triangle 3 share an edge here and the arithmetic is f32."
+        );
+        let behind = fault(FaultKind::Crack, &[9], &[5, 9], [5, 6]);
+        let published = Settings { rasterizer: Rasterizer::ScanlinePublished, ..Settings::default() };
+        assert_eq!(
+            fault_verdict(&behind, &published),
+            "A crack: 1 instead of 2 triangles cover this pixel, triangle 5 is missing; it shares an edge here with \
+             triangle 6 and the rasterizer is “Scanline (as published)”."
+        );
     }
 
     #[test]
