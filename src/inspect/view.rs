@@ -41,10 +41,10 @@ pub fn magnitude_color(position: f32) -> Rgba8 {
     [r, g, b, 255]
 }
 
-/// Colour of a sample that no triangle draws although one should; with [`DOUBLE_HIT`] told apart by every kind of eye.
+/// Colour of a sample along a shared edge that too few triangles hit; every kind of eye tells it from [`DOUBLE_HIT`].
 pub const CRACK: Rgba8 = [48, 132, 255, 255];
 
-/// Colour of a sample that two triangles of a shared edge draw.
+/// Colour of a sample that both triangles of a shared edge hit.
 pub const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
 
 /// Colour of a position in [0, 1] on the map of a buffer: grey where colours have a meaning of their own.

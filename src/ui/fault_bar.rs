@@ -42,8 +42,8 @@ fn numbers(ui: &mut Ui, hits: &Hits) {
         return;
     }
     for (kind, count, one, many, help) in [
-        (FaultKind::Crack, cracks, "crack", "cracks", "Pixels along a shared edge that no triangle draws"),
-        (FaultKind::DoubleHit, doubles, "double hit", "double hits", "Pixels that two triangles of an edge draw"),
+        (FaultKind::Crack, cracks, "crack", "cracks", "Pixels along a shared edge that too few triangles hit"),
+        (FaultKind::DoubleHit, doubles, "double hit", "double hits", "Pixels that both triangles of a shared edge hit"),
     ] {
         let [r, g, b, _] = fault_color(kind);
         ui.spacing_mut().item_spacing.x = space::XS;
