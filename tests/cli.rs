@@ -149,6 +149,29 @@ fn every_buffer_is_a_picture_of_its_own() {
 }
 
 #[test]
+fn the_hit_count_tells_its_cracks_and_double_hits_in_a_line_of_its_own() {
+    let folder = folder();
+    for (rule, told) in [
+        ("top-left", "0 cracks · 0 double hits"),
+        ("inclusive", "0 cracks · "),
+        ("exclusive", " cracks · 0 double hits"),
+    ] {
+        let rule = format!("fill_rule={rule}");
+        let args = ["render", "shared-edges", "--size", "64x48", "--buffer", "hits", "--set", &rule, "-o", "out.png"];
+        let output = run(&folder, &args);
+        assert_success(&output);
+        let lines: Vec<_> = stdout(&output).lines().collect();
+        assert!(lines[0].starts_with("out.png: ") && lines[1].contains(told), "{lines:?}");
+        let is_grey = |pixel: &Rgba8| pixel[0] == pixel[1] && pixel[1] == pixel[2];
+        let marked = picture(&folder, "out.png").pixels().iter().filter(|pixel| !is_grey(pixel)).count();
+        let numbers = lines[1].split(|c: char| !c.is_ascii_digit()).filter_map(|word| word.parse::<usize>().ok());
+        let faults: usize = numbers.take(2).sum();
+        assert_eq!(marked, faults, "{}", lines[1]);
+        assert_eq!(faults == 0, rule.ends_with("top-left"), "{}", lines[1]);
+    }
+}
+
+#[test]
 fn every_stage_is_a_picture_and_the_last_one_is_the_frame() {
     let folder = folder();
     let shot = |options: &[&str]| {

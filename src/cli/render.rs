@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::Args;
 use rasterscope::chain::{self, Frame, Recipe};
 use rasterscope::image::file::write_png;
-use rasterscope::inspect::{Buffer, Stage, capture, stages, view};
+use rasterscope::inspect::{Buffer, Hits, Stage, capture, stages, view};
 use rasterscope::measure::stages::stage_times;
 use rasterscope::measure::timing::summarize;
 use rasterscope::scene::{Camera, Scene};
@@ -41,12 +41,14 @@ pub(crate) struct RenderArgs {
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Drawn { scene, camera, recipe, frame } = args.frame.draw()?;
+    let mut faults = None;
     let image = match args.stage {
         Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
         None if args.buffer == Buffer::Color => &frame.image,
         None => {
-            let buffers = capture(&scene, &recipe, &frame);
+            let buffers = capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame);
             let range = view::range(args.buffer, &frame, Some(&buffers));
+            faults = buffers.hits.as_ref().map(Hits::summary);
             &view::picture(args.buffer, &frame, Some(&buffers), range)
         }
     };
@@ -61,6 +63,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         frame.times.total.as_secs_f64() * 1e3,
         frame.drawn_share() * 100.0,
     ))?;
+    if let Some(faults) = faults {
+        output::print(&format!("shared edges: {faults}\n"))?;
+    }
     args.times.map_or(Ok(()), |frames| print_times(&scene, &camera, &recipe, &frame, frames))
 }
 

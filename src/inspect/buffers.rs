@@ -2,6 +2,7 @@
 //!
 //! The frame is drawn once more with an observer that keeps these quantities; the frame itself pays nothing for them.
 
+use super::hits::Hits;
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::Until;
@@ -22,6 +23,7 @@ choice! {
         PerspectiveLambda = "perspective-lambda", "λ in space", "Weights of the winner that attributes are interpolated with (perspective-correct unless affine).";
         Overdraw = "overdraw", "Overdraw", "How many triangles cover each sample, drawn or not.";
         Shaded = "shaded", "Times shaded", "How often each sample was shaded: what the depth test could not save.";
+        Hits = "hits", "Hit count", "How many triangles cover each sample, without depth test. Along shared edges cracks, where it is too few, are blue, and double hits, where it is too many, orange.";
     }
 }
 
@@ -38,6 +40,8 @@ pub struct Buffers {
     pub overdraw: Image<u32>,
     /// How often each sample was shaded.
     pub shaded: Image<u32>,
+    /// Cracks and double hits, if they were looked for.
+    pub hits: Option<Hits>,
 }
 
 /// Draws the frame again and keeps everything.
@@ -49,9 +53,20 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
         perspective_lambda: Image::filled(width, height, [0.0; 3]),
         overdraw: Image::filled(width, height, 0),
         shaded: Image::filled(width, height, 0),
+        hits: None,
     };
     redraw(scene, recipe, frame, Until::Shade, &mut buffers);
     buffers
+}
+
+impl Buffers {
+    /// With all that a buffer needs: only the hit count needs more than [`capture`] keeps.
+    pub fn completed_for(self, buffer: Buffer, recipe: &Recipe, frame: &Frame) -> Self {
+        if buffer != Buffer::Hits || self.hits.is_some() {
+            return self;
+        }
+        Self { hits: Some(Hits::of(frame, &recipe.pipeline)), ..self }
+    }
 }
 
 impl Observer for Buffers {

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::verdict::verdict;
+use super::hits::{Fault, fault_at};
+use super::verdict::{fault_verdict, verdict};
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
@@ -127,6 +128,8 @@ pub struct PixelReport {
     pub sources: Vec<SourceRecord>,
     /// The triangle whose edge the wireframe draws over this pixel.
     pub wireframe: Option<TriangleId>,
+    /// A crack or a double hit along a shared edge, if the pixel was drawn.
+    pub fault: Option<Fault>,
 }
 
 impl PixelReport {
@@ -165,8 +168,11 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         final_depth,
         sources,
         wireframe,
+        fault: fault_at(frame, &recipe.pipeline, x, y),
     };
-    report.verdict = verdict(&report, frame.drawn.grid, Comparison::of(&recipe.pipeline));
+    let story = verdict(&report, frame.drawn.grid, Comparison::of(&recipe.pipeline));
+    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline) + " ");
+    report.verdict = fault.unwrap_or_default() + &story;
     Some(report)
 }
 

@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use super::hits::{Fault, FaultKind};
 use super::pixel::{FragmentRecord, Outcome, PixelReport};
 use crate::pipeline::depth::Comparison;
 use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::settings::{Choice as _, Settings};
 
 /// What happened at a pixel, in one sentence.
 pub(super) fn verdict(report: &PixelReport, grid: SampleGrid, comparison: Comparison) -> String {
@@ -51,6 +53,57 @@ fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> Str
     }
 }
 
+/// What is wrong at a sample along a shared edge, and why, in one sentence.
+pub(super) fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
+    let [one, other] = fault.sharing.map(|id| id.0);
+    let (hits, due) = (fault.hit_by.len(), fault.due.len());
+    let cause = cause(settings);
+    match (fault.kind, hits) {
+        (FaultKind::DoubleHit, _) => {
+            let count = match (hits, due) {
+                (2, ..=1) => "Hit twice".to_owned(),
+                (_, 0) => format!("Hit {hits} times, though no triangle should"),
+                (_, 1) => format!("Hit {hits} times instead of once"),
+                _ => format!("Hit {hits} times instead of {due}"),
+            };
+            let pair = if one == other {
+                format!("two pieces of triangle {one}")
+            } else {
+                format!("triangles {} and {}", one.min(other), one.max(other))
+            };
+            format!("{count}: {pair} share an edge here and {cause}.")
+        }
+        (FaultKind::Crack, 0) => {
+            format!(
+                "A crack: no triangle covers this pixel, though triangle {one} should; {}.",
+                beside(one, other, &cause)
+            )
+        }
+        (FaultKind::Crack, _) => {
+            format!(
+                "A crack: {hits} instead of {due} triangles cover this pixel, triangle {one} is missing; {}.",
+                beside(one, other, &cause)
+            )
+        }
+    }
+}
+
+fn beside(one: u32, other: u32, cause: &str) -> String {
+    let neighbour = if one == other { "another piece of it".to_owned() } else { format!("triangle {other}") };
+    format!("it shares an edge here with {neighbour} and {cause}")
+}
+
+/// The setting that lets shared edges go wrong.
+fn cause(settings: &Settings) -> String {
+    if settings.rasterizer.is_published() {
+        format!("the rasterizer is “{}”", settings.rasterizer.name())
+    } else if settings.fill_rule.is_sound() {
+        format!("the arithmetic is {}", settings.arithmetic.name())
+    } else {
+        format!("the fill rule is {}", settings.fill_rule.id())
+    }
+}
+
 /// Depths this close differ by no more than rounding: three values of three roundings each.
 const Z_FIGHT_ULPS: u32 = 8;
 
@@ -62,6 +115,7 @@ fn ulps_apart(a: f32, b: f32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
     use crate::scene::TriangleId;
 
     /// The last of `fragments` (triangle, depth) is visible.
@@ -73,7 +127,7 @@ mod tests {
             outcome: if place + 1 == fragments.len() { Outcome::Visible } else { Outcome::Overwritten },
             reason: String::new(),
             corners_px: [[0.0; 2]; 3],
-            arithmetic: crate::pipeline::settings::Arithmetic::Fixed,
+            arithmetic: Arithmetic::Fixed,
             edges: [1.0; 3],
             doubled_area: 3.0,
             affine_weights: [0.0; 3],
@@ -85,6 +139,38 @@ mod tests {
             shading: None,
         };
         fragment_verdict(&fragments.iter().enumerate().map(record).collect::<Vec<_>>(), comparison)
+    }
+
+    #[test]
+    fn a_fault_is_told_with_its_triangles_and_its_cause() {
+        let fault = |kind, hit_by: &[u32], due: &[u32], sharing: [u32; 2]| {
+            let ids = |list: &[u32]| list.iter().copied().map(TriangleId).collect();
+            Fault { x: 0, y: 0, kind, hit_by: ids(hit_by), due: ids(due), sharing: sharing.map(TriangleId) }
+        };
+        let by_rule = |fill_rule| Settings { fill_rule, ..Settings::default() };
+        let double = fault(FaultKind::DoubleHit, &[3, 4], &[3], [4, 3]);
+        assert_eq!(
+            fault_verdict(&double, &by_rule(FillRule::Inclusive)),
+            "Hit twice: triangles 3 and 4 share an edge here and the fill rule is inclusive."
+        );
+        let crack = fault(FaultKind::Crack, &[], &[4], [4, 3]);
+        assert_eq!(
+            fault_verdict(&crack, &by_rule(FillRule::Exclusive)),
+            "A crack: no triangle covers this pixel, though triangle 4 should; it shares an edge here with triangle 3 and \
+             the fill rule is exclusive."
+        );
+        let deep = fault(FaultKind::DoubleHit, &[1, 3, 3], &[1, 3], [3, 3]);
+        assert_eq!(
+            fault_verdict(&deep, &Settings { arithmetic: Arithmetic::F32, ..Settings::default() }),
+            "Hit 3 times instead of 2: two pieces of triangle 3 share an edge here and the arithmetic is f32."
+        );
+        let behind = fault(FaultKind::Crack, &[9], &[5, 9], [5, 6]);
+        let published = Settings { rasterizer: Rasterizer::ScanlinePublished, ..Settings::default() };
+        assert_eq!(
+            fault_verdict(&behind, &published),
+            "A crack: 1 instead of 2 triangles cover this pixel, triangle 5 is missing; it shares an edge here with \
+             triangle 6 and the rasterizer is “Scanline (as published)”."
+        );
     }
 
     #[test]

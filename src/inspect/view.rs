@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::buffers::{Buffer, Buffers};
+use super::hits::FaultKind;
 use super::stages::NOT_DRAWN;
 use crate::chain::Frame;
 use crate::image::color::quantize;
@@ -38,6 +39,23 @@ impl Range {
 pub fn magnitude_color(position: f32) -> Rgba8 {
     let [r, g, b] = colorous::VIRIDIS.eval_continuous(f64::from(position.clamp(0.0, 1.0))).as_array();
     [r, g, b, 255]
+}
+
+/// Colour of a sample along a shared edge that too few triangles hit; every kind of eye tells it from [`DOUBLE_HIT`].
+pub const CRACK: Rgba8 = [48, 132, 255, 255];
+
+/// Colour of a sample that both triangles of a shared edge hit.
+pub const DOUBLE_HIT: Rgba8 = [255, 150, 0, 255];
+
+/// Colour of a position in [0, 1] on the map of a buffer: grey where colours have a meaning of their own.
+pub fn map_color(buffer: Buffer, position: f32) -> Rgba8 {
+    /// Neither end is so dark or so light that what lies on it would be lost.
+    const GREYS: (f32, f32) = (0.11, 0.84);
+    if buffer != Buffer::Hits {
+        return magnitude_color(position);
+    }
+    let grey = quantize(GREYS.0 + (GREYS.1 - GREYS.0) * position.clamp(0.0, 1.0));
+    [grey, grey, grey, 255]
 }
 
 /// The value of a buffer at a pixel of the full picture.
@@ -77,6 +95,7 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
     match buffer {
         Buffer::Overdraw => Value::Count(buffers.overdraw.at(column, row)),
         Buffer::Shaded => Value::Count(buffers.shaded.at(column, row)),
+        Buffer::Hits => buffers.hits.as_ref().map_or(Value::Nothing, |hits| Value::Count(hits.counts.at(column, row))),
         _ if id == TriangleId::NONE => Value::Nothing,
         Buffer::Lambda => Value::Weights(buffers.lambda.at(column, row)),
         Buffer::PerspectiveLambda => Value::Weights(buffers.perspective_lambda.at(column, row)),
@@ -108,9 +127,13 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
             let samples = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
             Range::fit(samples.filter_map(|(column, row)| depth_of(frame, buffers, column, row)))
         }
-        Buffer::Overdraw | Buffer::Shaded => {
+        Buffer::Overdraw | Buffer::Shaded | Buffer::Hits => {
             let buffers = buffers?;
-            let counts = if buffer == Buffer::Overdraw { &buffers.overdraw } else { &buffers.shaded };
+            let counts = match buffer {
+                Buffer::Overdraw => &buffers.overdraw,
+                Buffer::Hits => &buffers.hits.as_ref()?.counts,
+                _ => &buffers.shaded,
+            };
             Range::fit(counts.pixels().iter().map(|c| *c as f32)).map(|r| Range { low: 0.0, ..r })
         }
         _ => None,
@@ -121,14 +144,28 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
 pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
     let (width, height) = frame.image.size();
-    Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
+    let mut image = Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
         Value::NotDrawn | Value::Nothing => NOT_DRAWN,
         Value::Color(color) => color,
-        Value::Number(number) => magnitude_color(range.position(number)),
-        Value::Count(count) => magnitude_color(range.position(count as f32)),
+        Value::Number(number) => map_color(buffer, range.position(number)),
+        Value::Count(count) => map_color(buffer, range.position(count as f32)),
         Value::Weights([a, b, c]) => [quantize(a), quantize(b), quantize(c), 255],
         Value::Triangle(id) => id_color(id),
-    })
+    });
+    if let Some(hits) = buffers.and_then(|buffers| buffers.hits.as_ref()).filter(|_| buffer == Buffer::Hits) {
+        for fault in &hits.faults {
+            image.set(fault.x, fault.y, fault_color(fault.kind));
+        }
+    }
+    image
+}
+
+/// Colour of the faults of a kind.
+pub fn fault_color(kind: FaultKind) -> Rgba8 {
+    match kind {
+        FaultKind::Crack => CRACK,
+        FaultKind::DoubleHit => DOUBLE_HIT,
+    }
 }
 
 #[cfg(test)]

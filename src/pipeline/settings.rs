@@ -105,6 +105,13 @@ choice! {
     }
 }
 
+impl FillRule {
+    /// Whether it gives a centre on an edge that two triangles share to exactly one of them.
+    pub fn is_sound(self) -> bool {
+        !matches!(self, Self::Inclusive | Self::Exclusive)
+    }
+}
+
 choice! {
     /// When a fragment may replace what the depth buffer holds. Named for standard depth; reversed depth mirrors it.
     DepthTest {

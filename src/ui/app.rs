@@ -273,6 +273,7 @@ impl Workbench {
                 let viewport = self.session.viewport();
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
+            Command::StepFault(step) => self.step_fault(step > 0),
             Command::SavePicture => self.save_picture(ui),
             Command::CopyPicture => self.copy_picture(ui),
             Command::ToggleTheme => {
@@ -284,6 +285,16 @@ impl Workbench {
             Command::AskForPixel => self.dialog = Dialog::Pixel(String::new()),
             Command::Escape => self.escape(),
             _ => {}
+        }
+    }
+
+    /// Picks the fault after or before the picked pixel and brings it into view; shows the hit count first if it is not shown.
+    fn step_fault(&mut self, forwards: bool) {
+        if self.session.shown != Shown::Buffer(Buffer::Hits) {
+            self.session.shown = Shown::Buffer(Buffer::Hits);
+        } else if let Some((x, y)) = self.session.fault_beside_pick(forwards) {
+            self.session.pick = Some((x, y));
+            self.canvas.bring_into_view((x, y), self.session.canvas_px);
         }
     }
 

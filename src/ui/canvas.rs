@@ -13,13 +13,14 @@ use eframe::egui::{
 
 use super::command::Command;
 use super::engine::{Shown, View};
+use super::fault_bar;
 use super::format;
 use super::session::{PointerMode, Session};
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
-use crate::inspect::view::{Value, absence, magnitude_color, value};
+use crate::inspect::view::{Value, absence, map_color, value};
 use crate::pipeline::settings::Choice as _;
 
 /// Screen pixels per picture pixel, least and greatest.
@@ -27,6 +28,9 @@ const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
 
 /// From this enlargement on it is a whole factor.
 const WHOLE_FROM: f32 = 8.0;
+
+/// A pixel that is looked for is enlarged at least so much: its neighbours and the course of an edge are seen, too.
+const SEEN_FROM: f32 = 16.0;
 
 /// The grid is drawn from this many points per pixel on.
 const GRID_FROM: f32 = 10.0;
@@ -97,6 +101,12 @@ impl Canvas {
         self.origin = vec2(center.0, center.1) - vec2(canvas_px.0 as f32, canvas_px.1 as f32) / (2.0 * scale);
     }
 
+    /// Puts a pixel into the middle, enlarged enough to be seen.
+    pub fn bring_into_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
+        let scale = self.scale.unwrap_or(0.0).max(SEEN_FROM);
+        self.set_view(scale, canvas_px, (x as f32 + 0.5, y as f32 + 0.5));
+    }
+
     /// Screen pixels per picture pixel, if not fitted.
     pub fn scale(&self) -> Option<f32> {
         self.scale
@@ -121,6 +131,13 @@ impl Canvas {
         let placement = self.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
+        if session.shown != Shown::Buffer(Buffer::Color) {
+            let frame = legend(ui, rect, view);
+            let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
+            if let Some(hits) = hits.filter(|_| view.request.shown == Shown::Buffer(Buffer::Hits)) {
+                fault_bar::ui(ui, frame, hits, commands);
+            }
+        }
         response
     }
 
@@ -251,9 +268,6 @@ impl Canvas {
         if placement.points_per_px >= NUMBERS_FROM {
             numbers(&painter, placement, view, ui.input(|i| i.modifiers.alt));
         }
-        if session.shown != Shown::Buffer(Buffer::Color) {
-            legend(ui, &painter, placement.canvas, view);
-        }
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }
@@ -325,8 +339,10 @@ fn value_lines(value: Value, bits: bool) -> String {
     }
 }
 
-/// What the colours of the picture mean, in its lower left corner: name, and a bar with numbers where a map is used.
-fn legend(ui: &Ui, painter: &egui::Painter, canvas: Rect, view: &View) {
+/// What the colours of the picture mean, in its lower left corner: name, and a bar with numbers where a map is used. Returns
+/// the place that it takes.
+fn legend(ui: &Ui, canvas: Rect, view: &View) -> Rect {
+    let painter = ui.painter().with_clip_rect(canvas);
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;
     let (name, help) = match view.request.shown {
@@ -342,10 +358,10 @@ fn legend(ui: &Ui, painter: &egui::Painter, canvas: Rect, view: &View) {
     let inner = frame.shrink(space::S);
     let text_height = text.size().y;
     painter.galley(inner.min, text, tokens(ui).text);
-    let Some(range) = view.range else { return };
+    let (Some(range), Shown::Buffer(buffer)) = (view.range, view.request.shown) else { return frame };
     let bar = Rect::from_min_size(inner.min + vec2(0.0, text_height + 4.0), vec2(WIDTH, BAR));
     for step in 0..WIDTH as u32 {
-        let [r, g, b, _] = magnitude_color(step as f32 / (WIDTH - 1.0));
+        let [r, g, b, _] = map_color(buffer, step as f32 / (WIDTH - 1.0));
         let column = Rect::from_min_size(bar.min + vec2(step as f32, 0.0), vec2(1.0, BAR));
         painter.rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
     }
@@ -359,6 +375,7 @@ fn legend(ui: &Ui, painter: &egui::Painter, canvas: Rect, view: &View) {
         tokens(ui).text,
     );
     painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, number(range.high), mono, tokens(ui).text);
+    frame
 }
 
 /// A frame around the picked pixel that is seen on any picture, however small the pixel is.

@@ -47,6 +47,8 @@ pub enum Command {
     Show(Shown),
     /// Show a later or an earlier stage.
     StepStage(i64),
+    /// Question a later or an earlier crack or double hit, and show it enlarged.
+    StepFault(i64),
     /// Draw only the first triangles.
     LimitTriangles(Option<usize>),
     /// Draw more or fewer triangles.
@@ -126,6 +128,8 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Show the stage after"),
     bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "One triangle fewer"),
     bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "One triangle more"),
+    bind(Modifiers::NONE, Key::P, || Command::StepFault(-1), "Previous crack or double hit"),
+    bind(Modifiers::NONE, Key::N, || Command::StepFault(1), "Next crack or double hit"),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "After the last triangle"),
     bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Picked pixel 10 to the left"),

@@ -102,8 +102,7 @@ impl Engine {
                 (Arc::new(frame), rasterized, None, None)
             }
         };
-        let buffers = needs_buffers(request.shown)
-            .then(|| kept_buffers.unwrap_or_else(|| Arc::new(capture(&request.scene, &request.recipe, &frame))));
+        let buffers = needed_buffers(&request, &frame, kept_buffers);
         let range = match request.shown {
             Shown::Buffer(buffer) => view::range(buffer, &frame, buffers.as_deref()),
             Shown::Stage(_) => None,
@@ -117,8 +116,17 @@ impl Engine {
     }
 }
 
-fn needs_buffers(shown: Shown) -> bool {
-    !matches!(shown, Shown::Stage(_) | Shown::Buffer(Buffer::Color | Buffer::Depth))
+/// The quantities that are shown, if any are: those of the last answer as far as they suffice.
+fn needed_buffers(request: &Request, frame: &Frame, kept: Option<Arc<Buffers>>) -> Option<Arc<Buffers>> {
+    let (Request { scene, recipe, .. }, Shown::Buffer(buffer)) = (request, request.shown) else { return None };
+    match (buffer, kept) {
+        (Buffer::Color | Buffer::Depth, _) => None,
+        (Buffer::Hits, Some(kept)) if kept.hits.is_none() => {
+            Some(Arc::new(Arc::unwrap_or_clone(kept).completed_for(buffer, recipe, frame)))
+        }
+        (_, Some(kept)) => Some(kept),
+        (_, None) => Some(Arc::new(capture(scene, recipe, frame).completed_for(buffer, recipe, frame))),
+    }
 }
 
 /// A frame, and how many triangles it would have without a limit.

@@ -26,6 +26,8 @@ pub mod timings;
 
 pub mod session;
 
+pub mod fault_bar;
+
 pub mod canvas;
 
 pub mod panels;

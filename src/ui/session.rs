@@ -384,6 +384,13 @@ impl Session {
         self.view.as_ref().map_or(0, |view| view.rasterized)
     }
 
+    /// The crack or double hit after or before the picked pixel, in reading order and round the end; the first or the last if
+    /// none is picked, none if the frame on screen has none or its hits were not counted.
+    pub fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
+        let hits = self.view.as_ref()?.buffers.as_ref()?.hits.as_ref()?;
+        hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
+    }
+
     fn mirror_z(&mut self) {
         self.scene = Arc::new(self.scene.mirrored_z());
         self.mirrored = !self.mirrored;

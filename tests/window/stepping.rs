@@ -3,7 +3,7 @@
 use eframe::egui::{Key, Role};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::{Buffer, Stage, stages};
-use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::pipeline::settings::{Choice as _, FillRule};
 use rasterscope::ui::engine::Shown;
 
 use crate::bench::Bench;
@@ -44,6 +44,38 @@ fn every_stage_s_eye_shows_its_picture_and_hides_it_again() {
         bench.click(&eye);
         assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Color));
     }
+}
+
+#[test]
+fn faults_are_counted_stepped_through_and_explained() {
+    let mut bench = Bench::small("shared-edges");
+    bench.press(Key::N);
+    assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Hits));
+    assert!(bench.says("0 cracks · 0 double hits"));
+    let pick = bench.session().pick;
+    bench.press(Key::N);
+    assert_eq!(bench.session().pick, pick, "there is no fault to go to");
+
+    bench.session_mut().state.recipe.pipeline.fill_rule = FillRule::Exclusive;
+    bench.rest();
+    let hits = bench.view().buffers.as_ref().and_then(|buffers| buffers.hits.clone()).expect("hits are counted");
+    let places: Vec<_> = hits.faults.iter().map(|fault| (fault.x, fault.y)).collect();
+    assert!(places.len() > 10 && bench.says(&format!("{} cracks", places.len())) && bench.says("0 double hits"));
+    bench.session_mut().pick = None;
+    bench.rest();
+    bench.click("Next fault  (N)");
+    assert_eq!(bench.session().pick, Some(places[0]));
+    bench.press(Key::N);
+    assert_eq!(bench.session().pick, Some(places[1]));
+    bench.click("Previous fault  (P)");
+    bench.press(Key::P);
+    assert_eq!(bench.session().pick, places.last().copied(), "round the end");
+    assert!(bench.mentions("A crack: no triangle covers this pixel, though triangle "));
+    // It is enlarged in the middle of the canvas: a click there picks the same pixel.
+    let middle = bench.canvas().center();
+    bench.session_mut().pick = None;
+    bench.click_at(middle);
+    assert_eq!(bench.session().pick, places.last().copied());
 }
 
 #[test]

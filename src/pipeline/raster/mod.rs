@@ -91,7 +91,7 @@ impl Scissor {
 
     /// Whether the box around a triangle comes near enough for any rasterizer to find samples within. Spares setting up what
     /// is far away, which is nearly everything when a single pixel is drawn.
-    pub(super) fn may_meet(&self, corners_px: [[f32; 2]; 3]) -> bool {
+    pub(crate) fn may_meet(&self, corners_px: [[f32; 2]; 3]) -> bool {
         /// Snapping moves corners by a fraction of a pixel, published rasterizers by a whole one.
         const MARGIN_PX: f32 = 2.0;
         let [a, b, c] = corners_px;
@@ -235,15 +235,25 @@ pub fn cover(
     rule: FillRule,
     viewport: Viewport,
 ) -> Vec<Span> {
-    let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
     let area = (SampleGrid::FULL, Scissor::full(viewport.width, viewport.height));
     let mut spans = Vec::new();
+    cover_within((rasterizer, arithmetic, rule), corners_px, area, &mut spans);
+    spans
+}
+
+/// [`cover`] for the samples of a grid within a rectangle, added to `spans`.
+pub(crate) fn cover_within(
+    (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),
+    corners_px: [[f32; 2]; 3],
+    area: (SampleGrid, Scissor),
+    spans: &mut Vec<Span>,
+) {
+    let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
     with_arithmetic!(arithmetic, N => {
         if let Some(triangle) = Triangle::<N>::new(corners_px, rule) {
-            cover_samples(rasterizer, &triangle, corners_px, area, &mut spans);
+            cover_samples(rasterizer, &triangle, corners_px, area, spans);
         }
     });
-    spans
 }
 
 /// Edge values at a pixel's centre, inside the triangle or not, and the doubled area, in the unit of [`Sample::edges`]; `None`

@@ -1,6 +1,8 @@
 use glam::{Mat3, Vec3, mat3, vec3};
 
 use super::*;
+use crate::image::Rgba8;
+use crate::inspect::{Buffer, view};
 use crate::ui::headless::Headless;
 use eframe::egui::{Rgba, Theme, epaint::text::MissingGlyphPolicy, pos2};
 
@@ -84,6 +86,23 @@ fn plot_lines_stand_out_and_stay_apart_for_colour_blind_eyes() {
                     let distance = oklab_distance(eye * linear(*color), eye * linear(*other));
                     assert!(distance > 0.06, "{color:?} and {other:?} are {distance} apart");
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn cracks_and_double_hits_stay_apart_from_each_other_and_from_counts_for_every_eye() {
+    let linear_of = |[r, g, b, _]: Rgba8| linear(Color32::from_rgb(r, g, b));
+    let [crack, double] = [view::CRACK, view::DOUBLE_HIT].map(linear_of);
+    let greys = (0..=32).map(|step| linear_of(view::map_color(Buffer::Hits, step as f32 / 32.0)));
+    let greys: Vec<Vec3> = greys.collect();
+    for eye in colour_blindness().into_iter().chain([Mat3::IDENTITY]) {
+        assert!(oklab_distance(eye * crack, eye * double) > 0.2);
+        for grey in &greys {
+            for fault in [crack, double] {
+                let distance = oklab_distance(eye * *grey, eye * fault);
+                assert!(distance > 0.1, "{fault} and {grey} are {distance} apart");
             }
         }
     }

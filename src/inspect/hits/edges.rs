@@ -1,0 +1,102 @@
+//! Which triangles have an edge in common, and which of a triangle's edges runs close to a pixel.
+
+use std::collections::HashMap;
+
+use crate::pipeline::raster::{doubled_area, edge_values};
+use crate::pipeline::settings::Arithmetic;
+
+/// No rasterizer moves an edge farther than this, in px: the published ones go by the pixel's corner instead of its centre,
+/// round both ends of a row towards its start, and a corner in the middle to whole pixels.
+const REACH_PX: f64 = 2.0;
+
+/// The ends of an edge, bit by bit and in an order that does not depend on the triangle, and the instance that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Ends {
+    instance: u32,
+    bits: [[u32; 2]; 2],
+}
+
+/// An edge, and the side of it that its triangle lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Edge {
+    ends: Ends,
+    side: Side,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Side {
+    One,
+    Other,
+}
+
+impl Side {
+    fn opposite(self) -> Self {
+        match self {
+            Self::One => Self::Other,
+            Self::Other => Self::One,
+        }
+    }
+}
+
+/// The edges of a triangle, each opposite to the corner of the same number. None if it has no area.
+pub(super) fn edges_of(instance: u32, corners_px: [[f32; 2]; 3]) -> Vec<Edge> {
+    (0..3).filter_map(|opposite| edge(instance, corners_px, opposite)).collect()
+}
+
+fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<Edge> {
+    // Adding zero turns −0 into 0, which is the same place.
+    let bits = |corner: [f32; 2]| corner.map(|c| (c + 0.0).to_bits());
+    let (from, to) = (corners_px[(opposite + 1) % 3], corners_px[(opposite + 2) % 3]);
+    let [from, to] = if bits(from) <= bits(to) { [from, to] } else { [to, from] };
+    let (area, _) = doubled_area(Arithmetic::Exact, [from, to, corners_px[opposite]]);
+    let side = if area == 0.0 { None } else { Some(if area > 0.0 { Side::One } else { Side::Other }) }?;
+    Some(Edge { ends: Ends { instance, bits: [bits(from), bits(to)] }, side })
+}
+
+/// The edge that a pixel's centre inside of a triangle is nearest to; two if it lies on a corner. None if all are farther than
+/// any rasterizer's faults reach.
+pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, u32)) -> Vec<Edge> {
+    let Some((sample, _)) = edge_values(Arithmetic::Exact, corners_px, pixel) else { return Vec::new() };
+    let (_, scale) = doubled_area(Arithmetic::Exact, corners_px);
+    let distances_px = [0, 1, 2].map(|opposite| {
+        let (from, to) = (corners_px[(opposite + 1) % 3], corners_px[(opposite + 2) % 3]);
+        let along = [0, 1].map(|axis| f64::from(to[axis]) - f64::from(from[axis]));
+        sample.edges[opposite] / scale / along[0].hypot(along[1])
+    });
+    let nearest_px = distances_px.into_iter().fold(REACH_PX, f64::min);
+    (0..3).filter(|i| distances_px[*i] <= nearest_px).filter_map(|i| edge(instance, corners_px, i)).collect()
+}
+
+/// Triangles by their edges: for both sides of each the first one.
+#[derive(Default)]
+pub(super) struct Meetings(HashMap<Ends, [Option<usize>; 2]>);
+
+impl Meetings {
+    /// Whether there is no edge.
+    pub(super) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Makes room for the triangles of an edge.
+    pub(super) fn expect(&mut self, edge: Edge) {
+        self.0.entry(edge.ends).or_default();
+    }
+
+    /// Adds a triangle.
+    pub(super) fn add(&mut self, edge: Edge, triangle: usize) {
+        self.expect(edge);
+        self.add_expected(edge, triangle);
+    }
+
+    /// Adds a triangle if there is room for its edge.
+    pub(super) fn add_expected(&mut self, edge: Edge, triangle: usize) {
+        if let Some(sides) = self.0.get_mut(&edge.ends) {
+            sides[edge.side as usize].get_or_insert(triangle);
+        }
+    }
+
+    /// The first triangle on the other side of an edge.
+    pub(super) fn across(&self, edge: Edge) -> Option<usize> {
+        self.0.get(&edge.ends)?[edge.side.opposite() as usize]
+    }
+}
