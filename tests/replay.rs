@@ -105,7 +105,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
     let [x, y] = report.drawn_at;
     let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports tell about drawn pixels");
     let stored = frame.drawn.depth.as_ref().map(|d| d.at(column, row));
-    assert_eq!(report.final_depth, stored);
+    assert_eq!(report.final_depth.map(|d| d.value), stored);
     assert_eq!(report.fragments.len(), buffers.overdraw.at(column, row) as usize);
     let shaded = report.fragments.iter().filter(|f| f.shading.is_some()).count();
     assert_eq!(shaded, buffers.shaded.at(column, row) as usize);
@@ -117,7 +117,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
             assert_eq!(visible.affine_weights, buffers.lambda.at(column, row));
             assert_eq!(visible.attribute_weights, buffers.perspective_lambda.at(column, row));
             assert_eq!(visible.shading.as_ref().map(|s| s.color), Some(frame.drawn.color.at(column, row)));
-            assert!(stored.is_none_or(|d| d == visible.depth));
+            assert!(stored.is_none_or(|d| d == visible.depth.value));
             assert_eq!(frame.geometry.triangles[visible.submission].id, visible.triangle);
         }
     }
@@ -135,7 +135,7 @@ fn every_pixel_replays_to_the_frame_under_every_switch() {
 #[test]
 fn every_pixel_replays_to_the_frame_under_all_rules_of_visibility_together() {
     let recipes = combined_switches();
-    assert_eq!(recipes.len(), FillRule::ALL.len() * DepthTest::ALL.len() * 2 * 2);
+    assert_eq!(recipes.len(), FillRule::ALL.len() * DepthTest::ALL.len() * DepthFormat::ALL.len() * 2);
     replay_all(&scenes(), &recipes, SIZE);
 }
 

@@ -6,6 +6,8 @@
 
 pub mod buffers;
 
+pub mod depth;
+
 pub mod pixel;
 
 pub mod stages;
@@ -15,5 +17,6 @@ mod verdict;
 pub mod view;
 
 pub use buffers::{Buffer, capture};
+pub use depth::DepthRecord;
 pub use pixel::{FragmentRecord, Outcome, PixelReport, inspect};
 pub use stages::Stage;

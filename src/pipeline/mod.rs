@@ -44,7 +44,7 @@ use std::hint::black_box;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use depth::{Comparison, depth_at};
+use depth::{Comparison, DepthScale, depth_at};
 use framebuffer::Framebuffer;
 use interpolate::interpolate;
 use observe::{DepthOutcome, Fate, Observer};
@@ -62,6 +62,8 @@ use crate::scene::{Camera, Instance, Scene, TriangleId};
 pub struct Geometry {
     /// Triangles to rasterize, in submission order.
     pub triangles: Vec<ScreenTriangle>,
+    /// What depths of the triangles mean.
+    pub depth_scale: DepthScale,
     /// One plan per instance.
     pub plans: Vec<DrawPlan>,
     /// Time of each geometry stage, over all draws.
@@ -109,7 +111,7 @@ pub fn prepare<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Geometry {
-    let mut geometry = Geometry::default();
+    let mut geometry = Geometry { depth_scale: DepthScale::new(settings.depth_format, camera), ..Geometry::default() };
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
         prepare_draw(scene, camera, settings, viewport, (index, instance, first), &mut geometry, observer);
     }
@@ -129,7 +131,7 @@ fn prepare_draw<O: Observer>(
     out.triangles_in += mesh.triangles.len();
 
     let start = Instant::now();
-    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.reversed());
+    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
     let inside = containment(mesh.bounds(), matrices.clip_from_model);
     let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
     out.plans.push(plan);
@@ -149,12 +151,14 @@ fn prepare_draw<O: Observer>(
     out.triangles_clipped += clipped.len();
     let clipping_done = Instant::now();
 
-    let projected: Vec<(TriangleId, [ScreenVertex; 3])> = clipped.iter().map(|t| (t.id, viewport.project(t))).collect();
+    let scale = out.depth_scale;
+    let projected: Vec<(TriangleId, [ScreenVertex; 3])> =
+        clipped.iter().map(|t| (t.id, viewport.project(t, &scale))).collect();
     let projected_at = Instant::now();
 
     // Pieces of one triangle stand together.
     for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
-        set_up(pieces, index as u32, &plan, settings, &mut out.triangles, observer);
+        set_up(pieces, index as u32, &plan, settings, &scale, &mut out.triangles, observer);
     }
     out.times.transform += transformed - start;
     out.times.clip += clipping_done - transformed;
@@ -168,6 +172,7 @@ fn set_up<O: Observer>(
     instance: u32,
     plan: &DrawPlan,
     settings: &Settings,
+    scale: &DepthScale,
     out: &mut Vec<ScreenTriangle>,
     observer: &mut O,
 ) {
@@ -183,6 +188,7 @@ fn set_up<O: Observer>(
                 id: *id,
                 instance,
                 edges: EdgeFunctions::new(corners, area, settings.fill_rule),
+                depth: scale.over(corners, area.abs() as f64),
                 relative_inv_w: if plan.runs(Part::PerspectiveDivision) { relative_inv_w(corners) } else { [1.0; 3] },
                 vertices: *corners,
             }),

@@ -9,6 +9,7 @@ use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::clip::{clip, guard_band_widening};
+use rasterscope::pipeline::depth::{DepthEncoding, DepthFunction, DepthScale};
 use rasterscope::pipeline::observe::{Fate, Observer};
 use rasterscope::pipeline::raster::{EdgeFunctions, doubled_area};
 use rasterscope::pipeline::settings::{Choice, FillRule};
@@ -53,7 +54,7 @@ pub(crate) fn in_cube(rng: &mut fastrand::Rng) -> Vec3 {
 /// A clip-space vertex without attributes that projects to a pixel position of a picture.
 pub(crate) fn clip_vertex(viewport: Viewport, (x, y): (f32, f32), depth: f32, w: f32) -> ClipVertex {
     let ndc = Vec3::new(x / viewport.width as f32 * 2.0 - 1.0, 1.0 - y / viewport.height as f32 * 2.0, depth);
-    ClipVertex { position: (ndc * w).extend(w), varyings: Varyings::default() }
+    bare((ndc * w).extend(w))
 }
 
 /// Clip, project and edge setup, without culling: the geometry stages for vertices that no camera made.
@@ -65,10 +66,11 @@ pub(crate) fn screen_triangles(
     observer: &mut impl Observer,
 ) -> Vec<ScreenTriangle> {
     let widening = guard_band_widening(viewport.width, viewport.height);
-    let mut drawn = Vec::new();
+    let (mut drawn, scale) = (Vec::new(), DepthScale::default());
     for pieces in clip(vertices, triangles, TriangleId(0), true, widening, observer).chunk_by(|a, b| a.id == b.id) {
         let drawn_before = drawn.len();
-        drawn.extend(pieces.iter().filter_map(|piece| screen_triangle(piece.id, viewport.project(piece), rule)));
+        drawn
+            .extend(pieces.iter().filter_map(|piece| screen_triangle(piece.id, viewport.project(piece, &scale), rule)));
         if drawn.len() == drawn_before {
             observer.rejected(pieces[0].id, Fate::ZeroArea);
         }
@@ -82,14 +84,21 @@ fn screen_triangle(id: TriangleId, vertices: [ScreenVertex; 3], rule: FillRule) 
         id,
         instance: 0,
         edges: EdgeFunctions::new(&vertices, area, rule),
+        depth: depth_function(&vertices, area),
         relative_inv_w: relative_inv_w(&vertices),
         vertices,
     })
 }
 
+/// Depth that is affine on the screen, stored as a float.
+pub(crate) fn depth_function(vertices: &[ScreenVertex; 3], doubled_area: i64) -> DepthFunction {
+    let depths = vertices.each_ref().map(|v| v.depth);
+    DepthFunction::affine_on_screen(depths, doubled_area.abs() as f64, DepthEncoding::F32)
+}
+
 /// Position only, as [`ClipVertex`].
 pub(crate) fn bare(position: Vec4) -> ClipVertex {
-    ClipVertex { position, varyings: Varyings::default() }
+    ClipVertex { position, cut_at: None, varyings: Varyings::default() }
 }
 
 /// A mesh with texture coordinates from x and y, and one vertex colour per vertex by its number.
