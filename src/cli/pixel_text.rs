@@ -10,7 +10,8 @@ use rasterscope::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
 pub(crate) fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
     if let Some(depth) = report.final_depth {
-        lines.push(format!("The depth buffer holds {depth} in the end. {}", one_step(depth)));
+        lines.push(format!("The depth buffer holds {depth} in the end."));
+        lines.extend(report.visible().map(|_| one_step(depth)));
     }
     for (index, fragment) in report.fragments.iter().enumerate() {
         lines.push(String::new());
@@ -66,7 +67,10 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
 }
 
 fn one_step(depth: DepthRecord) -> String {
-    format!("One step of the buffer here is {:?} world units.", depth.resolution as f32)
+    match depth.resolution as f32 {
+        f32::INFINITY => "The next depth that the buffer can hold lies at infinity.".to_owned(),
+        step => format!("One step of the buffer here is {step:?} world units."),
+    }
 }
 
 fn source_line(source: &SourceRecord) -> String {

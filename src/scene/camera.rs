@@ -2,7 +2,7 @@
 //!
 //! World is right-handed with y up; the camera looks down −z of its own space. Clip space has z/w in [0, 1] with
 //! near = 0, or near = 1 when depth is reversed (then float precision grows where perspective eats it; Reed, "Depth
-//! Precision Visualized", 2015). Navigation is plain arithmetic here, so that window and tests share it.
+//! Precision Visualized", 2015); which, a [`DepthMapping`] says. Navigation is plain arithmetic here, so that window and tests share it.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
