@@ -11,7 +11,8 @@ use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
 use rasterscope::inspect::{PixelReport, capture, inspect};
 use rasterscope::pipeline::settings::{
-    Address, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation, Rasterizer, Shading,
+    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation,
+    Rasterizer, Shading,
 };
 use rasterscope::scene::{Scene, TriangleId, builtin};
 use rasterscope::upscale::Upscaling;
@@ -44,18 +45,27 @@ fn single_switches() -> Vec<Recipe> {
         .collect()
 }
 
+/// All rasterizers × arithmetics × facings.
+fn ways_of_covering() -> Vec<Recipe> {
+    let recipes = cross::<Rasterizer>(&[Recipe::default()], |r, c| r.pipeline.rasterizer = c);
+    let recipes = cross::<Arithmetic>(&recipes, |r, c| r.pipeline.arithmetic = c);
+    cross::<Culling>(&recipes, |r, c| r.pipeline.culling = c)
+}
+
+/// Each recipe once with every choice.
+fn cross<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
+    let with = |recipe: &Recipe, choice: C| {
+        let mut recipe = *recipe;
+        set(&mut recipe, choice);
+        recipe
+    };
+    recipes.iter().flat_map(|recipe| C::ALL.iter().map(move |choice| with(recipe, *choice))).collect()
+}
+
 /// All fill rules × depth tests × formats × interpolations, without culling, so that more meets at each pixel.
 fn combined_switches() -> Vec<Recipe> {
     let mut recipes = vec![Recipe::default()];
     recipes[0].pipeline.culling = Culling::None;
-    fn cross<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
-        let with = |recipe: &Recipe, choice: C| {
-            let mut recipe = *recipe;
-            set(&mut recipe, choice);
-            recipe
-        };
-        recipes.iter().flat_map(|recipe| C::ALL.iter().map(move |choice| with(recipe, *choice))).collect()
-    }
     recipes = cross::<FillRule>(&recipes, |r, c| r.pipeline.fill_rule = c);
     recipes = cross::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c);
     recipes = cross::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c);
@@ -115,7 +125,9 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
         Some(visible) => {
             assert_eq!(visible.triangle, winner);
             assert_eq!(visible.affine_weights, buffers.lambda.at(column, row));
-            assert_eq!(visible.attribute_weights, buffers.perspective_lambda.at(column, row));
+            // Bit for bit: published weights may be NaN.
+            let bits = |weights: [f32; 3]| weights.map(f32::to_bits);
+            assert_eq!(bits(visible.attribute_weights), bits(buffers.perspective_lambda.at(column, row)));
             assert_eq!(visible.shading.as_ref().map(|s| s.color), Some(frame.drawn.color.at(column, row)));
             assert!(stored.is_none_or(|d| d == visible.depth.value));
             assert_eq!(frame.geometry.triangles[visible.submission].id, visible.triangle);
@@ -135,8 +147,14 @@ fn every_pixel_replays_to_the_frame_under_every_switch() {
 #[test]
 fn every_pixel_replays_to_the_frame_under_all_rules_of_visibility_together() {
     let recipes = combined_switches();
-    assert_eq!(recipes.len(), FillRule::ALL.len() * DepthTest::ALL.len() * DepthFormat::ALL.len() * 2);
+    let (tests, formats) = (DepthTest::ALL.len(), DepthFormat::ALL.len());
+    assert_eq!(recipes.len(), FillRule::ALL.len() * tests * formats * Interpolation::ALL.len());
     replay_all(&scenes(), &recipes, SIZE);
+}
+
+#[test]
+fn every_pixel_replays_to_the_frame_however_coverage_is_found() {
+    replay_all(&scenes(), &ways_of_covering(), SIZE);
 }
 
 #[test]

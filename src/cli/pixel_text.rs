@@ -5,6 +5,7 @@ use std::fmt::Debug;
 use rasterscope::image::Rgba8;
 use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord};
 use rasterscope::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
+use rasterscope::pipeline::settings::Arithmetic;
 
 /// The whole report, several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {
@@ -36,7 +37,7 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         ),
         ("outcome", format!("{}: {}", outcome(fragment.outcome), fragment.reason)),
         ("corners", format!("{corners} px")),
-        ("edges", format!("{} of doubled area {}, in 1/65536 px²", numbers(&fragment.edges), fragment.doubled_area)),
+        ("edges", edges(fragment)),
         ("λ", numbers(&fragment.affine_weights)),
         ("λ′", format!("{} for attributes, 1/w {}", numbers(&fragment.attribute_weights), numbers(&fragment.inv_w))),
         ("depth", format!("{} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
@@ -46,6 +47,15 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         .chain(step)
         .chain(fragment.shading.iter().flat_map(shading_rows))
         .map(|(name, text)| format!("{name:<9} {text}"))
+}
+
+fn edges(fragment: &FragmentRecord) -> String {
+    let unit = match fragment.arithmetic {
+        Arithmetic::Fixed => "in 1/65536 px²",
+        Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => "in px², scaled by a power of two",
+    };
+    let [a, b, c] = fragment.edges;
+    format!("({a}, {b}, {c}) of doubled area {}, {unit}", fragment.doubled_area)
 }
 
 fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {

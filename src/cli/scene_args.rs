@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use rasterscope::chain::{Frame, Recipe, run};
+use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::Loaded;
 use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin, camera_file};
@@ -21,6 +22,14 @@ pub(crate) struct SceneArgs {
     /// Change one setting; may be given several times, in any order
     #[arg(long, value_name = "KEY=VALUE", long_help = set_help())]
     set: Vec<String>,
+
+    /// How covered samples are found; the same as --set rasterizer=R
+    #[arg(long, value_name = "R", value_parser = parse::choice::<Rasterizer>())]
+    rasterizer: Option<Rasterizer>,
+
+    /// The numbers that coverage is decided in; the same as --set arithmetic=A
+    #[arg(long, value_name = "A", value_parser = parse::choice::<Arithmetic>())]
+    arithmetic: Option<Arithmetic>,
 
     /// Mirror the scene in z: for models made for a world of the other handedness
     #[arg(long)]
@@ -82,13 +91,21 @@ impl SceneArgs {
             scene: Arc::new(scene),
             warnings,
             mirrored: self.mirror_z,
-            is_default: !self.mirror_z && self.scene.is_none() && self.set.is_empty() && self.camera.is_none(),
+            is_default: self.is_default(),
         })
+    }
+
+    fn is_default(&self) -> bool {
+        let keeps_recipe = self.set.is_empty() && self.rasterizer.is_none() && self.arithmetic.is_none();
+        keeps_recipe && !self.mirror_z && self.scene.is_none() && self.camera.is_none()
     }
 
     fn recipe(&self) -> Result<Recipe, Failure> {
         let mut recipe = Recipe::default();
         recipe.set_all(&self.set)?;
+        let settings = &mut recipe.pipeline;
+        settings.rasterizer = self.rasterizer.unwrap_or(settings.rasterizer);
+        settings.arithmetic = self.arithmetic.unwrap_or(settings.arithmetic);
         Ok(recipe)
     }
 

@@ -14,6 +14,7 @@ use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::raster::{Sample, Scissor};
 use crate::pipeline::sample::TexelTap;
+use crate::pipeline::settings::{Arithmetic, Interpolation};
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw, wireframe};
@@ -45,12 +46,14 @@ pub struct FragmentRecord {
     pub outcome: Outcome,
     /// Why, in one sentence with the numbers that decided.
     pub reason: String,
-    /// Snapped corners in px.
+    /// The numbers that coverage was decided in.
+    pub arithmetic: Arithmetic,
+    /// Corners in px, snapped in fixed point.
     pub corners_px: [[f32; 2]; 3],
-    /// Exact edge values in units of 1/2¹⁶ px².
-    pub edges: [i64; 3],
-    /// Doubled area in the same units.
-    pub doubled_area: i64,
+    /// Edge values in the unit of their [`Sample`].
+    pub edges: [f64; 3],
+    /// Doubled area in the same unit.
+    pub doubled_area: f64,
     /// Screen-space weights λ.
     pub affine_weights: [f32; 3],
     /// Weights that attributes are interpolated with.
@@ -203,6 +206,8 @@ struct Recorder<'a> {
     shaders: Vec<Shader<'a>>,
     frame: &'a Frame,
     comparison: Comparison,
+    arithmetic: Arithmetic,
+    interpolation: Interpolation,
     records: Vec<FragmentRecord>,
 }
 
@@ -214,6 +219,8 @@ impl<'a> Recorder<'a> {
             shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
             frame,
             comparison: Comparison::of(&recipe.pipeline),
+            arithmetic: recipe.pipeline.arithmetic,
+            interpolation: recipe.pipeline.interpolation,
             records: Vec::new(),
         }
     }
@@ -251,11 +258,15 @@ impl Observer for Recorder<'_> {
             submission,
             outcome: Outcome::Visible,
             reason: "written: there is no depth test".to_owned(),
-            corners_px: triangle.vertices.each_ref().map(|v| [to_pixels(v.x.into()), to_pixels(v.y.into())]),
+            arithmetic: self.arithmetic,
+            corners_px: match self.arithmetic {
+                Arithmetic::Fixed => triangle.snapped_px(),
+                Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
+            },
             edges: sample.edges,
-            doubled_area: triangle.edges.doubled_area(),
+            doubled_area: triangle.doubled_area,
             affine_weights: affine_weights(triangle, sample),
-            attribute_weights: attribute_weights(triangle, sample),
+            attribute_weights: attribute_weights(triangle, sample, self.interpolation),
             inv_w: triangle.vertices.each_ref().map(|v| v.inv_w),
             corner_depths: triangle.vertices.each_ref().map(|v| v.depth as f32),
             depth: self.depth(depth_at(triangle, sample)),

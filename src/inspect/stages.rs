@@ -64,7 +64,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         Stage::Cull => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
             let mut image = wires.edges(|_| DROPPED);
-            for triangle in wires.triangles.iter().filter(|t| is_kept(t, recipe.pipeline.culling)) {
+            for triangle in wires.triangles.iter().filter(|t| is_kept(t, &recipe.pipeline)) {
                 plot(triangle, KEPT, &mut image);
             }
             image
@@ -84,8 +84,9 @@ fn spread(drawn: &Framebuffer, Viewport { width, height }: Viewport) -> Image<Rg
     })
 }
 
-fn is_kept(triangle: &ScreenTriangle, culling: Culling) -> bool {
-    cull(doubled_area(triangle.vertices.each_ref().map(|v| (v.x, v.y))), culling).is_none()
+fn is_kept(triangle: &ScreenTriangle, settings: &Settings) -> bool {
+    let (area, _) = doubled_area(settings.arithmetic, triangle.corners_px());
+    cull(area, settings.culling).is_none()
 }
 
 /// All triangles before culling, as lines.

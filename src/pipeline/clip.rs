@@ -199,8 +199,8 @@ impl Polygon {
                 self.next.push(*a);
             }
             let crossing = match (da >= 0.0, db >= 0.0) {
-                (true, false) => between(a, b, da / (da - db)),
-                (false, true) => between(b, a, db / (db - da)),
+                (true, false) => between(a, b, (da, db)),
+                (false, true) => between(b, a, (db, da)),
                 _ => continue,
             };
             let position = plane.pin(crossing.position, widening);
@@ -211,9 +211,12 @@ impl Polygon {
     }
 }
 
-/// The vertex at `t` on the edge from `a` (0) to `b` (1). As a weighted mean it never leaves the range of its ends.
-fn between(a: &ClipVertex, b: &ClipVertex, t: f64) -> ClipVertex {
-    let position = a.position.as_dvec4() * (1.0 - t) + b.position.as_dvec4() * t;
+/// The vertex at which the edge from `a`, at distance `da` ≥ 0 inside a plane, to `b`, at `db` < 0, meets the plane. As a
+/// weighted mean it never leaves the range of its ends; neither weight is the other's rest, so that an end at the eye itself,
+/// next to which the other one is 10³⁸ times farther, still lets the other one tell the direction.
+fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
+    let t = da / (da - db);
+    let position = a.position.as_dvec4() * (db / (db - da)) + b.position.as_dvec4() * t;
     ClipVertex {
         position: position.as_vec4(),
         // An edge within a plane is cut within that plane.
@@ -301,6 +304,16 @@ mod tests {
             clip_one([vertex(0.0, 0.0, 0.5, 3e38), vertex(-3e38, 0.0, 0.5, 1.0), vertex(0.0, 0.5, 0.5, 1.0)]);
         assert_eq!(cut, Ok(Cut::Pieces));
         assert!(left.iter().all(|v| v.position.is_finite()), "{left:?}");
+    }
+
+    #[test]
+    fn a_corner_at_the_eye_is_seen_in_the_direction_of_the_others() {
+        // The plane of such a triangle goes through the eye: what is left of it projects onto a line.
+        let (cut, left) =
+            clip_one([vertex(0.0, 0.0, 0.0, 0.0), vertex(1.0, 0.0, 0.5, 1.0), vertex(0.0, 1.0, 0.5, 1.0)]);
+        assert_eq!(cut, Ok(Cut::Pieces));
+        let on_line = |v: &ClipVertex| ((v.position.x + v.position.y) / v.position.w - 1.0).abs() < 1e-6;
+        assert!(left.iter().all(on_line), "{left:?}");
     }
 
     #[test]

@@ -20,17 +20,20 @@ pub enum Facing {
     Edge,
 }
 
-/// The side seen, from the doubled signed area of the *snapped* corners: the only place that decides it.
-pub fn facing(doubled_area: i64) -> Facing {
-    match doubled_area {
-        ..0 => Facing::Front,
-        0 => Facing::Edge,
-        1.. => Facing::Back,
+/// The side seen, from the doubled signed area as the arithmetic sees it (in fixed point, of the *snapped* corners): the
+/// only place that decides it.
+pub fn facing(doubled_area: f64) -> Facing {
+    if doubled_area < 0.0 {
+        Facing::Front
+    } else if doubled_area > 0.0 {
+        Facing::Back
+    } else {
+        Facing::Edge
     }
 }
 
 /// The fate of a triangle of this doubled area, or `None` if it is to be drawn.
-pub fn cull(doubled_area: i64, culling: Culling) -> Option<Fate> {
+pub fn cull(doubled_area: f64, culling: Culling) -> Option<Fate> {
     match (facing(doubled_area), culling) {
         (Facing::Edge, _) => Some(Fate::ZeroArea),
         (Facing::Back, Culling::Back) => Some(Fate::BackFacing),
@@ -43,15 +46,16 @@ pub fn cull(doubled_area: i64, culling: Culling) -> Option<Fate> {
 mod tests {
     use super::*;
     use crate::pipeline::raster::doubled_area;
+    use crate::pipeline::settings::Arithmetic;
 
     #[test]
     fn counter_clockwise_on_screen_is_the_front() {
         // a on top, b bottom left, c bottom right; y down.
-        let area = doubled_area([(256, 0), (0, 512), (512, 512)]);
+        let (area, _) = doubled_area(Arithmetic::Fixed, [[1.0, 0.0], [0.0, 2.0], [2.0, 2.0]]);
         assert_eq!(facing(area), Facing::Front);
         assert_eq!(cull(area, Culling::Back), None);
         assert_eq!(cull(area, Culling::Front), Some(Fate::FrontFacing));
         assert_eq!(cull(-area, Culling::Back), Some(Fate::BackFacing));
-        assert_eq!(cull(0, Culling::None), Some(Fate::ZeroArea));
+        assert_eq!(cull(0.0, Culling::None), Some(Fate::ZeroArea));
     }
 }

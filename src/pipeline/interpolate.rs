@@ -12,28 +12,44 @@ use glam::{Vec2, Vec3};
 
 use super::plan::{DrawPlan, Part};
 use super::raster::Sample;
-use super::settings::{Settings, Shading};
+use super::settings::{Interpolation, Settings, Shading};
 use super::viewport::ScreenTriangle;
 
 /// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
 #[inline]
 pub fn affine_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
-    let inverse_area = 1.0 / triangle.edges.doubled_area() as f32;
+    let inverse_area = 1.0 / triangle.doubled_area as f32;
     sample.edges.map(|e| e as f32 * inverse_area)
 }
 
-/// Weights for attributes at a sample, divided by their sum.
+/// Weights for attributes at a sample. But for the published ones they are divided by their sum.
 #[inline]
-pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
+pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample, interpolation: Interpolation) -> [f32; 3] {
+    if interpolation == Interpolation::Published {
+        return published_weights(triangle, sample);
+    }
     let [r0, r1, r2] = triangle.relative_inv_w;
     let q = [sample.edges[0] as f32 * r0, sample.edges[1] as f32 * r1, sample.edges[2] as f32 * r2];
     let inverse_sum = 1.0 / (q[0] + q[1] + q[2]);
     q.map(|q| q * inverse_sum)
 }
 
-/// Which attributes a draw interpolates.
+/// Weights as an article prints them: from P = a·v02 + b·v01 in the coordinates of the first corner, b by the determinant,
+/// and then a by the x coordinates alone, which divides by v02.x. NaN or infinite where corners 0 and 2 stand above each other.
+fn published_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
+    let [v0, v1, v2] = triangle.corners_px();
+    let [v01, v02] = [[v1[0] - v0[0], v1[1] - v0[1]], [v2[0] - v0[0], v2[1] - v0[1]]];
+    let p = [sample.x as f32 + 0.5 - v0[0], sample.y as f32 + 0.5 - v0[1]];
+    let b = (p[1] * v02[0] - p[0] * v02[1]) / (v01[1] * v02[0] - v01[0] * v02[1]);
+    let a = (p[0] - v01[0] * b) / v02[0];
+    [1.0 - a - b, b, a]
+}
+
+/// Which attributes a draw interpolates, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Attributes {
+    /// How weights are computed.
+    pub interpolation: Interpolation,
     /// [`Fragment::normal`].
     pub normal: bool,
     /// [`Fragment::uv`].
@@ -48,11 +64,14 @@ pub struct Attributes {
 
 impl Attributes {
     /// All of them.
-    pub const ALL: Self = Self { normal: true, uv: true, color: true, light: true, source_weights: true };
+    pub const fn all(interpolation: Interpolation) -> Self {
+        Self { interpolation, normal: true, uv: true, color: true, light: true, source_weights: true }
+    }
 
     /// What a draw reads.
     pub fn read_by(plan: &DrawPlan, settings: &Settings) -> Self {
         Self {
+            interpolation: settings.interpolation,
             normal: plan.runs(Part::Normals),
             uv: plan.runs(Part::TextureCoordinates),
             color: plan.runs(Part::VertexColors),
@@ -84,7 +103,7 @@ pub struct Fragment {
 /// Interpolates the `attributes` of a covered sample.
 #[inline]
 pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attributes) -> Fragment {
-    let weights = attribute_weights(triangle, &sample);
+    let weights = attribute_weights(triangle, &sample, attributes.interpolation);
     let [_, p1, p2] = weights;
     let [a, b, c] = triangle.vertices.each_ref().map(|v| &v.varyings);
     let mut fragment = Fragment {

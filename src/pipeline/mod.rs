@@ -49,10 +49,11 @@ use framebuffer::Framebuffer;
 use interpolate::interpolate;
 use observe::{DepthOutcome, Fate, Observer};
 use plan::{DrawPlan, Part};
-use raster::{EdgeFunctions, Scissor, doubled_area};
+use raster::numbers::Numbers;
+use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
 use settings::Settings;
 use shade::Shader;
-use vertex::{DrawMatrices, containment, transform};
+use vertex::{ClipVertex, DrawMatrices, containment, transform};
 use viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 
 use crate::scene::{Camera, Instance, Scene, TriangleId};
@@ -144,23 +145,58 @@ fn prepare_draw<O: Observer>(
     }
     let vertices = transform(mesh, &matrices, settings, &plan);
     out.vertices += vertices.len();
-    let transformed = Instant::now();
+    out.times.transform += start.elapsed();
+    let draw = ClipSpaceDraw {
+        instance: index as u32,
+        vertices: &vertices,
+        triangles: &mesh.triangles,
+        first,
+        may_cross: plan.runs(Part::Clipping),
+        divides_by_w: plan.runs(Part::PerspectiveDivision),
+    };
+    finish_draw(&draw, settings, viewport, out, observer);
+}
 
+/// The triangles of one draw after the transform.
+#[derive(Clone, Copy, Debug)]
+pub struct ClipSpaceDraw<'a> {
+    /// Its number in the scene.
+    pub instance: u32,
+    /// Vertices in clip space.
+    pub vertices: &'a [ClipVertex],
+    /// Triangles by their vertices.
+    pub triangles: &'a [[u32; 3]],
+    /// Identifier of the first triangle.
+    pub first: TriangleId,
+    /// Whether a triangle may cross a plane of the frustum; else nothing is tested.
+    pub may_cross: bool,
+    /// Whether attributes follow perspective.
+    pub divides_by_w: bool,
+}
+
+/// The geometry stages from clipping to culling. Also the way in for triangles that no camera made.
+pub fn finish_draw<O: Observer>(
+    draw: &ClipSpaceDraw<'_>,
+    settings: &Settings,
+    viewport: Viewport,
+    out: &mut Geometry,
+    observer: &mut O,
+) {
+    let transformed = Instant::now();
     let widening = clip::guard_band_widening(viewport.width, viewport.height);
-    let clipped = clip::clip(&vertices, &mesh.triangles, first, plan.runs(Part::Clipping), widening, observer);
+    let clipped = clip::clip(draw.vertices, draw.triangles, draw.first, draw.may_cross, widening, observer);
     out.triangles_clipped += clipped.len();
     let clipping_done = Instant::now();
 
-    let scale = out.depth_scale;
+    let depth_scale = out.depth_scale;
     let projected: Vec<(TriangleId, [ScreenVertex; 3])> =
-        clipped.iter().map(|t| (t.id, viewport.project(t, &scale))).collect();
+        clipped.iter().map(|t| (t.id, viewport.project(t, &depth_scale))).collect();
     let projected_at = Instant::now();
 
     // Pieces of one triangle stand together.
     for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
-        set_up(pieces, index as u32, &plan, settings, &scale, &mut out.triangles, observer);
+        set_up(pieces, draw, settings, &depth_scale, &mut out.triangles, observer);
     }
-    out.times.transform += transformed - start;
     out.times.clip += clipping_done - transformed;
     out.times.project += projected_at - clipping_done;
     out.times.cull += projected_at.elapsed();
@@ -169,27 +205,27 @@ fn prepare_draw<O: Observer>(
 /// Culls the pieces of one triangle and sets up the edges of those that stay; if none does, the triangle has one fate.
 fn set_up<O: Observer>(
     pieces: &[(TriangleId, [ScreenVertex; 3])],
-    instance: u32,
-    plan: &DrawPlan,
+    draw: &ClipSpaceDraw<'_>,
     settings: &Settings,
-    scale: &DepthScale,
+    depth_scale: &DepthScale,
     out: &mut Vec<ScreenTriangle>,
     observer: &mut O,
 ) {
     let kept_before = out.len();
     let mut rejected = None;
     for (id, corners) in pieces {
-        let area = doubled_area(corners.each_ref().map(|v| (v.x, v.y)));
+        let positions_px = corners.each_ref().map(|v| v.position_px);
+        let (area, scale) = doubled_area(settings.arithmetic, positions_px);
         match cull::cull(area, settings.culling) {
             // A piece without area says nothing about which side the triangle shows.
             Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
             Some(facing) => rejected = Some((*id, facing)),
             None => out.push(ScreenTriangle {
                 id: *id,
-                instance,
-                edges: EdgeFunctions::new(corners, area, settings.fill_rule),
-                depth: scale.over(corners, area.abs() as f64),
-                relative_inv_w: if plan.runs(Part::PerspectiveDivision) { relative_inv_w(corners) } else { [1.0; 3] },
+                instance: draw.instance,
+                doubled_area: (area * scale).abs(),
+                depth: depth_scale.over(corners, (area * scale).abs()),
+                relative_inv_w: if draw.divides_by_w { relative_inv_w(corners) } else { [1.0; 3] },
                 vertices: *corners,
             }),
         }
@@ -225,6 +261,19 @@ pub fn draw<O: Observer>(
     frame: &mut Framebuffer,
     observer: &mut O,
 ) {
+    with_arithmetic!(settings.arithmetic, N => draw_in::<N, O>(scene, geometry, settings, extent, until, frame, observer));
+}
+
+/// [`draw`], compiled for one arithmetic.
+fn draw_in<N: Numbers, O: Observer>(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    extent: &Extent,
+    until: Until,
+    frame: &mut Framebuffer,
+    observer: &mut O,
+) {
     let comparison = Comparison::of(settings);
     let shaders: Vec<Shader<'_>> = scene
         .instances
@@ -233,15 +282,25 @@ pub fn draw<O: Observer>(
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
     let Framebuffer { grid, origin, color, depth, .. } = frame;
+    let mut spans: Vec<Span> = Vec::new();
     for triangle in &geometry.triangles[extent.triangles.clone()] {
         let shader = &shaders[triangle.instance as usize];
-        let visited = raster::rasterize(settings.rasterizer, &triangle.edges, *grid, extent.scissor, |sample| {
+        let corners_px = triangle.corners_px();
+        if !extent.scissor.may_meet(corners_px) {
+            continue;
+        }
+        let Some(edges) = Triangle::<N>::new(corners_px, settings.fill_rule) else { continue };
+        spans.clear();
+        let area = (*grid, extent.scissor);
+        let visited = cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans);
+        for (column, row) in spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))) {
+            let sample = edges.sample((column, row), grid.pixel(column, row));
             observer.covered(triangle, &sample);
-            let (column, row) = (sample.column - origin.0, sample.row - origin.1);
+            let (column, row) = (column - origin.0, row - origin.1);
             if until == Until::Coverage {
                 // A whole sample would have to be stored to be looked at, which costs more than finding it.
                 black_box(sample.column);
-                return;
+                continue;
             }
             if let Some(buffer) = depth {
                 let new = depth_at(triangle, &sample);
@@ -249,22 +308,22 @@ pub fn draw<O: Observer>(
                 let passed = comparison.passes(new, stored);
                 observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed });
                 if !passed {
-                    return;
+                    continue;
                 }
                 buffer.set(column, row, new);
             }
             if until == Until::Depth {
-                return;
+                continue;
             }
             let fragment = interpolate(triangle, sample, shader.attributes());
             if until == Until::Interpolate {
                 black_box(fragment);
-                return;
+                continue;
             }
             let rgba = shader.shade(&fragment, triangle);
             color.set(column, row, rgba);
             observer.shaded(triangle, &fragment, rgba);
-        });
+        }
         observer.visited(visited);
     }
 }

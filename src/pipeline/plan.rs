@@ -153,7 +153,9 @@ fn left_out(
         Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
         Part::Culling => (settings.culling == super::settings::Culling::None).then_some("culling is off"),
         Part::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
-        Part::PerspectiveDivision if settings.interpolation == Interpolation::Affine => Some("interpolation is affine"),
+        Part::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
+            Some("interpolation is affine")
+        }
         Part::PerspectiveDivision => {
             matches!(camera.projection, Projection::Orthographic { .. }).then_some("all w are equal: orthographic view")
         }

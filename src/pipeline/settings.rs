@@ -61,10 +61,38 @@ choice! {
 }
 
 choice! {
-    /// How the samples inside a triangle are found. The samples are the same; the work is not.
+    /// How the samples inside a triangle are found. But for the two that are kept as published, the samples are the same; the
+    /// work is not.
     Rasterizer {
         BoundingBox = "bounding-box", "Bounding box", "Every pixel of the box around a triangle is tested against its three edges: the plainest way.";
-        Scanline = "scanline", "Scanline", "On each row the first and last pixel inside are computed, and only those between are visited.";
+        Scanline = "scanline", "Scanline", "The triangle is split at its middle corner; on each row the first and last pixel inside are computed, and only those between are visited.";
+        EdgeWalk = "edge-walk", "Edge walk", "Down the longest edge, and on each row from there towards the other two edges until the triangle ends.";
+        ActiveEdge = "active-edge", "Active edge list", "Edges step down row by row by their slope, and each row is filled between the two that are active.";
+        Tiled = "tiled", "Tiled", "Squares of 64 and 8 pixels are taken or left as a whole; only those that an edge runs through are looked at pixel by pixel.";
+        BoundingBoxPublished = "bounding-box-published", "Bounding box (as published)", "Faulty, to show it: samples at the corners of pixels, shared edges drawn twice, clockwise triangles not drawn at all.";
+        ScanlinePublished = "scanline-published", "Scanline (as published)", "Faulty, to show it: a rounded fourth corner, rows that start at the corner instead of at the row's centre, both ends drawn.";
+    }
+}
+
+impl Rasterizer {
+    /// Those that are meant to be right.
+    pub fn sound() -> impl Iterator<Item = Self> {
+        Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
+    }
+
+    /// Whether it is one that is kept with the faults of its publication.
+    pub fn is_published(self) -> bool {
+        matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
+    }
+}
+
+choice! {
+    /// The numbers that coverage is decided in.
+    Arithmetic {
+        Fixed = "fixed", "24.8 fixed point", "Corners are snapped to 1/256 px; from there on everything is exact integers, as in hardware.";
+        F32 = "f32", "f32", "Single-precision floats on corners as they are: a pixel centre close to an edge may fall on the wrong side.";
+        F64 = "f64", "f64", "Double-precision floats on corners as they are: wrong only where numbers differ by many orders of magnitude.";
+        Exact = "exact", "Exact", "Corners as they are, and every decision exact, by adaptive predicates: the truth, at several times the cost.";
     }
 }
 
@@ -108,6 +136,7 @@ choice! {
     Interpolation {
         Affine = "affine", "Affine", "Attributes change linearly on the screen: cheap, and wrong in perspective (textures swim and kink).";
         Perspective = "perspective", "Perspective-correct", "Attributes change linearly in space: weights are divided by w and normalised.";
+        Published = "published", "Affine (as published)", "Faulty, to show it: affine weights by a formula that divides by the width of one edge, and fails where that edge is vertical.";
     }
 }
 
@@ -193,6 +222,8 @@ pub struct Settings {
     pub culling: Culling,
     /// How covered samples are found.
     pub rasterizer: Rasterizer,
+    /// Numbers that coverage is decided in.
+    pub arithmetic: Arithmetic,
     /// Ownership of edges.
     pub fill_rule: FillRule,
     /// Visibility.
@@ -220,6 +251,7 @@ impl Default for Settings {
         Self {
             culling: Culling::Back,
             rasterizer: Rasterizer::BoundingBox,
+            arithmetic: Arithmetic::Fixed,
             fill_rule: FillRule::TopLeft,
             depth_test: DepthTest::Less,
             depth_format: DepthFormat::F32,

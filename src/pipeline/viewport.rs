@@ -6,14 +6,15 @@ use glam::Vec3;
 
 use super::clip::ClippedTriangle;
 use super::depth::{DepthFunction, DepthScale};
-use super::raster::EdgeFunctions;
 use super::vertex::{ClipVertex, Varyings};
-use crate::math::fixed::snap;
+use crate::math::fixed::{snap, to_pixels};
 use crate::scene::TriangleId;
 
 /// A corner on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenVertex {
+    /// Position in px, before snapping.
+    pub position_px: [f32; 2],
     /// Snapped, 24.8 fixed point, x right.
     pub x: i32,
     /// Snapped, 24.8 fixed point, y down.
@@ -35,12 +36,24 @@ pub struct ScreenTriangle {
     pub instance: u32,
     /// Corners in the order of the mesh.
     pub vertices: [ScreenVertex; 3],
-    /// Which samples are inside.
-    pub edges: EdgeFunctions,
+    /// Doubled area, > 0, in the unit that the arithmetic's edge values have.
+    pub doubled_area: f64,
     /// Depth of the samples inside.
     pub depth: DepthFunction,
     /// 1/w of the corners relative to the largest: all 1 where perspective division is left out.
     pub relative_inv_w: [f32; 3],
+}
+
+impl ScreenTriangle {
+    /// The corners in px, before snapping.
+    pub fn corners_px(&self) -> [[f32; 2]; 3] {
+        self.vertices.each_ref().map(|v| v.position_px)
+    }
+
+    /// The snapped corners in px.
+    pub fn snapped_px(&self) -> [[f32; 2]; 3] {
+        self.vertices.each_ref().map(|v| [to_pixels(v.x.into()), to_pixels(v.y.into())])
+    }
 }
 
 /// From clip space to pixels.
@@ -93,6 +106,7 @@ impl Viewport {
         let inv_w = 1.0 / vertex.position.w;
         let (x, y) = self.pixels_from_ndc(vertex.position.truncate() * inv_w);
         ScreenVertex {
+            position_px: [x, y],
             x: snap(x) as i32,
             y: snap(y) as i32,
             depth: scale.of_vertex(vertex),
@@ -117,7 +131,14 @@ mod tests {
     #[test]
     fn relative_inv_w_is_one_at_equal_w_and_never_zero() {
         let at_w = |w: [f32; 3]| {
-            w.map(|w| ScreenVertex { x: 0, y: 0, depth: 0.0, inv_w: 1.0 / w, varyings: Varyings::default() })
+            w.map(|w| ScreenVertex {
+                position_px: [0.0; 2],
+                x: 0,
+                y: 0,
+                depth: 0.0,
+                inv_w: 1.0 / w,
+                varyings: Varyings::default(),
+            })
         };
         assert_eq!(relative_inv_w(&at_w([7.3; 3])), [1.0; 3]);
         assert!(relative_inv_w(&at_w([1e-30, 1e30, 1e30])).iter().all(|r| *r > 0.0));

@@ -11,6 +11,12 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     special(value).unwrap_or_else(|| true_minus(&format!("{value:.decimals$}")))
 }
 
+/// An edge value: whole numbers with all their digits, others with nine.
+pub fn edge(value: f64) -> String {
+    let whole = value.fract() == 0.0 && value.abs() < 9e15;
+    special(value).unwrap_or_else(|| true_minus(&if whole { format!("{value:.0}") } else { format!("{value:.8e}") }))
+}
+
 /// Milliseconds with two decimals: "4.10 ms".
 pub fn ms(milliseconds: f64) -> String {
     with_unit(fixed(milliseconds, 2), "ms")

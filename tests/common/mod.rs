@@ -8,13 +8,12 @@ use std::f32::consts::{FRAC_PI_2, TAU};
 use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::pipeline::clip::{clip, guard_band_widening};
-use rasterscope::pipeline::depth::{DepthEncoding, DepthFunction, DepthScale};
-use rasterscope::pipeline::observe::{Fate, Observer};
-use rasterscope::pipeline::raster::{EdgeFunctions, doubled_area};
-use rasterscope::pipeline::settings::{Choice, FillRule};
+use rasterscope::pipeline::observe::Observer;
+use rasterscope::pipeline::raster::{Sample, cover, edge_values};
+use rasterscope::pipeline::settings::{Arithmetic, Choice, Culling, FillRule, Rasterizer, Settings};
 use rasterscope::pipeline::vertex::{ClipVertex, Varyings};
-use rasterscope::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture, TriangleId};
 
 /// The four fill rules under which shared edges are drawn exactly once.
@@ -57,43 +56,32 @@ pub(crate) fn clip_vertex(viewport: Viewport, (x, y): (f32, f32), depth: f32, w:
     bare((ndc * w).extend(w))
 }
 
-/// Clip, project and edge setup, without culling: the geometry stages for vertices that no camera made.
+/// Clip, project and edge setup in fixed point, without culling: the geometry stages for vertices that no camera made.
 pub(crate) fn screen_triangles(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
     viewport: Viewport,
-    rule: FillRule,
     observer: &mut impl Observer,
 ) -> Vec<ScreenTriangle> {
-    let widening = guard_band_widening(viewport.width, viewport.height);
-    let (mut drawn, scale) = (Vec::new(), DepthScale::default());
-    for pieces in clip(vertices, triangles, TriangleId(0), true, widening, observer).chunk_by(|a, b| a.id == b.id) {
-        let drawn_before = drawn.len();
-        drawn
-            .extend(pieces.iter().filter_map(|piece| screen_triangle(piece.id, viewport.project(piece, &scale), rule)));
-        if drawn.len() == drawn_before {
-            observer.rejected(pieces[0].id, Fate::ZeroArea);
-        }
-    }
-    drawn
+    let draw =
+        ClipSpaceDraw { instance: 0, vertices, triangles, first: TriangleId(0), may_cross: true, divides_by_w: true };
+    let settings = Settings { culling: Culling::None, ..Settings::default() };
+    let mut geometry = Geometry::default();
+    finish_draw(&draw, &settings, viewport, &mut geometry, observer);
+    geometry.triangles
 }
 
-fn screen_triangle(id: TriangleId, vertices: [ScreenVertex; 3], rule: FillRule) -> Option<ScreenTriangle> {
-    let area = doubled_area(vertices.each_ref().map(|v| (v.x, v.y)));
-    (area != 0).then(|| ScreenTriangle {
-        id,
-        instance: 0,
-        edges: EdgeFunctions::new(&vertices, area, rule),
-        depth: depth_function(&vertices, area),
-        relative_inv_w: relative_inv_w(&vertices),
-        vertices,
-    })
-}
-
-/// Depth that is affine on the screen, stored as a float.
-pub(crate) fn depth_function(vertices: &[ScreenVertex; 3], doubled_area: i64) -> DepthFunction {
-    let depths = vertices.each_ref().map(|v| v.depth);
-    DepthFunction::affine_on_screen(depths, doubled_area.abs() as f64, DepthEncoding::F32)
+/// The samples of a picture that a triangle covers in fixed point.
+pub(crate) fn covered(
+    triangle: &ScreenTriangle,
+    rasterizer: Rasterizer,
+    rule: FillRule,
+    viewport: Viewport,
+) -> Vec<Sample> {
+    let corners_px = triangle.corners_px();
+    let spans = cover(rasterizer, Arithmetic::Fixed, corners_px, rule, viewport);
+    let pixels = spans.into_iter().flat_map(|span| (span.left..span.right).map(move |x| (x, span.row)));
+    pixels.filter_map(|pixel| Some(edge_values(Arithmetic::Fixed, corners_px, pixel)?.0)).collect()
 }
 
 /// Position only, as [`ClipVertex`].

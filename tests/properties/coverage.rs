@@ -4,13 +4,11 @@
 //! and whatever triangle it then lies strictly inside of owns it. Right by ε and down by ε² is top-left.
 
 use rasterscope::image::Image;
-use rasterscope::pipeline::grid::SampleGrid;
-use rasterscope::pipeline::raster::{Scissor, rasterize};
-use rasterscope::pipeline::settings::{Choice as _, FillRule, Rasterizer};
+use rasterscope::pipeline::settings::{FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::ClipVertex;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 
-use crate::common::{clip_vertex, for_seeds, grid_triangles, screen_triangles, signed, sound_fill_rules};
+use crate::common::{clip_vertex, covered, for_seeds, grid_triangles, screen_triangles, signed, sound_fill_rules};
 
 const VIEW: Viewport = Viewport { width: 48, height: 32 };
 
@@ -20,21 +18,15 @@ struct Counts {
     signed: Image<i32>,
 }
 
-fn count(triangles: &[ScreenTriangle]) -> Counts {
+fn count(triangles: &[ScreenTriangle], rule: FillRule) -> Counts {
     let blank = Image::filled(VIEW.width, VIEW.height, 0);
     let mut counts = Counts { all: blank.clone(), signed: blank };
     for triangle in triangles {
         let orientation = -snapped_area(triangle).signum() as i32;
-        rasterize(
-            Rasterizer::BoundingBox,
-            &triangle.edges,
-            SampleGrid::FULL,
-            Scissor::full(VIEW.width, VIEW.height),
-            |s| {
-                counts.all.set(s.column, s.row, counts.all.at(s.column, s.row) + 1);
-                counts.signed.set(s.column, s.row, counts.signed.at(s.column, s.row) + orientation);
-            },
-        );
+        for s in covered(triangle, Rasterizer::BoundingBox, rule, VIEW) {
+            counts.all.set(s.x, s.y, counts.all.at(s.x, s.y) + 1);
+            counts.signed.set(s.x, s.y, counts.signed.at(s.x, s.y) + orientation);
+        }
     }
     counts
 }
@@ -90,7 +82,7 @@ fn a_closed_mesh_over_the_picture_covers_every_pixel_exactly_once_under_sound_ru
     for_seeds(150, |rng| {
         let (vertices, triangles) = if rng.bool() { jittered_grid(rng, |rng| 0.1 + 0.8 * rng.f32()) } else { fan(rng) };
         for rule in sound_fill_rules() {
-            let counts = count(&screen_triangles(&vertices, &triangles, VIEW, rule, &mut ()));
+            let counts = count(&screen_triangles(&vertices, &triangles, VIEW, &mut ()), rule);
             assert!(counts.all.pixels().iter().all(|c| *c == 1), "{rule:?}: {:?}", counts.all);
             assert_eq!(counts.all.pixels(), counts.signed.pixels(), "all of them are front-facing");
         }
@@ -102,9 +94,10 @@ fn the_two_wrong_rules_overlap_and_crack() {
     let (mut doubled, mut missing) = (0, 0);
     for_seeds(40, |rng| {
         let (vertices, triangles) = jittered_grid(rng, |_| 0.5);
-        let inclusive = count(&screen_triangles(&vertices, &triangles, VIEW, FillRule::Inclusive, &mut ()));
+        let drawn = screen_triangles(&vertices, &triangles, VIEW, &mut ());
+        let inclusive = count(&drawn, FillRule::Inclusive);
         assert!(inclusive.all.pixels().iter().all(|c| *c >= 1));
-        let exclusive = count(&screen_triangles(&vertices, &triangles, VIEW, FillRule::Exclusive, &mut ()));
+        let exclusive = count(&drawn, FillRule::Exclusive);
         assert!(exclusive.all.pixels().iter().all(|c| *c <= 1));
         doubled += inclusive.all.pixels().iter().filter(|c| **c > 1).count();
         missing += exclusive.all.pixels().iter().filter(|c| **c == 0).count();
@@ -123,7 +116,7 @@ fn cuts_at_the_near_and_far_planes_neither_crack_nor_overlap() {
             v.position.z = a * v.position.x + b * v.position.y + c * v.position.w;
         }
         for rule in sound_fill_rules() {
-            let counts = count(&screen_triangles(&vertices, &triangles, VIEW, rule, &mut ()));
+            let counts = count(&screen_triangles(&vertices, &triangles, VIEW, &mut ()), rule);
             for y in 0..VIEW.height {
                 for x in 0..VIEW.width {
                     let ndc = ((x as f32 + 0.5) / 24.0 - 1.0, 1.0 - (y as f32 + 0.5) / 16.0);
@@ -161,10 +154,10 @@ fn triangles_far_beyond_the_guard_band_and_behind_the_eye_stay_watertight() {
             .collect();
         let triangles: Vec<[u32; 3]> = grid_triangles(6, 6);
         for rule in sound_fill_rules() {
-            let drawn = screen_triangles(&vertices, &triangles, VIEW, rule, &mut ());
+            let drawn = screen_triangles(&vertices, &triangles, VIEW, &mut ());
             let far = drawn.iter().flat_map(|t| &t.vertices).map(|v| v.x.abs().max(v.y.abs())).max();
             assert!(far.is_none_or(|f| f <= (32_768 + 48) * 256), "{far:?} is outside of the guard band");
-            let counts = count(&drawn);
+            let counts = count(&drawn, rule);
             assert!(counts.signed.pixels().iter().all(|c| (0..=1).contains(c)), "{rule:?} {:?}", counts.signed);
         }
     });
@@ -211,15 +204,14 @@ fn coverage_agrees_with_an_oracle_that_pushes_the_sample() {
         let vertices: Vec<_> = places.into_iter().map(|p| clip_vertex(VIEW, p, 0.5, 0.2 + rng.f32())).collect();
         let triangles = [[0, 1, 2], [3, 4, 5], [6, 7, 8]];
         for rule in sound_fill_rules().chain([FillRule::Inclusive, FillRule::Exclusive]) {
-            for triangle in screen_triangles(&vertices, &triangles, VIEW, rule, &mut ()) {
+            for triangle in screen_triangles(&vertices, &triangles, VIEW, &mut ()) {
                 let expected = Image::from_fn(VIEW.width, VIEW.height, |x, y| oracle(&triangle, (x, y), rule));
-                for rasterizer in Rasterizer::ALL {
-                    let mut covered = Image::filled(VIEW.width, VIEW.height, false);
-                    let all = Scissor::full(VIEW.width, VIEW.height);
-                    rasterize(*rasterizer, &triangle.edges, SampleGrid::FULL, all, |s| {
-                        covered.set(s.column, s.row, true);
-                    });
-                    assert_eq!(covered, expected, "{rasterizer:?} {rule:?} {triangle:?}");
+                for rasterizer in Rasterizer::sound() {
+                    let mut found = Image::filled(VIEW.width, VIEW.height, false);
+                    for s in covered(&triangle, rasterizer, rule, VIEW) {
+                        found.set(s.x, s.y, true);
+                    }
+                    assert_eq!(found, expected, "{rasterizer:?} {rule:?} {triangle:?}");
                 }
                 inside += expected.pixels().iter().filter(|c| **c).count();
             }

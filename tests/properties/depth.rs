@@ -1,16 +1,18 @@
 //! Depths of vertices and samples, through the pipeline and beside it.
 
 use glam::{Mat4, Vec3};
-use rasterscope::chain::{Frame, Recipe};
+use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::pipeline::clip::{clip, guard_band_widening};
 use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
+use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::Part;
-use rasterscope::pipeline::settings::{Choice, Culling, DepthFormat, DepthTest};
+use rasterscope::pipeline::raster::Sample;
+use rasterscope::pipeline::settings::{Arithmetic, Choice, Culling, DepthFormat, DepthTest, FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::{DrawMatrices, transform};
-use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 use rasterscope::scene::{Camera, DepthMapping, Mesh, Scene, TriangleId, builtin};
 
-use crate::common::{SceneBuilder, cube, for_seeds, mesh, render, scenes};
+use crate::common::{SceneBuilder, covered, cube, for_seeds, in_cube, mesh, render, scenes};
 
 const SIZE: (u32, u32) = (32, 24);
 
@@ -165,6 +167,32 @@ fn a_far_plane_at_infinity_cuts_nothing_away() {
 }
 
 #[test]
+fn a_w_buffer_holds_distances_up_to_a_far_plane_of_any_ratio_to_the_near_one() {
+    // Ground one unit below the eye, from near the eye to far beyond the far plane.
+    let corners = [[-1e7, -1e-1], [1e7, -1e-1], [1e7, -1e6], [-1e7, -1e6]].map(|[x, z]| Vec3::new(x, -1.0, z));
+    let planes = [1e-6, 1e3];
+    let scene = seen_along_z(mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]), planes);
+    let (width, height) = (8, 4000);
+    let frame = render(&scene, &always(DepthFormat::WBuffer), (width, height));
+    let half_height = f64::from(rasterscope::scene::camera::DEFAULT_FOV_Y * 0.5).tan();
+    let mut beyond = 0;
+    for row in height / 2..height {
+        // Distance of the ground in this row of pixels, by the ray through it; a row is many units high there.
+        let slope = |row: f64| (row / f64::from(height) * 2.0 - 1.0) * half_height;
+        let [farthest, nearest] = [0.49, 0.51].map(|offset| 1.0 / slope(f64::from(row) + offset));
+        let stored = f64::from(depths(&frame)[(row * width) as usize]);
+        let distance = stored * f64::from(planes[1]);
+        if nearest > f64::from(planes[1]) {
+            assert_eq!(stored, 1.0, "row {row} lies beyond the far plane");
+            beyond += 1;
+        } else if farthest < f64::from(planes[1]) {
+            assert!((nearest..farthest).contains(&distance), "row {row}: {distance}, not {nearest} to {farthest}");
+        }
+    }
+    assert!(beyond > 1, "{beyond} rows beyond the far plane");
+}
+
+#[test]
 fn what_is_cut_at_a_plane_has_exactly_the_depth_of_that_plane() {
     const VIEW: Viewport = Viewport { width: SIZE.0, height: SIZE.1 };
     for format in DepthFormat::ALL {
@@ -224,18 +252,43 @@ fn a_w_buffer_grows_with_the_distance_at_any_ratio_of_distances() {
         let scene = seen_along_z(mesh(corners, vec![[0, 1, 2]]), [close * 0.5, far * 2.0]);
         let frame = render(&scene, &always(DepthFormat::WBuffer), (64, 64));
         let triangle = &frame.geometry.triangles[0];
-        let mut samples: Vec<(i64, f32)> = Vec::new();
-        for (index, depth) in depths(&frame).iter().enumerate() {
-            let place = (index as i64 % 64 * 256 + 128, index as i64 / 64 * 256 + 128);
-            if triangle.edges.contains(triangle.edges.at(place)) {
-                // Weight of the close corner.
-                samples.push((triangle.edges.at(place)[0], *depth));
-            }
-        }
+        let (view, stored) = (Viewport { width: 64, height: 64 }, frame.drawn.depth.as_ref().expect("a depth buffer"));
+        let samples = covered(triangle, Rasterizer::BoundingBox, FillRule::TopLeft, view);
+        // By the weight of the close corner.
+        let mut samples: Vec<_> = samples.into_iter().map(|s| (s.edges[0], stored.at(s.x, s.y))).collect();
         assert!(samples.len() > 200, "only {} samples", samples.len());
-        samples.sort_by_key(|(weight, _)| -weight);
+        samples.sort_by(|a, b| b.0.total_cmp(&a.0));
         assert!(samples.iter().all(|(_, depth)| (0.0..=1.0).contains(depth)), "in range at 1e±{exponent}");
         assert!(samples.windows(2).all(|pair| pair[0].1 <= pair[1].1), "growing at 1e±{exponent}");
         assert!(samples[0].1 < samples[samples.len() - 1].1);
     }
+}
+
+/// Fails if a depth is no number from 0 to 1.
+struct OnlyDepths(usize);
+
+impl Observer for OnlyDepths {
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+        assert!((0.0..=1.0).contains(&outcome.new), "{outcome:?} at {sample:?} of {triangle:?}");
+        self.0 += 1;
+    }
+}
+
+#[test]
+fn every_depth_of_any_triangle_in_any_arithmetic_is_a_number_from_0_to_1() {
+    let mut watch = OnlyDepths(0);
+    for_seeds(40, |rng| {
+        // Vertices of all sizes, seen past planes that are many powers of ten apart.
+        let positions = (0..90).map(|_| in_cube(rng) * 10.0_f32.powi(rng.i32(-15..16)));
+        let mesh = mesh(positions.collect(), (0..30).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect());
+        let mut scene = SceneBuilder::new(in_cube(rng)).with(mesh, Mat4::IDENTITY, None).0;
+        (scene.home.near, scene.home.far) = (10.0_f32.powi(rng.i32(-15..0)), 10.0_f32.powi(rng.i32(1..16)));
+        for (format, arithmetic) in DepthFormat::ALL.iter().flat_map(|f| Arithmetic::ALL.iter().map(move |a| (f, a))) {
+            let mut recipe = always(*format);
+            recipe.pipeline.arithmetic = *arithmetic;
+            recipe.pipeline.rasterizer = Rasterizer::ALL[rng.usize(..Rasterizer::ALL.len())];
+            run(&scene, &scene.home, &recipe, Viewport { width: SIZE.0, height: SIZE.1 }, &mut watch);
+        }
+    });
+    assert!(watch.0 > 1_000_000, "only {} depths", watch.0);
 }

@@ -4,14 +4,13 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use rasterscope::pipeline::depth::{DepthEncoding, DepthFunction, depth_at};
-use rasterscope::pipeline::grid::SampleGrid;
 use rasterscope::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
-use rasterscope::pipeline::raster::{Sample, Scissor, rasterize};
-use rasterscope::pipeline::settings::{FillRule, Rasterizer};
+use rasterscope::pipeline::raster::{Sample, edge_values};
+use rasterscope::pipeline::settings::{Arithmetic, FillRule, Interpolation, Rasterizer};
 use rasterscope::pipeline::vertex::Varyings;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 
-use crate::common::{clip_vertex, for_seeds, in_cube, screen_triangles};
+use crate::common::{clip_vertex, covered, for_seeds, in_cube, screen_triangles};
 
 /// Powers of two: positions on the grid survive the way through normalised device coordinates.
 const VIEW: Viewport = Viewport { width: 64, height: 64 };
@@ -30,7 +29,7 @@ fn random_triangle(
         vertex.varyings = varyings(rng);
         vertex
     });
-    screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::Inclusive, &mut ()).first().copied()
+    screen_triangles(&vertices, &[[0, 1, 2]], VIEW, &mut ()).first().copied()
 }
 
 /// Tests every covered sample of many random triangles.
@@ -41,10 +40,10 @@ fn for_samples(
     let mut samples = 0;
     for_seeds(400, |rng| {
         if let Some(triangle) = random_triangle(rng, varyings) {
-            rasterize(Rasterizer::BoundingBox, &triangle.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
+            for sample in covered(&triangle, Rasterizer::BoundingBox, FillRule::Inclusive, VIEW) {
                 samples += 1;
                 test(&triangle, sample);
-            });
+            }
         }
     });
     assert!(samples > 50_000, "only {samples} samples");
@@ -72,7 +71,9 @@ fn weights_are_not_negative_and_sum_to_one() {
     for_samples(
         |_| Varyings::default(),
         |triangle, sample| {
-            for weights in [affine_weights(triangle, &sample), attribute_weights(triangle, &sample)] {
+            for weights in
+                [affine_weights(triangle, &sample), attribute_weights(triangle, &sample, Interpolation::Perspective)]
+            {
                 assert!(weights.iter().all(|w| *w >= 0.0), "{weights:?}");
                 let sum: f64 = weights.iter().map(|w| f64::from(*w)).sum();
                 assert!((sum - 1.0).abs() <= 4.0 * ROUNDING, "{weights:?} sum to {sum}");
@@ -99,7 +100,10 @@ fn perspective_weights_are_within_eight_roundings_of_the_oracle() {
         |_| Varyings::default(),
         |triangle, sample| {
             // Edge, ratio of 1/w, product; two sums, reciprocal, product, and one for the cancelling errors of the sum.
-            let error = largest_error(attribute_weights(triangle, &sample), oracle(triangle, sample, true));
+            let error = largest_error(
+                attribute_weights(triangle, &sample, Interpolation::Perspective),
+                oracle(triangle, sample, true),
+            );
             assert!(error <= 8.0 * ROUNDING, "{error} at {sample:?} of {triangle:?}");
         },
     );
@@ -147,7 +151,7 @@ fn attributes_are_interpolated_with_the_perspective_weights() {
         |rng| Varyings { normal: in_cube(rng), uv: Vec2::new(rng.f32(), rng.f32()), ..Varyings::default() },
         |triangle, sample| {
             let weights = oracle(triangle, sample, true);
-            let fragment = interpolate(triangle, sample, Attributes::ALL);
+            let fragment = interpolate(triangle, sample, Attributes::all(Interpolation::Perspective));
             let mean = |value: fn(&Varyings) -> f32| -> f64 {
                 weights.iter().zip(&triangle.vertices).map(|(p, v)| p * f64::from(value(&v.varyings))).sum()
             };
@@ -170,7 +174,7 @@ fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
     for_samples(
         |_| same,
         |triangle, sample| {
-            let got = interpolate(triangle, sample, Attributes::ALL);
+            let got = interpolate(triangle, sample, Attributes::all(Interpolation::Perspective));
             let varyings = Varyings {
                 normal: got.normal,
                 uv: got.uv,
@@ -181,8 +185,7 @@ fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
             };
             assert_eq!(varyings, same);
             let mut flat = *triangle;
-            let area = triangle.edges.doubled_area() as f64;
-            flat.depth = DepthFunction::affine_on_screen([0.123_456_79; 3], area, DepthEncoding::F32);
+            flat.depth = DepthFunction::affine_on_screen([0.123_456_79; 3], triangle.doubled_area, DepthEncoding::F32);
             assert_eq!(depth_at(&flat, &sample), 0.123_456_79);
             flat.depth = DepthFunction::linear_in_space([0.123_456_79; 3], DepthEncoding::F32);
             assert_eq!(depth_at(&flat, &sample), 0.123_456_79);
@@ -197,23 +200,26 @@ fn cutting_changes_no_attribute_beyond_rounding() {
     for_seeds(300, |rng| {
         let mut vertices =
             [0; 3].map(|_| clip_vertex(VIEW, (rng.f32() * 64.0, rng.f32() * 64.0), rng.f32(), 0.1 + rng.f32()));
-        let whole = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::TopLeft, &mut ());
+        let whole = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, &mut ());
         for v in &mut vertices {
             v.position.z -= 0.3 * v.position.w;
         }
-        let pieces = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::TopLeft, &mut ());
+        let pieces = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, &mut ());
         for piece in &pieces {
-            rasterize(Rasterizer::BoundingBox, &piece.edges, SampleGrid::FULL, Scissor::full(64, 64), |sample| {
-                let position = SampleGrid::FULL.position(sample.column, sample.row);
-                let Some(whole) = whole.iter().find(|t| t.edges.contains(t.edges.at(position))) else { return };
-                let in_whole = Sample { edges: whole.edges.at(position), ..sample };
+            for sample in covered(piece, Rasterizer::BoundingBox, FillRule::TopLeft, VIEW) {
+                let pixel = (sample.x, sample.y);
+                let in_whole = whole.iter().find_map(|whole| {
+                    let (sample, _) = edge_values(Arithmetic::Fixed, whole.corners_px(), pixel)?;
+                    sample.edges.iter().all(|e| *e > 0.0).then_some((whole, sample))
+                });
+                let Some((whole, in_whole)) = in_whole else { continue };
                 let [got, expected] = [(piece, sample), (whole, in_whole)]
-                    .map(|(t, s)| interpolate(t, s, Attributes::ALL).source_weights);
+                    .map(|(t, s)| interpolate(t, s, Attributes::all(Interpolation::Perspective)).source_weights);
                 // Snapping moves a cut by up to 1/512 px: on a sliver that is the whole width, so only wide ones count.
-                let wide = whole.edges.doubled_area() > 200 << 16 && piece.edges.doubled_area() > 200 << 16;
+                let wide = [whole, piece].iter().all(|t| t.doubled_area > f64::from(200 << 16));
                 assert!(!wide || (got - expected).abs().max_element() < 2e-3, "{got} for {expected}");
                 compared += usize::from(wide);
-            });
+            }
         }
     });
     assert!(compared > 20_000, "only {compared} samples compared");

@@ -5,16 +5,20 @@ use std::collections::{HashMap, HashSet};
 
 use glam::{DVec4, Mat4, Vec3, Vec4};
 use rasterscope::chain::{Recipe, run};
-use rasterscope::image::Rgba8;
+use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::depth::depth_at;
 use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{Counters, Fate, Observer};
-use rasterscope::pipeline::settings::FillRule;
+use rasterscope::pipeline::raster::cover;
+use rasterscope::pipeline::settings::{
+    Arithmetic, Choice as _, Culling, FillRule, Interpolation, Rasterizer, Settings,
+};
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use rasterscope::scene::{Camera, Scene, TriangleId};
 
 use crate::common::{
-    SceneBuilder, bare, cube, for_seeds, in_cube, mesh, plane, render, screen_triangles, signed, soup,
+    SceneBuilder, bare, covered, cube, for_seeds, in_cube, mesh, plane, render, screen_triangles, signed, soup,
 };
 
 const VIEW: Viewport = Viewport { width: 40, height: 30 };
@@ -98,7 +102,7 @@ struct OnlyFinite(usize);
 
 impl Observer for OnlyFinite {
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
-        let all = interpolate(triangle, fragment.sample, Attributes::ALL);
+        let all = interpolate(triangle, fragment.sample, Attributes::all(Interpolation::Perspective));
         let finite = fragment.weights.iter().all(|w| w.is_finite())
             && depth_at(triangle, &fragment.sample).is_finite()
             && all.source_weights.is_finite();
@@ -142,7 +146,7 @@ fn clip_vertices_of_any_bits_end_in_one_fate_or_inside_the_guard_band() {
         (0..TRIANGLES * 3).map(|_| bare(Vec4::from_array([0; 4].map(|_| hostile(&mut rng))))).collect();
     let triangles: Vec<_> = (0..TRIANGLES).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect();
     let mut fates = Fates::default();
-    let drawn = screen_triangles(&vertices, &triangles, VIEW, FillRule::TopLeft, &mut fates);
+    let drawn = screen_triangles(&vertices, &triangles, VIEW, &mut fates);
     for triangle in &drawn {
         for v in &triangle.vertices {
             let (x, y) = (f64::from(v.x) / 256.0, f64::from(v.y) / 256.0);
@@ -160,6 +164,42 @@ fn clip_vertices_of_any_bits_end_in_one_fate_or_inside_the_guard_band() {
 }
 
 #[test]
+fn a_million_triangles_of_random_bits_are_drawn_within_the_picture_or_have_a_fate() {
+    const TRIANGLES: u32 = 1_000_000;
+    let ways: Vec<_> = Rasterizer::ALL.iter().flat_map(|r| Arithmetic::ALL.iter().map(move |a| (*r, *a))).collect();
+    let (mut drawn, mut rejected, mut covered) = (0_u64, 0_u64, 0_u64);
+    let mut rng = fastrand::Rng::with_seed(29);
+    for number in 0..TRIANGLES {
+        let vertices = [0; 3].map(|_| bare(Vec4::from_array([0; 4].map(|_| f32::from_bits(rng.u32(..))))));
+        let (rasterizer, arithmetic) = ways[number as usize % ways.len()];
+        let settings = Settings { rasterizer, arithmetic, culling: Culling::None, ..Settings::default() };
+        let (mut geometry, mut fates) = (Geometry::default(), Counters::default());
+        let draw = ClipSpaceDraw {
+            instance: 0,
+            vertices: &vertices,
+            triangles: &[[0, 1, 2]],
+            first: TriangleId(number),
+            may_cross: true,
+            divides_by_w: true,
+        };
+        finish_draw(&draw, &settings, VIEW, &mut geometry, &mut fates);
+        let fated: u64 = fates.rejected.iter().sum();
+        assert_eq!(fated, u64::from(geometry.triangles.is_empty()), "{vertices:?}");
+        rejected += fated;
+        drawn += geometry.triangles.len() as u64;
+        // And the same bits as corners on the screen, which no clipping has tamed.
+        let untamed = vertices.map(|v| [v.position.x, v.position.y]);
+        for corners_px in geometry.triangles.iter().map(ScreenTriangle::corners_px).chain([untamed]) {
+            for span in cover(rasterizer, arithmetic, corners_px, FillRule::TopLeft, VIEW) {
+                assert!(span.row < VIEW.height && span.left < span.right && span.right <= VIEW.width, "{vertices:?}");
+                covered += u64::from(span.right - span.left);
+            }
+        }
+    }
+    assert!(rejected > 500_000 && drawn > 10_000 && covered > 1_000_000, "{rejected} {drawn} {covered}");
+}
+
+#[test]
 fn what_random_clip_triangles_cover_is_what_homogeneous_edge_functions_say() {
     let (mut inside, mut undecided) = (0, 0);
     for_seeds(3_000, |rng| {
@@ -168,12 +208,15 @@ fn what_random_clip_triangles_cover_is_what_homogeneous_edge_functions_say() {
             let stretch = 10.0_f32.powi(rng.i32(0..6)) * scale;
             bare(Vec4::new(signed(rng) * stretch, signed(rng) * stretch, signed(rng) * scale, signed(rng) * scale))
         });
-        let drawn = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, FillRule::TopLeft, &mut ());
+        let drawn = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, &mut ());
         let exact = vertices.map(|v| v.position.as_dvec4());
+        let mut hits = Image::filled(VIEW.width, VIEW.height, 0);
+        for sample in drawn.iter().flat_map(|t| covered(t, Rasterizer::Tiled, FillRule::TopLeft, VIEW)) {
+            hits.set(sample.x, sample.y, hits.at(sample.x, sample.y) + 1);
+        }
         for y in 0..VIEW.height {
             for x in 0..VIEW.width {
-                let sample = (i64::from(x) * 256 + 128, i64::from(y) * 256 + 128);
-                let count = drawn.iter().filter(|t| t.edges.contains(t.edges.at(sample))).count();
+                let count = hits.at(x, y);
                 match homogeneous_coverage(exact, (f64::from(x) + 0.5, f64::from(y) + 0.5)) {
                     Some(expected) => assert_eq!(count, usize::from(expected), "({x}, {y}) {vertices:?}"),
                     None => undecided += 1,

@@ -9,7 +9,7 @@ use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::raster::{Sample, Scissor};
-use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, Shading};
+use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, Interpolation, Shading};
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
 use rasterscope::pipeline::{Extent, Until, clip, draw, vertex};
@@ -235,7 +235,7 @@ fn leaving_out_the_interpolation_of_attributes_changes_no_bit() {
     struct Compare<'a>(Vec<Shader<'a>>);
     impl Observer for Compare<'_> {
         fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
-            let all = interpolate(triangle, fragment.sample, Attributes::ALL);
+            let all = interpolate(triangle, fragment.sample, Attributes::all(Interpolation::Perspective));
             assert_eq!(self.0[triangle.instance as usize].shade(&all, triangle), color);
             let weights = (fragment.source_weights, all.source_weights);
             assert_eq!(Fragment { source_weights: weights.0, ..all }, *fragment, "constants but for the weights");
@@ -251,7 +251,7 @@ fn leaving_out_the_interpolation_of_attributes_changes_no_bit() {
             let shaders: Vec<_> =
                 shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect();
             for shader in &shaders {
-                let Attributes { normal, uv, color, light, source_weights } = shader.attributes();
+                let Attributes { normal, uv, color, light, source_weights, .. } = shader.attributes();
                 for (count, read) in skipped.iter_mut().zip([normal, uv, color, light, source_weights]) {
                     *count += usize::from(!read);
                 }

@@ -3,7 +3,7 @@
 //! z/w is an affine function of the screen, so it is interpolated with the edge values themselves, never with the
 //! perspective-correct weights. A depth that is linear in space is interpolated with just those. Both take the form of the
 //! least depth plus what lies above it at the corners, each with a weight that is not negative: nothing cancels, a constant
-//! depth is returned exactly, and no sample leaves the range of the corners. It is computed in f64 and rounded once.
+//! depth is returned exactly, and no sample inside leaves the range of the corners. It is computed in f64 and rounded once.
 
 use super::DepthEncoding;
 use crate::pipeline::raster::Sample;
@@ -33,8 +33,7 @@ impl DepthFunction {
     /// From depths at the corners of a triangle of this doubled area, in the unit of edge values.
     pub fn affine_on_screen(corners: [f64; 3], doubled_area: f64, encoding: DepthEncoding) -> Self {
         let (least, rises) = rises(corners);
-        let inverse_area = 1.0 / doubled_area;
-        Self { course: Course::Screen, encoding, least, rises: rises.map(|rise| rise * inverse_area) }
+        Self { course: Course::Screen, encoding, least, rises: rises.map(|rise| rise / doubled_area) }
     }
 
     /// From depths at corners at any distances.
@@ -54,15 +53,18 @@ fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
 #[inline]
 pub fn depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
     let DepthFunction { course, encoding, least, rises } = triangle.depth;
-    let weighted = |weights: [f64; 3]| weights[0] * rises[0] + weights[1] * rises[1] + weights[2] * rises[2];
-    let edges = sample.edges.map(|e| e as f64);
+    let weighted = |[a, b, c]: [f64; 3]| a * rises[0] + b * rises[1] + c * rises[2];
     let rise = match course {
-        Course::Screen => weighted(edges),
+        Course::Screen => weighted(sample.edges),
         Course::Space => {
             let [a, b, c] = triangle.vertices.each_ref().map(|v| f64::from(v.inv_w));
-            let weights = [edges[0] * a, edges[1] * b, edges[2] * c];
-            weighted(weights) / (weights[0] + weights[1] + weights[2])
+            // Beyond an edge, where arithmetic that is not exact finds samples too, distances would run to infinity and back.
+            let [e0, e1, e2] = sample.edges.map(|edge| edge.max(0.0));
+            let weights = [e0 * a, e1 * b, e2 * c];
+            let sum = weights[0] + weights[1] + weights[2];
+            // Floats may see no edge value above 0 at all.
+            if sum > 0.0 { weighted(weights) / sum } else { 0.0 }
         }
     };
-    encoding.quantize((least + rise).max(least).min(1.0))
+    encoding.quantize((least + rise).clamp(0.0, 1.0))
 }

@@ -3,29 +3,25 @@
 //! The plainest algorithm, and the reference for all others. It visits two samples for each covered one of a large
 //! triangle, and many more for slivers that lie across; the clamp to the scissor bounds it by the picture's size.
 
-use super::{EdgeFunctions, Sample, Scissor, pixel_range};
-use crate::pipeline::grid::SampleGrid;
+use super::numbers::Numbers;
+use super::{Canvas, Triangle};
 
-/// Hands every sample of `grid` within `scissor` that belongs to the triangle to `sink`, row by row from the top, left
-/// to right. Returns how many samples were visited.
-pub(super) fn rasterize(
-    edges: &EdgeFunctions,
-    grid: SampleGrid,
-    scissor: Scissor,
-    mut sink: impl FnMut(Sample),
-) -> u64 {
-    let (left, right) = pixel_range(edges.x_range(), scissor.left, scissor.right);
-    let (top, bottom) = pixel_range(edges.y_range(), scissor.top, scissor.bottom);
-    let mut visited = 0;
-    for row in grid.rows(top, bottom) {
-        let columns = grid.columns(row, left, right);
-        visited += columns.len() as u64;
-        for column in columns {
-            let values = edges.at(grid.position(column, row));
-            if edges.contains(values) {
-                sink(Sample { column, row, edges: values });
+/// Finds the samples of a triangle, row by row.
+pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+    let [columns, rows] = triangle.bounds();
+    for row in canvas.rows(rows) {
+        let samples = canvas.columns(row, columns.first, columns.last + 1);
+        canvas.visit(samples.len());
+        let mut run = samples.start..samples.start;
+        for column in samples {
+            let (x, y) = canvas.grid.pixel(column, row);
+            if triangle.contains(x.into(), y.into()) {
+                run = if run.end == column { run.start..column + 1 } else { column..column + 1 };
+            } else if !run.is_empty() {
+                // The inside of a row is one run.
+                break;
             }
         }
+        canvas.emit(row, run);
     }
-    visited
 }

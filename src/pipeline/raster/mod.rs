@@ -1,29 +1,68 @@
-//! Rasterization: which samples lie inside a triangle, decided in exact integers.
+//! Rasterization: which samples lie inside a triangle.
 //!
-//! A rasterizer knows nothing of depth or colour. It takes [`EdgeFunctions`], walks the samples that may be inside, and
-//! hands each covered [`Sample`] to a sink.
+//! A rasterizer knows nothing of depth or colour. It takes a [`Triangle`] and emits the covered samples as [`Span`]s. Five
+//! algorithms, a file each, run in four arithmetics ([`numbers`]). In fixed point and in exact arithmetic all five find
+//! the same samples, to the last one; in floats they differ by rounding.
+
+pub mod numbers;
+
+mod active_edge;
 
 mod bounding_box;
 
-mod edge;
+mod edge_walk;
+
+mod exact;
+
+mod fixed;
+
+mod float;
+
+mod published;
 
 mod scanline;
 
-pub use edge::{EdgeFunctions, doubled_area};
+mod tiled;
+
+mod triangle;
+
+pub use exact::Exact;
+pub use fixed::Fixed;
+pub use float::Floating;
+pub use triangle::Triangle;
+
+use numbers::Numbers;
 
 use super::grid::SampleGrid;
-use super::settings::Rasterizer;
-use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
+use super::settings::{self, FillRule, Rasterizer};
+use super::viewport::Viewport;
+use crate::math::fixed::{snap, to_pixels};
 
 /// A covered sample: where it is, and the three edge values there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Column in the packed picture.
     pub column: u32,
     /// Row in the packed picture.
     pub row: u32,
-    /// Edge values in units of 1/2¹⁶ px², each belonging to the vertex opposite; they sum to the doubled area.
-    pub edges: [i64; 3],
+    /// Column of its pixel in the full picture.
+    pub x: u32,
+    /// Row of its pixel in the full picture.
+    pub y: u32,
+    /// Edge values, each belonging to the vertex opposite; they sum to the doubled area but for rounding. In fixed point they
+    /// are integers in units of 1/2¹⁶ px²; else px² times a power of two that brings the doubled area near 1.
+    pub edges: [f64; 3],
+}
+
+/// Covered samples side by side on a row of the packed picture, half open.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Span {
+    /// Row.
+    pub row: u32,
+    /// First column.
+    pub left: u32,
+    /// One past the last column.
+    pub right: u32,
 }
 
 /// A rectangle of full-picture pixels, half open. Nothing outside of it is visited.
@@ -49,46 +88,192 @@ impl Scissor {
     pub fn pixel(x: u32, y: u32) -> Self {
         Self { left: x, top: y, right: x + 1, bottom: y + 1 }
     }
-}
 
-/// Hands every sample of `grid` within `scissor` that belongs to the triangle to `sink`, row by row from the top, left
-/// to right. Returns how many samples were visited. All rasterizers find the same samples in the same order.
-pub fn rasterize(
-    rasterizer: Rasterizer,
-    edges: &EdgeFunctions,
-    grid: SampleGrid,
-    scissor: Scissor,
-    sink: impl FnMut(Sample),
-) -> u64 {
-    match rasterizer {
-        Rasterizer::BoundingBox => bounding_box::rasterize(edges, grid, scissor, sink),
-        Rasterizer::Scanline => scanline::rasterize(edges, grid, scissor, sink),
+    /// Whether the box around a triangle comes near enough for any rasterizer to find samples within. Spares setting up what
+    /// is far away, which is nearly everything when a single pixel is drawn.
+    pub(super) fn may_meet(&self, corners_px: [[f32; 2]; 3]) -> bool {
+        /// Snapping moves corners by a fraction of a pixel, published rasterizers by a whole one.
+        const MARGIN_PX: f32 = 2.0;
+        let [a, b, c] = corners_px;
+        let meets = |axis: usize, first: u32, end: u32| {
+            a[axis].max(b[axis]).max(c[axis]) >= first as f32 - MARGIN_PX
+                && a[axis].min(b[axis]).min(c[axis]) <= end as f32 + MARGIN_PX
+        };
+        meets(0, self.left, self.right) && meets(1, self.top, self.bottom)
     }
 }
 
-/// Half-open range of the pixels whose centres lie within a range of grid steps (both ends included), clamped.
-fn pixel_range((least, greatest): (i64, i64), from: u32, to: u32) -> (u32, u32) {
-    let first = (least - HALF_PIXEL + SUBPIXELS - 1).div_euclid(SUBPIXELS);
-    let last = (greatest - HALF_PIXEL).div_euclid(SUBPIXELS);
-    let clamp = |pixel: i64| pixel.clamp(i64::from(from), i64::from(to)) as u32;
-    let (first, end) = (clamp(first), clamp(last + 1));
-    (first, end.max(first))
+/// Columns or rows of pixels, both ends included; empty if the last is before the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PixelRange {
+    first: i64,
+    last: i64,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+impl PixelRange {
+    fn contains(self, pixel: i64) -> bool {
+        (self.first..=self.last).contains(&pixel)
+    }
 
-    #[test]
-    fn the_pixel_range_holds_exactly_the_centres_within() {
-        for least in -700..700 {
-            for extent in [0, 1, 127, 128, 255, 256, 400] {
-                let greatest = least + extent;
-                let (first, end) = pixel_range((least, greatest), 0, 3);
-                let expected: Vec<u32> =
-                    (0..3).filter(|p| (least..=greatest).contains(&(p * 256 + 128))).map(|p| p as u32).collect();
-                assert_eq!((first..end).collect::<Vec<_>>(), expected, "{least}..={greatest}");
-            }
+    fn is_empty(self) -> bool {
+        self.last < self.first
+    }
+
+    fn within(self, other: Self) -> Self {
+        Self { first: self.first.max(other.first), last: self.last.min(other.last) }
+    }
+}
+
+/// What a rasterizer works on: the samples that may be covered, and the list of those that are.
+#[derive(Debug)]
+pub(crate) struct Canvas<'a> {
+    grid: SampleGrid,
+    scissor: Scissor,
+    spans: &'a mut Vec<Span>,
+    visited: u64,
+}
+
+impl Canvas<'_> {
+    /// The packed rows whose samples lie in a range of pixel rows.
+    fn rows(&self, rows: PixelRange) -> std::ops::Range<u32> {
+        let (top, bottom) = (self.scissor.top, self.scissor.bottom);
+        let clamp = |row: i64| row.clamp(top.into(), bottom.into()) as u32;
+        self.grid.rows(clamp(rows.first), clamp(rows.last.saturating_add(1)))
+    }
+
+    /// The pixel row of a packed row.
+    fn pixel_row(&self, row: u32) -> i64 {
+        self.grid.pixel(0, row).1.into()
+    }
+
+    /// The packed columns of a packed row whose samples lie in the pixel columns `left..right`.
+    fn columns(&self, row: u32, left: i64, right: i64) -> std::ops::Range<u32> {
+        let clamp = |column: i64| column.clamp(self.scissor.left.into(), self.scissor.right.into()) as u32;
+        let (left, right) = (clamp(left), clamp(right));
+        self.grid.columns(row, left, right.max(left))
+    }
+
+    /// The pixels that are drawn at all, columns and rows.
+    fn scissor(&self) -> [PixelRange; 2] {
+        let Scissor { left, top, right, bottom } = self.scissor;
+        [(left, right), (top, bottom)].map(|(first, end)| PixelRange { first: first.into(), last: i64::from(end) - 1 })
+    }
+
+    /// Counts samples that were looked at.
+    fn visit(&mut self, samples: usize) {
+        self.visited += samples as u64;
+    }
+
+    /// Adds covered samples.
+    fn emit(&mut self, row: u32, columns: std::ops::Range<u32>) {
+        if !columns.is_empty() {
+            self.spans.push(Span { row, left: columns.start, right: columns.end });
         }
     }
 }
+
+/// Adds every sample of `grid` within `scissor` that belongs to the triangle to `spans`, each once. Returns how many samples
+/// were looked at. Spans come in the algorithm's own order.
+pub(super) fn cover_samples<N: Numbers>(
+    rasterizer: Rasterizer,
+    triangle: &Triangle<N>,
+    corners_px: [[f32; 2]; 3],
+    (grid, scissor): (SampleGrid, Scissor),
+    spans: &mut Vec<Span>,
+) -> u64 {
+    let mut canvas = Canvas { grid, scissor, spans, visited: 0 };
+    match rasterizer {
+        Rasterizer::BoundingBox => bounding_box::cover(triangle, &mut canvas),
+        Rasterizer::Scanline => scanline::cover(triangle, &mut canvas),
+        Rasterizer::EdgeWalk => edge_walk::cover(triangle, &mut canvas),
+        Rasterizer::ActiveEdge => active_edge::cover(triangle, &mut canvas),
+        Rasterizer::Tiled => tiled::cover(triangle, &mut canvas),
+        Rasterizer::BoundingBoxPublished => published::bounding_box(corners_px, &mut canvas),
+        Rasterizer::ScanlinePublished => published::scanline(corners_px, &mut canvas),
+    }
+    canvas.visited
+}
+
+/// Calls `$body` with `$numbers` standing for the type that computes as the setting `$chosen` says.
+macro_rules! with_arithmetic {
+    ($chosen:expr, $numbers:ident => $body:expr) => {
+        match $chosen {
+            $crate::pipeline::settings::Arithmetic::Fixed => {
+                type $numbers = $crate::pipeline::raster::Fixed;
+                $body
+            }
+            $crate::pipeline::settings::Arithmetic::F32 => {
+                type $numbers = $crate::pipeline::raster::Floating<f32>;
+                $body
+            }
+            $crate::pipeline::settings::Arithmetic::F64 => {
+                type $numbers = $crate::pipeline::raster::Floating<f64>;
+                $body
+            }
+            $crate::pipeline::settings::Arithmetic::Exact => {
+                type $numbers = $crate::pipeline::raster::Exact;
+                $body
+            }
+        }
+    };
+}
+
+pub(crate) use with_arithmetic;
+
+/// Doubled signed area of a triangle as an arithmetic sees it, positive if clockwise for the viewer (y down), and what its
+/// edge values are scaled by. No area where a corner is not finite.
+pub fn doubled_area(arithmetic: settings::Arithmetic, corners_px: [[f32; 2]; 3]) -> (f64, f64) {
+    with_arithmetic!(arithmetic, N => triangle::doubled_area::<N>(corners_px)).unwrap_or((0.0, 1.0))
+}
+
+/// The pixels of a picture that one triangle covers, given by its corners in px and drawn from both sides: what case files
+/// and reports ask. Corners may lie anywhere, to the largest f32; a corner that is not finite covers nothing.
+pub fn cover(
+    rasterizer: Rasterizer,
+    arithmetic: settings::Arithmetic,
+    corners_px: [[f32; 2]; 3],
+    rule: FillRule,
+    viewport: Viewport,
+) -> Vec<Span> {
+    let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
+    let area = (SampleGrid::FULL, Scissor::full(viewport.width, viewport.height));
+    let mut spans = Vec::new();
+    with_arithmetic!(arithmetic, N => {
+        if let Some(triangle) = Triangle::<N>::new(corners_px, rule) {
+            cover_samples(rasterizer, &triangle, corners_px, area, &mut spans);
+        }
+    });
+    spans
+}
+
+/// Edge values at a pixel's centre, inside the triangle or not, and the doubled area, in the unit of [`Sample::edges`]; `None`
+/// without area. What [`cover`] covers has these values.
+pub fn edge_values(
+    arithmetic: settings::Arithmetic,
+    corners_px: [[f32; 2]; 3],
+    (x, y): (u32, u32),
+) -> Option<(Sample, f64)> {
+    let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
+    with_arithmetic!(arithmetic, N => {
+        let triangle = Triangle::<N>::new(corners_px, FillRule::TopLeft)?;
+        Some((triangle.sample((x, y), (x, y)), triangle.doubled_area()))
+    })
+}
+
+/// What decides a triangle of these corners the same way: beyond the reach of 64-bit integers, the exact predicates on the
+/// snapped corners take the place of fixed point.
+fn within_fixed_point(
+    corners_px: [[f32; 2]; 3],
+    arithmetic: settings::Arithmetic,
+) -> ([[f32; 2]; 3], settings::Arithmetic) {
+    let reach = corners_px.as_flattened().iter().all(|c| c.abs() <= fixed::LIMIT_PX);
+    if arithmetic != settings::Arithmetic::Fixed || reach {
+        return (corners_px, arithmetic);
+    }
+    // Numbers this large are whole multiples of the grid step already.
+    let snapped = |px: f32| if px.abs() <= fixed::LIMIT_PX { to_pixels(snap(px)) } else { px };
+    (corners_px.map(|corner| corner.map(snapped)), settings::Arithmetic::Exact)
+}
+
+#[cfg(test)]
+mod tests;

@@ -7,6 +7,7 @@ use crate::image::Rgba8;
 use crate::inspect::pixel::{ShadingRecord, sample_position_px};
 use crate::inspect::view::{Value, value};
 use crate::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
+use crate::pipeline::settings::Arithmetic;
 use crate::ui::command::Command;
 use crate::ui::engine::Shown;
 use crate::ui::format;
@@ -279,15 +280,20 @@ fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     section_header(ui, "Corners", |_| {});
     corner_table(ui, fragment);
     section_header(ui, "Edges", |_| {});
+    let (exact, unit) = match fragment.arithmetic {
+        Arithmetic::Fixed => ("Exact edge value in 1/65536 px²", "The sum of the three edge values, exactly"),
+        Arithmetic::Exact => {
+            ("Edge value in px² times a power of two; its sign is exact", "The sum of the three, but for rounding")
+        }
+        Arithmetic::F32 | Arithmetic::F64 => {
+            ("Edge value in px² times a power of two, rounded", "The sum of the three, but for rounding")
+        }
+    };
     for (i, edge) in fragment.edges.into_iter().enumerate() {
-        value_row(
-            ui,
-            &format!("Opposite to v{i}"),
-            &edge.to_string(),
-            "Exact edge value in 1/65536 px²: at or above zero is inside; zero lies on the edge",
-        );
+        let help = format!("{exact}: above zero is inside, zero lies on the edge");
+        value_row(ui, &format!("Opposite to v{i}"), &format::edge(edge), &help);
     }
-    value_row(ui, "Doubled area", &fragment.doubled_area.to_string(), "The sum of the three edge values, exactly");
+    value_row(ui, "Doubled area", &format::edge(fragment.doubled_area), unit);
     let triangle = fragment.triangle.0.to_string();
     value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order, counted from 0");
     value_row(

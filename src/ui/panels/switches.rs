@@ -182,8 +182,9 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    row(ui, "Algorithm", "How the samples inside a triangle are found; all find the same ones", |ui| {
-        pick(ui, &mut recipe.pipeline.rasterizer)
+    row(ui, "Algorithm", "How the samples inside a triangle are found", |ui| pick(ui, &mut recipe.pipeline.rasterizer));
+    row(ui, "Arithmetic", "The numbers in which it is decided what lies inside", |ui| {
+        pick(ui, &mut recipe.pipeline.arithmetic)
     });
     row(ui, "Fill rule", "Who owns a pixel centre that lies exactly on an edge", |ui| {
         pick(ui, &mut recipe.pipeline.fill_rule)

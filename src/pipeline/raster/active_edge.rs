@@ -1,0 +1,64 @@
+//! The active edge list (Wylie, Romney, Evans and Erdahl, "Half-tone perspective drawings by computer", 1967): edges wait
+//! in a table sorted by their first row; those that the present row crosses are active, each steps to the next row by its
+//! slope, and the row is filled between pairs of them.
+//!
+//! Made for polygons of any number of edges; a triangle has two active ones at a time. In integers the step is
+//! Bresenham's and exact. In floats it adds the slope again and again, which drifts.
+
+use super::numbers::{Edge, Numbers, Walk};
+use super::{Canvas, PixelRange, Triangle};
+
+/// An edge in the table: the rows that it counts on.
+#[derive(Clone, Copy)]
+struct Entry<E> {
+    edge: E,
+    rows: PixelRange,
+}
+
+/// An active edge.
+struct Active<W> {
+    walk: W,
+    is_left: bool,
+    last: i64,
+}
+
+/// Finds the samples of a triangle, row by row.
+pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+    let sides = triangle.sides();
+    let rows = sides.rows;
+    let table = [
+        Entry { edge: sides.long, rows },
+        Entry { edge: sides.upper, rows: PixelRange { last: sides.last_upper.min(rows.last), ..rows } },
+        Entry { edge: sides.lower, rows: PixelRange { first: (sides.last_upper + 1).max(rows.first), ..rows } },
+    ];
+    let mut active: Vec<Active<<N::Edge as Edge>::Walk>> = Vec::with_capacity(2);
+    let mut present = None;
+    for row in canvas.rows(rows) {
+        let y = canvas.pixel_row(row);
+        // A grid may skip rows; edges step through all of them.
+        let from = present.map_or(y, |before: i64| before + 1);
+        for passed in from..=y {
+            active.retain(|edge| edge.last >= passed);
+            active.iter_mut().for_each(|edge| edge.walk.step());
+            let starts = |entry: &&Entry<N::Edge>| match present {
+                None => entry.rows.contains(passed),
+                Some(_) => entry.rows.first == passed && entry.rows.contains(passed),
+            };
+            for entry in table.iter().filter(starts) {
+                let is_left = entry.edge.inward().right > 0;
+                active.push(Active { walk: entry.edge.walk(passed), is_left, last: entry.rows.last });
+            }
+            present = Some(passed);
+        }
+        active.sort_by_key(|edge| edge.walk.boundary());
+        let [left, right] = &active[..] else { continue };
+        // Edges that have crossed between two columns enclose nothing.
+        let (left, right) = match (left.is_left, left.walk.boundary(), right.walk.boundary()) {
+            (true, left, right) => (left, right),
+            (false, at, _) => (at, at),
+        };
+        let samples = canvas.columns(row, left, right);
+        canvas.visit(samples.len());
+        canvas.emit(row, samples);
+    }
+}

@@ -1,0 +1,32 @@
+//! Edge walking: down the longest edge, and on every row from there towards the other two until the triangle ends.
+//!
+//! The published form walks the *pixels* of the long edge as a line; a flat one has several on a row, so rows are filled
+//! again and again, and a rounded start may lie outside. Here it walks rows, and starts each at the first pixel inside the
+//! long edge. Where the row ends is not computed but met: one sample beyond the triangle is looked at per row.
+
+use super::numbers::{Edge, Numbers};
+use super::{Canvas, Triangle};
+
+/// Finds the samples of a triangle, row by row.
+pub(super) fn cover<N: Numbers>(triangle: &Triangle<N>, canvas: &mut Canvas<'_>) {
+    let sides = triangle.sides();
+    for row in canvas.rows(sides.rows) {
+        let y = canvas.pixel_row(row);
+        let start = sides.long.boundary(y);
+        let inside = |canvas: &mut Canvas<'_>, column: u32| {
+            canvas.visit(1);
+            let x = canvas.grid.pixel(column, row).0.into();
+            sides.upper.contains(x, y) && sides.lower.contains(x, y)
+        };
+        let run = if sides.long_is_left() {
+            let ahead = canvas.columns(row, start, i64::MAX);
+            let end = ahead.clone().find(|column| !inside(canvas, *column)).unwrap_or(ahead.end);
+            ahead.start..end
+        } else {
+            let behind = canvas.columns(row, i64::MIN, start);
+            let last_outside = behind.clone().rev().find(|column| !inside(canvas, *column));
+            last_outside.map_or(behind.start, |column| column + 1)..behind.end
+        };
+        canvas.emit(row, run);
+    }
+}

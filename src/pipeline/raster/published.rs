@@ -1,0 +1,62 @@
+//! Two rasterizers as articles print them, with their faults: to see what the faults do. Nothing else uses them.
+//!
+//! They compute in f64 whatever the arithmetic, so that what shows is the method's fault and not the numbers'.
+
+use super::{Canvas, PixelRange};
+
+/// Heights below this are taken for none, px.
+const FLAT_PX: f64 = 1e-6;
+
+/// The bounding-box test with its samples at the pixels' top-left corners (a shift by half a pixel), with centres on an edge
+/// drawn by both neighbours, and blind for triangles that wind clockwise.
+pub(super) fn bounding_box(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
+    let [a, b, c] = corners_px.map(|corner| corner.map(f64::from));
+    let range = |axis: usize| PixelRange {
+        first: a[axis].min(b[axis]).min(c[axis]) as i64,
+        last: a[axis].max(b[axis]).max(c[axis]) as i64,
+    };
+    let cross = |from: [f64; 2], to: [f64; 2], x: f64, y: f64| {
+        (to[0] - from[0]) * (y - from[1]) - (to[1] - from[1]) * (x - from[0])
+    };
+    let (columns, rows) = (range(0), range(1));
+    for row in canvas.rows(rows) {
+        let y = canvas.pixel_row(row) as f64;
+        let samples = canvas.columns(row, columns.first, columns.last.saturating_add(1));
+        canvas.visit(samples.len());
+        for column in samples {
+            let x = f64::from(canvas.grid.pixel(column, row).0);
+            if cross(a, b, x, y) <= 0.0 && cross(b, c, x, y) <= 0.0 && cross(c, a, x, y) <= 0.0 {
+                canvas.emit(row, column..column + 1);
+            }
+        }
+    }
+}
+
+/// Scan conversion with a rounded fourth corner (the long edge bends there), with sides that start at the corner instead of at
+/// the first row's centre (rows are shifted by up to a pixel times the slope), and with both ends of a row drawn.
+pub(super) fn scanline(corners_px: [[f32; 2]; 3], canvas: &mut Canvas<'_>) {
+    let mut corners = corners_px.map(|corner| corner.map(f64::from));
+    corners.sort_by(|a, b| a[1].total_cmp(&b[1]));
+    let [top, middle, bottom] = corners;
+    let share = if bottom[1] - top[1] > FLAT_PX { (middle[1] - top[1]) / (bottom[1] - top[1]) } else { 0.0 };
+    let fourth = [(top[0] + share * (bottom[0] - top[0])).round(), middle[1]];
+    half(canvas, [top, middle], [top, fourth]);
+    half(canvas, [middle, bottom], [fourth, bottom]);
+}
+
+/// Fills the rows between two sides that start and end at the same heights.
+fn half(canvas: &mut Canvas<'_>, one: [[f64; 2]; 2], other: [[f64; 2]; 2]) {
+    let height = one[1][1] - one[0][1];
+    if height <= FLAT_PX {
+        return;
+    }
+    let slope = |side: [[f64; 2]; 2]| (side[1][0] - side[0][0]) / height;
+    let (first, end) = (one[0][1].floor(), one[1][1].floor());
+    for row in canvas.rows(PixelRange { first: first as i64, last: (end as i64).saturating_sub(1) }) {
+        let steps = canvas.pixel_row(row) as f64 - first;
+        let at = |side: [[f64; 2]; 2]| (side[0][0] + slope(side) * steps) as i64;
+        let samples = canvas.columns(row, at(one).min(at(other)), at(one).max(at(other)).saturating_add(1));
+        canvas.visit(samples.len());
+        canvas.emit(row, samples);
+    }
+}
