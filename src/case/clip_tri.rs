@@ -31,12 +31,18 @@ impl Check for ClipTri {
 }
 
 impl ClipTri {
+    /// Corners of one of the triangles as x, y, z, w.
+    pub fn corners(&self, triangle: usize) -> Option<[[f32; 4]; 3]> {
+        let Exactly(corners) = self.triangles.get(triangle)?;
+        Some(corners.map(|Exactly(position)| position.map(|number| number.0 as f32)))
+    }
+
     /// Clips, projects, covers and interpolates, as the pipeline does with what its vertex stage gives.
     pub(super) fn answer(&self, options: Options) -> ClipTriAnswer {
         let mut answer = ClipTriAnswer { triangles: Vec::new(), attr: Vec::new() };
-        for (number, Exactly(corners)) in self.triangles.iter().enumerate() {
-            let vertices = corners.map(|Exactly(position)| ClipVertex {
-                position: Vec4::from_array(position.map(|number| number.0 as f32)),
+        for (number, corners) in (0..self.triangles.len()).filter_map(|n| Some((n, self.corners(n)?))) {
+            let vertices = corners.map(|position| ClipVertex {
+                position: Vec4::from_array(position),
                 cut_at: None,
                 varyings: Varyings::default(),
             });

@@ -57,6 +57,10 @@ struct Header {
 
 pub(super) fn read(path: &Path) -> Result<Case, CaseError> {
     let json = disk::read(path, MAX_BYTES).map_err(|source| CaseError::Unreadable { path: path.to_owned(), source })?;
+    parse(&json, path)
+}
+
+pub(super) fn parse(json: &[u8], path: &Path) -> Result<Case, CaseError> {
     let malformed = |error: serde_json::Error| {
         let text = error.to_string();
         let reason = text.rsplit_once(" at line ").map_or(&*text, |(reason, _)| reason).to_owned();
@@ -65,9 +69,9 @@ pub(super) fn read(path: &Path) -> Result<Case, CaseError> {
     let unusable = |reason: String| CaseError::Unusable { path: path.to_owned(), reason };
     // Read twice, first without looking at the values: keeping them until the kind is known would take many times the
     // memory of the file.
-    let Header { id, kind } = serde_json::from_slice(&json).map_err(malformed)?;
+    let Header { id, kind } = serde_json::from_slice(json).map_err(malformed)?;
     check_id(&id).map_err(unusable)?;
-    let task = Task::parse(&kind, &json).ok_or_else(|| unusable(unknown_kind(&kind)))?.map_err(malformed)?;
+    let task = Task::parse(&kind, json).ok_or_else(|| unusable(unknown_kind(&kind)))?.map_err(malformed)?;
     task.check().map_err(unusable)?;
     Ok(Case { id, task })
 }

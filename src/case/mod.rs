@@ -11,6 +11,7 @@ mod distance_line;
 mod file;
 mod json;
 mod line;
+mod minimal;
 mod poly_fill;
 mod real_line;
 mod region_fill;
@@ -27,6 +28,7 @@ pub use distance_line::{DistanceLine, DistanceLineAnswer};
 pub use file::CaseError;
 pub use json::{Exactly, Point, Real};
 pub use line::{Line, LineAnswer};
+pub use minimal::MinimalCase;
 pub use poly_fill::{PolyFill, PolyFillAnswer, PolygonRule};
 pub use real_line::{RealLine, RealLineAnswer};
 pub use region_fill::{FillMode, RegionFill, RegionFillAnswer};
@@ -47,7 +49,7 @@ use crate::pipeline::settings::{Arithmetic, Rasterizer};
 use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
 
 /// A case as read from a file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Its name, fit to name a file.
     pub id: String,
@@ -59,6 +61,11 @@ impl Case {
     /// Reads a case. Errors: not a regular file of at most 64 MiB, not JSON, no known kind, or not what the kind needs.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         file::read(path)
+    }
+
+    /// Takes a case from text; `path` is what errors name.
+    pub fn parse(json: &[u8], path: &Path) -> Result<Self, CaseError> {
+        file::parse(json, path)
     }
 }
 
@@ -102,7 +109,7 @@ trait Check {
 macro_rules! tasks {
     ($($kind:ident = $word:literal, $doc:literal;)+) => {
         /// What a case asks, one kind for each algorithm.
-        #[derive(Clone, Debug)]
+        #[derive(Clone, Debug, PartialEq)]
         pub enum Task {
             $(#[doc = $doc] $kind($kind),)+
         }

@@ -45,6 +45,11 @@ impl Check for PolyFill {
 }
 
 impl PolyFill {
+    /// Corners of the contours, px.
+    pub fn outlines(&self) -> Vec<Vec<[f64; 2]>> {
+        self.contours.iter().map(|contour| contour.iter().map(|Point(p)| [p.x, p.y]).collect()).collect()
+    }
+
     fn sample_point(&self) -> Option<SamplePoint> {
         match self.center.0 {
             0.5 => Some(SamplePoint::Center),

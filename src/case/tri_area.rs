@@ -23,6 +23,11 @@ impl Check for TriArea {
 }
 
 impl TriArea {
+    /// Corners, px.
+    pub fn outline(&self) -> Vec<[f64; 2]> {
+        self.triangle.0.iter().map(|Point(p)| [p.x, p.y]).collect()
+    }
+
     pub(super) fn answer(&self) -> TriAreaAnswer {
         let corners = self.triangle.0.map(|corner| corner.0);
         TriAreaAnswer { area: triangle_area(corners, self.width, self.height).collect() }

@@ -37,10 +37,15 @@ impl Check for TriCoverage {
 }
 
 impl TriCoverage {
+    /// Corners of one of the triangles, px.
+    pub fn corners_px(&self, triangle: usize) -> Option<[[f32; 2]; 3]> {
+        let Exactly(corners) = self.triangles.get(triangle)?;
+        Some(corners.map(|Point(corner)| [corner.x as f32, corner.y as f32]))
+    }
+
     pub(super) fn answer(&self, options: Options) -> TriCoverageAnswer {
         let viewport = Viewport { width: self.width, height: self.height };
-        let triangles = self.triangles.iter().map(|Exactly(corners)| {
-            let corners_px = corners.map(|Point(corner)| [corner.x as f32, corner.y as f32]);
+        let triangles = (0..self.triangles.len()).filter_map(|number| self.corners_px(number)).map(|corners_px| {
             Covered::new(&cover(options.rasterizer, options.arithmetic, corners_px, self.rule.into(), viewport))
         });
         TriCoverageAnswer { snap_bits: options.snap_bits(), triangles: triangles.collect() }

@@ -3,7 +3,9 @@
 //! the session.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel, Ui};
@@ -12,14 +14,17 @@ use super::canvas::Canvas;
 use super::command::{BINDINGS, Command};
 use super::engine::{Request, Shown};
 use super::panels::bottom::Tab;
+use super::panels::case::CaseView;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::session::{Level, Measuring, Session};
 use super::theme;
 use super::worker::{Answer, Job, Worker};
+use crate::case::{Case, MinimalCase};
 use crate::image::file::{ImageFileError, write_png};
 use crate::inspect::Buffer;
+use crate::report::stability::sweep::{Plan, Progress, Report, Stage, run};
 use crate::scene::obj::Loaded;
 use crate::scene::{SceneError, SceneSource};
 
@@ -45,6 +50,18 @@ struct Loading {
     since: Instant,
 }
 
+/// A stability report that is being made on a thread of its own.
+struct Judging {
+    heard: Receiver<Heard>,
+    cancel: Arc<AtomicBool>,
+}
+
+/// What that thread has to say.
+enum Heard {
+    Progress(Progress),
+    Done(Option<Box<Report>>),
+}
+
 /// The application.
 pub struct Workbench {
     session: Session,
@@ -53,6 +70,8 @@ pub struct Workbench {
     /// When the renderer was asked for something that is not there yet.
     asked_at: Option<Instant>,
     loading: Option<Loading>,
+    judging: Option<Judging>,
+    case_view: CaseView,
     saving: Option<Receiver<Result<PathBuf, ImageFileError>>>,
     canvas: Canvas,
     inspector: Inspector,
@@ -73,6 +92,8 @@ impl Workbench {
             worker,
             asked: None,
             loading: None,
+            judging: None,
+            case_view: CaseView::default(),
             saving: None,
             asked_at: None,
             canvas: Canvas::default(),
@@ -150,7 +171,11 @@ impl Workbench {
         CentralPanel::no_frame().show(ui, |ui| {
             let size = ui.available_size() * ui.pixels_per_point();
             self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
-            self.canvas.ui(ui, &self.session, commands);
+            if self.session.case.is_some() {
+                self.case_view.ui(ui, &self.session, commands);
+            } else {
+                self.canvas.ui(ui, &self.session, commands);
+            }
             self.drop_hint(ui);
             self.busy_mark(ui);
         });
@@ -196,6 +221,7 @@ impl Workbench {
         while let Some(answer) = self.worker.poll() {
             self.hear(answer);
         }
+        self.hear_judging();
         if let Some(outcome) = self.saving.as_ref().and_then(|saving| saving.try_recv().ok()) {
             self.saving = None;
             self.saved(outcome);
@@ -262,6 +288,13 @@ impl Workbench {
             Command::AskForFile => self.dialog = Dialog::Open(OpenDialog::default()),
             Command::Open(path) => self.open(ui, SceneSource::File(path)),
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
+            Command::SaveCase => self.save_case(),
+            Command::RunStability => self.judge(ui),
+            Command::CancelStability => {
+                if let Some(judging) = &self.judging {
+                    judging.cancel.store(true, Ordering::Relaxed);
+                }
+            }
             Command::CancelLoading => self.loading = None,
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
@@ -299,6 +332,9 @@ impl Workbench {
     }
 
     fn escape(&mut self) {
+        if self.session.case.take().is_some() {
+            return;
+        }
         if self.session.pick.take().is_none() {
             self.session.shown = Shown::Buffer(Buffer::Color);
             self.session.triangle_limit = None;
@@ -314,7 +350,84 @@ impl Workbench {
         self.worker.send(Job::Measure(Box::new(request)));
     }
 
+    /// Makes the stability report on a thread of its own.
+    fn judge(&mut self, ui: &Ui) {
+        let (sender, heard) = channel();
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (context, stop) = (ui.ctx().clone(), cancel.clone());
+        self.tab = Tab::Stability;
+        self.session.stability.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
+        std::thread::spawn(move || {
+            let tell = Mutex::new(sender);
+            let say = |heard| {
+                // Nobody listens any more if the window is closed.
+                drop(tell.lock().map(|sender| sender.send(heard)));
+                context.request_repaint();
+            };
+            let report = run(&Plan::default(), &|progress| say(Heard::Progress(progress)), &stop);
+            say(Heard::Done(report.map(Box::new)));
+        });
+        self.judging = Some(Judging { heard, cancel });
+    }
+
+    fn hear_judging(&mut self) {
+        let Some(judging) = &self.judging else { return };
+        loop {
+            match judging.heard.try_recv() {
+                Ok(Heard::Progress(progress)) => self.session.stability.progress = Some(progress),
+                Ok(Heard::Done(report)) => {
+                    self.session.stability.progress = None;
+                    if let Some(report) = report {
+                        self.session.stability.report = Some(Arc::from(report));
+                    }
+                    self.judging = None;
+                    return;
+                }
+                Err(TryRecvError::Empty) => return,
+                Err(TryRecvError::Disconnected) => {
+                    self.session.stability.progress = None;
+                    self.session.report(Level::Error, "The stability report stopped by an error of the program");
+                    self.judging = None;
+                    return;
+                }
+            }
+        }
+    }
+
+    /// Writes the triangle that the picked pixel shows as a case into the current folder.
+    fn save_case(&mut self) {
+        let Some(view) = &self.session.view else { return };
+        let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
+        let Some(([x, y], submission)) = visible else {
+            self.session
+                .report(Level::Error, "Pick a pixel that shows a triangle first: that triangle becomes the case");
+            return;
+        };
+        let settings = &view.request.recipe.pipeline;
+        let triangle = &view.frame.geometry.triangles[submission];
+        let minimal = MinimalCase::new(triangle, (x, y), view.frame.viewport, settings, &view.request.scene.name);
+        let folder = std::env::current_dir().unwrap_or_default();
+        let path = free_name(&folder, &minimal.id, "json");
+        match std::fs::write(&path, minimal.to_json()) {
+            Ok(()) => {
+                self.session
+                    .report(Level::Info, format!("Saved triangle {} as the case {}", triangle.id.0, path.display()));
+                self.tab = Tab::Log;
+            }
+            Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),
+        }
+    }
+
     fn open(&mut self, ui: &Ui, source: SceneSource) {
+        if let SceneSource::File(path) = &source
+            && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+        {
+            match Case::read(path) {
+                Ok(case) => self.session.show_case(case),
+                Err(error) => self.session.report(Level::Error, error.to_string()),
+            }
+            return;
+        }
         if self.waits {
             let result = source.load();
             self.loaded(source, result);
@@ -365,7 +478,7 @@ impl Workbench {
     fn save_picture(&mut self, ui: &Ui) {
         let Some(view) = &self.session.view else { return };
         let (picture, context) = (view.picture.clone(), ui.ctx().clone());
-        let path = free_name(&std::env::current_dir().unwrap_or_default(), "picture");
+        let path = free_name(&std::env::current_dir().unwrap_or_default(), "picture", "png");
         let (sender, result) = channel();
         let save = move || {
             let outcome = write_png(&path, &picture).map(|()| path);
@@ -418,11 +531,11 @@ fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {
     }
 }
 
-/// `stem`.png, or the first free `stem-2.png`, `stem-3.png` … in `folder`.
-fn free_name(folder: &Path, stem: &str) -> PathBuf {
-    let first = folder.join(format!("{stem}.png"));
+/// `stem.extension`, or the first free `stem-2.extension`, `stem-3.extension` … in `folder`.
+fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
+    let first = folder.join(format!("{stem}.{extension}"));
     if !first.exists() {
         return first;
     }
-    (2..).map(|n| folder.join(format!("{stem}-{n}.png"))).find(|p| !p.exists()).unwrap_or(first)
+    (2..).map(|n| folder.join(format!("{stem}-{n}.{extension}"))).find(|p| !p.exists()).unwrap_or(first)
 }

@@ -8,8 +8,9 @@ use std::path::PathBuf;
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::engine::Shown;
-use super::session::{PictureSize, PointerMode};
+use super::session::{PictureSize, PointerMode, StabilityView};
 use crate::chain::Recipe;
+use crate::report::stability::column::Column;
 use crate::scene::Camera;
 
 /// An intent.
@@ -23,6 +24,20 @@ pub enum Command {
     OpenBuiltin(String),
     /// Show the mirror image in z.
     MirrorZ,
+    /// Close the case that is open.
+    CloseCase,
+    /// Show this part of the open case.
+    ShowPart(usize),
+    /// Open the worst case of a configuration, as JSON, with that configuration chosen.
+    OpenWorst(Column, String),
+    /// Save the triangle that the picked pixel shows as a case of its own.
+    SaveCase,
+    /// Judge the engine on all classes of hard cases.
+    RunStability,
+    /// Stop judging.
+    CancelStability,
+    /// Show the report this way.
+    ShowStability(StabilityView),
     /// Stop waiting for a model.
     CancelLoading,
     /// Draw by this recipe.
@@ -116,7 +131,7 @@ impl Binding {
 
 /// The key map. Later entries of one key have fewer modifiers, so the first match is the right one.
 pub const BINDINGS: &[Binding] = &[
-    bind(Modifiers::COMMAND, Key::O, || Command::AskForFile, "Open a model"),
+    bind(Modifiers::COMMAND, Key::O, || Command::AskForFile, "Open a model or a case"),
     bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),

@@ -11,10 +11,13 @@ use serde::{Deserialize, Serialize};
 use super::command::Command;
 use super::engine::{Request, Shown, StageFigures, View};
 use super::timings::Timings;
+use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
+use crate::report::stability::column::Column;
+use crate::report::stability::sweep::{Progress, Report};
 use crate::scene::{Camera, Scene, SceneSource};
 use crate::upscale::{self, Upscaling};
 
@@ -132,6 +135,36 @@ pub struct Preferences {
     pub scale: f32,
 }
 
+/// A case that is open.
+#[derive(Clone, Debug)]
+pub struct OpenCase {
+    /// The case.
+    pub case: Arc<Case>,
+    /// Which of its parts is shown.
+    pub part: usize,
+}
+
+/// How the stability report is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StabilityView {
+    /// Classes against configurations.
+    #[default]
+    HeatMap,
+    /// One point for each configuration.
+    ErrorAgainstTime,
+}
+
+/// What is known of the stability report.
+#[derive(Clone, Debug, Default)]
+pub struct Stability {
+    /// The last one that was finished.
+    pub report: Option<Arc<Report>>,
+    /// How far the one that is running has come.
+    pub progress: Option<Progress>,
+    /// How it is shown.
+    pub view: StabilityView,
+}
+
 /// The state of the window.
 #[derive(Debug)]
 pub struct Session {
@@ -161,6 +194,10 @@ pub struct Session {
     pub timings: Timings,
     /// A measurement that is running.
     pub measuring: Option<Measuring>,
+    /// The case that is open.
+    pub case: Option<OpenCase>,
+    /// The stability report.
+    pub stability: Stability,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -205,6 +242,8 @@ impl Session {
             stages: None,
             timings: Timings::default(),
             measuring: None,
+            case: None,
+            stability: Stability::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -275,6 +314,7 @@ impl Session {
         }
         self.report(Level::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
+        self.case = None;
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
@@ -371,6 +411,14 @@ impl Session {
             Command::TogglePointerMode => self.pointer_mode = self.pointer_mode.other(),
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
+            Command::CloseCase => self.case = None,
+            Command::ShowPart(part) => {
+                if let Some(open) = &mut self.case {
+                    open.part = part;
+                }
+            }
+            Command::OpenWorst(column, json) => self.open_worst(column, &json),
+            Command::ShowStability(view) => self.stability.view = view,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
             Command::ClearTimings => self.timings.clear(),
@@ -389,6 +437,30 @@ impl Session {
     pub fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
         let hits = self.view.as_ref()?.buffers.as_ref()?.hits.as_ref()?;
         hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
+    }
+
+    /// Shows a case; the scene stays behind it.
+    pub fn show_case(&mut self, case: Case) {
+        self.report(Level::Info, format!("Opened the case {}", case.id));
+        self.error = None;
+        self.case = Some(OpenCase { case: Arc::new(case), part: 0 });
+    }
+
+    fn open_worst(&mut self, column: Column, json: &str) {
+        match Case::parse(json.as_bytes(), Path::new("worst case")) {
+            Ok(case) => {
+                let settings = &mut self.state.recipe.pipeline;
+                match column {
+                    Column::Coverage(by) => {
+                        (settings.rasterizer, settings.arithmetic) = (by.rasterizer, by.arithmetic);
+                    }
+                    Column::Weights(by) => settings.arithmetic = by.arithmetic,
+                    Column::Depth(format) => settings.depth_format = format,
+                }
+                self.show_case(case);
+            }
+            Err(error) => self.report(Level::Error, error.to_string()),
+        }
     }
 
     fn mirror_z(&mut self) {

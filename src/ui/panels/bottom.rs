@@ -2,7 +2,7 @@
 
 use eframe::egui::{ScrollArea, Ui};
 
-use super::{frame_times, log, plan};
+use super::{frame_times, log, plan, stability};
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 
@@ -14,13 +14,20 @@ pub enum Tab {
     FrameTime,
     /// What the scene needs and what is left out.
     Plan,
+    /// How the engine does on hard cases.
+    Stability,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 3] = [
+const TABS: [(Tab, &str, &str); 4] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
+    (
+        Tab::Stability,
+        "Stability",
+        "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
+    ),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -30,14 +37,22 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         for (value, name, help) in TABS {
             ui.selectable_value(tab, value, name).on_hover_text(help);
         }
-        if *tab == Tab::FrameTime {
-            ui.separator();
-            frame_times::controls(ui, session, commands);
+        match tab {
+            Tab::FrameTime => {
+                ui.separator();
+                frame_times::controls(ui, session, commands);
+            }
+            Tab::Stability => {
+                ui.separator();
+                stability::controls(ui, session, commands);
+            }
+            Tab::Plan | Tab::Log => {}
         }
     });
     ui.add_space(4.0);
     match tab {
         Tab::FrameTime => frame_times::ui(ui, session, commands),
+        Tab::Stability => stability::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
         }

@@ -118,7 +118,7 @@ impl OpenDialog {
         self.hint = None;
         self.browsing = Some((receiver, Instant::now()));
         std::thread::spawn(move || {
-            let file = rfd::FileDialog::new().add_filter("Wavefront OBJ", &["obj", "OBJ"]).pick_file();
+            let file = rfd::FileDialog::new().add_filter("Models and cases", &["obj", "OBJ", "json"]).pick_file();
             // The window may be gone by now.
             drop(sender.send(file));
             context.request_repaint();

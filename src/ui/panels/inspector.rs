@@ -59,6 +59,11 @@ impl Inspector {
             sources(ui, report, commands);
             if let Some(fragment) = explained {
                 numbers(ui, fragment);
+                let help = "Writes the triangle that this pixel shows into a case file in the current folder: the smallest \
+                            thing to report, or to open again";
+                if ui.button("Save triangle as case").on_hover_text(help).clicked() {
+                    commands.push(Command::SaveCase);
+                }
             }
         });
     }

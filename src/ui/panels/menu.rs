@@ -62,6 +62,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.separator();
     entry(ui, "Save picture", Command::SavePicture, commands);
     entry(ui, "Copy picture", Command::CopyPicture, commands);
+    entry(ui, "Save triangle as case", Command::SaveCase, commands);
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
         ui.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -2,6 +2,8 @@
 
 pub mod bottom;
 
+pub mod case;
+
 pub mod dialogs;
 
 pub mod frame_times;
@@ -17,6 +19,8 @@ pub mod message;
 pub mod pipeline;
 
 pub mod plan;
+
+pub mod stability;
 
 pub mod switches;
 

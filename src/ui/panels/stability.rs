@@ -1,0 +1,237 @@
+//! The stability report: a heat map of classes of hard cases against everything that can be switched, and error against
+//! time. A cell opens the case that went worst.
+
+use eframe::egui::{self, Align2, Button, Color32, FontId, ProgressBar, Rect, RichText, ScrollArea, Sense, Ui, vec2};
+use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoints, Points};
+
+use crate::pipeline::settings::Choice as _;
+use crate::report::stability::catalogue::Family;
+use crate::report::stability::column::Column;
+use crate::report::stability::metric::{LEVELS, Metric};
+use crate::report::stability::sweep::{Cell, ClassReport, Report};
+use crate::ui::command::Command;
+use crate::ui::session::{Session, StabilityView};
+use crate::ui::theme::{Icon, font_size, tokens};
+use crate::ui::widgets::empty_state;
+
+/// Size of a cell in points.
+const CELL: egui::Vec2 = vec2(58.0, 20.0);
+
+/// Width of the names of classes in points.
+const NAMES: f32 = 190.0;
+
+/// From nothing wrong to all wrong; dark to light, so that it is read without telling hues apart.
+const SEVERITY: [Color32; LEVELS + 1] = [
+    Color32::from_rgb(0x1F, 0x3A, 0x4D),
+    Color32::from_rgb(0x2A, 0x5A, 0x6B),
+    Color32::from_rgb(0x54, 0x6E, 0x5E),
+    Color32::from_rgb(0x8A, 0x7A, 0x3A),
+    Color32::from_rgb(0xC0, 0x84, 0x2C),
+    Color32::from_rgb(0xE8, 0xA0, 0x3C),
+    Color32::from_rgb(0xFA, 0xD2, 0x7A),
+];
+
+/// From this level on cells are light, and their numbers dark.
+const LIGHT_FROM: usize = 4;
+
+/// Error that stands for none on a logarithmic axis.
+const NO_ERROR: f64 = 1e-9;
+
+/// Draws the buttons beside the tabs.
+pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if let Some(progress) = session.stability.progress {
+        if ui.button("Cancel").on_hover_text("Stop judging; the last report stays").clicked() {
+            commands.push(Command::CancelStability);
+        }
+        let share = progress.done as f32 / progress.of.max(1) as f32;
+        ui.add(ProgressBar::new(share).desired_width(240.0).text(progress.stage.name()));
+        return;
+    }
+    let run = Button::new((crate::ui::theme::icon(Icon::Play), "Run the report"));
+    let help =
+        "Judges every rasterizer, arithmetic and depth format on all classes of hard cases; takes about a minute";
+    if ui.add(run).on_hover_text(help).clicked() {
+        commands.push(Command::RunStability);
+    }
+    if session.stability.report.is_none() {
+        return;
+    }
+    for (view, name, help) in [
+        (StabilityView::HeatMap, "Heat map", "One row per class, one column per configuration"),
+        (StabilityView::ErrorAgainstTime, "Error against time", "Each rasterizer in each arithmetic as a point"),
+    ] {
+        if ui.selectable_label(session.stability.view == view, name).on_hover_text(help).clicked() {
+            commands.push(Command::ShowStability(view));
+        }
+    }
+}
+
+/// Draws the report.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let Some(report) = &session.stability.report else {
+        let how = "“Run the report” judges the engine on slivers, needles, huge and tiny triangles, shared edges, corners \
+                   behind the eye and close depths, against exact arithmetic.";
+        empty_state(ui, Icon::ShieldCheck, "Nothing was judged yet", how);
+        return;
+    };
+    match session.stability.view {
+        StabilityView::HeatMap => {
+            ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+                for family in Family::ALL {
+                    let classes: Vec<_> = report.classes.iter().filter(|c| c.class.family == family).collect();
+                    if !classes.is_empty() {
+                        heat_map(ui, family, &classes, commands);
+                    }
+                }
+            });
+        }
+        StabilityView::ErrorAgainstTime => scatter(ui, report),
+    }
+}
+
+fn heat_map(ui: &mut Ui, family: Family, classes: &[&ClassReport], commands: &mut Vec<Command>) {
+    let columns: Vec<Column> = classes[0].cells.iter().map(|cell| cell.column).collect();
+    let width = NAMES + columns.len() as f32 * CELL.x;
+    let (header, _) = ui.allocate_exact_size(vec2(width, 30.0), Sense::hover());
+    let small = FontId::proportional(font_size::SMALL);
+    let weak = tokens(ui).text_weak;
+    let title = header.left_bottom() + vec2(0.0, -3.0);
+    let strong = FontId::proportional(font_size::BODY);
+    ui.painter().text(title, Align2::LEFT_BOTTOM, family.name(), strong, tokens(ui).text_strong);
+    let mut arithmetic = None;
+    for (index, column) in columns.iter().enumerate() {
+        let left = header.left() + NAMES + index as f32 * CELL.x;
+        if column.arithmetic() != arithmetic {
+            arithmetic = column.arithmetic();
+            let top = egui::pos2(left, header.top());
+            ui.painter().text(top, Align2::LEFT_TOP, arithmetic.unwrap_or_default(), small.clone(), tokens(ui).text);
+        }
+        let cell = Rect::from_min_size(egui::pos2(left, header.center().y), vec2(CELL.x - 2.0, 15.0));
+        let clipped = ui.painter().with_clip_rect(cell);
+        clipped.text(cell.left_center(), Align2::LEFT_CENTER, short(*column), small.clone(), weak);
+        ui.interact(cell, ui.scope_id().with((family.id(), index)), Sense::hover()).on_hover_text(column.label());
+    }
+    for class in classes {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            let (name, response) = ui.allocate_exact_size(vec2(NAMES, CELL.y), Sense::hover());
+            let clipped = ui.painter().with_clip_rect(name);
+            clipped.text(name.left_center(), Align2::LEFT_CENTER, class.class.name, small.clone(), tokens(ui).text);
+            response.on_hover_text(class.class.about);
+            for cell in &class.cells {
+                draw_cell(ui, class, cell, commands);
+            }
+        });
+    }
+}
+
+/// A column in few letters.
+fn short(column: Column) -> &'static str {
+    match column.method() {
+        "bounding-box" => "box",
+        "active-edge" => "edge list",
+        "edge-walk" => "walk",
+        "bounding-box-published" => "box (publ.)",
+        "scanline-published" => "scan (publ.)",
+        "reversed-infinite" => "rev. inf.",
+        "reversed-f32" => "rev. f32",
+        "perspective" => "persp.",
+        other => other,
+    }
+}
+
+fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &Cell, commands: &mut Vec<Command>) {
+    let (rect, response) = ui.allocate_exact_size(CELL, Sense::click());
+    let headline = class.class.headline;
+    let value = cell.measures.get(headline);
+    let level = cell.measures.severity(headline);
+    let (fill, text) = match level {
+        Some(level) if level >= LIGHT_FROM => (SEVERITY[level], Color32::BLACK),
+        Some(level) => (SEVERITY[level], Color32::WHITE),
+        None => (tokens(ui).raised, tokens(ui).text_weak),
+    };
+    let inner = rect.shrink(1.0);
+    ui.painter().rect_filled(inner, 2.0, fill);
+    let words = value.map_or_else(|| "–".to_owned(), |value| headline.format(value));
+    ui.painter().text(inner.center(), Align2::CENTER_CENTER, words, FontId::monospace(font_size::SMALL), text);
+    if response.hovered() {
+        ui.painter().rect_stroke(inner, 2.0, egui::Stroke::new(1.5, tokens(ui).accent), egui::StrokeKind::Inside);
+    }
+    let worst = cell.worst.as_ref();
+    if response.clicked()
+        && let Some(worst) = worst
+    {
+        commands.push(Command::OpenWorst(cell.column, worst.case.to_json()));
+    }
+    response.on_hover_ui(|ui| {
+        ui.label(
+            RichText::new(format!("{} · {}: {}", class.class.name, cell.column.label(), cell.verdict.name())).strong(),
+        );
+        for (metric, value) in cell.measures.iter() {
+            ui.label(format!("{}: {}", metric.name(), metric.format(value)));
+        }
+        if let Some(ns) = cell.time.and_then(|time| time.ns_per_pixel) {
+            ui.label(format!("{:.2} ns per pixel ({:.2} to {:.2})", ns.median, ns.p10, ns.p90));
+        }
+        ui.label(
+            RichText::new(if worst.is_some() { "Click to open the worst case" } else { "Nothing went wrong" })
+                .italics(),
+        );
+    });
+}
+
+/// Share of wrong pixels over all classes of triangles on the screen, against the middle of the times per pixel.
+fn scatter(ui: &mut Ui, report: &Report) {
+    let points = configurations(report);
+    let colors = tokens(ui).series;
+    let shapes = [MarkerShape::Circle, MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up];
+    Plot::new("error against time")
+        .height(ui.available_height())
+        .x_axis_label("ns per pixel, logarithm to base 10")
+        .y_axis_label("share of wrong pixels, log₁₀")
+        .legend(egui_plot::Legend::default())
+        .allow_scroll(false)
+        .label_formatter(|position| match position {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                let wrong = 10_f64.powf(position.y);
+                let wrong =
+                    if wrong <= NO_ERROR * 1.01 { "no wrong pixel".to_owned() } else { format!("{wrong:.1e} wrong") };
+                Some(format!("{plot_name}: {:.2} ns per pixel, {wrong}", 10_f64.powf(position.x)))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        })
+        .show(ui, |plot| {
+            let mut methods: Vec<&str> = Vec::new();
+            let mut arithmetics: Vec<&str> = Vec::new();
+            for (column, ns, share) in points {
+                let place = |list: &mut Vec<&'static str>, word: &'static str| {
+                    list.iter().position(|known| *known == word).unwrap_or_else(|| {
+                        list.push(word);
+                        list.len() - 1
+                    })
+                };
+                let color = colors[place(&mut methods, column.method()) % colors.len()];
+                let shape = shapes[place(&mut arithmetics, column.arithmetic().unwrap_or_default()) % shapes.len()];
+                let at = PlotPoints::from(vec![[ns.log10(), share.max(NO_ERROR).log10()]]);
+                plot.points(Points::new(column.label(), at).color(color).shape(shape).radius(5.0));
+            }
+        });
+}
+
+/// Every rasterizer in every arithmetic: the middle of its times per pixel over the classes, and its share of pixels that
+/// are wrong against corners as given.
+fn configurations(report: &Report) -> Vec<(Column, f64, f64)> {
+    let classes = || report.classes.iter().filter(|c| matches!(c.class.family, Family::Coverage | Family::Mesh));
+    let Some(first) = classes().next() else { return Vec::new() };
+    let columns = first.cells.iter().map(|cell| cell.column);
+    columns
+        .filter_map(|column| {
+            let cells: Vec<&Cell> = classes().flat_map(|c| &c.cells).filter(|cell| cell.column == column).collect();
+            let sum = |metric| cells.iter().filter_map(|cell| cell.measures.get(metric)).sum::<f64>();
+            let mut times: Vec<f64> = cells.iter().filter_map(|cell| Some(cell.time?.ns_per_pixel?.median)).collect();
+            times.sort_by(f64::total_cmp);
+            let middle = *times.get(times.len() / 2)?;
+            Some((column, middle, sum(Metric::WrongUnsnapped) / sum(Metric::Pixels).max(1.0)))
+        })
+        .collect()
+}
