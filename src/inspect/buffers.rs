@@ -23,7 +23,7 @@ choice! {
         PerspectiveLambda = "perspective-lambda", "λ in space", "Weights of the winner that attributes are interpolated with (perspective-correct unless affine).";
         Overdraw = "overdraw", "Overdraw", "How many triangles cover each sample, drawn or not.";
         Shaded = "shaded", "Times shaded", "How often each sample was shaded: what the depth test could not save.";
-        Hits = "hits", "Hit count", "How many triangles cover each sample, without depth test. Along shared edges cracks, where it is too few, are blue, and double hits, where it is too many, orange.";
+        Hits = "hits", "Hit count", "How many triangles cover each sample, without depth test. Cracks and double hits along shared edges are blue and orange.";
     }
 }
 

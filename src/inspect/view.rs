@@ -127,13 +127,18 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
             let samples = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
             Range::fit(samples.filter_map(|(column, row)| depth_of(frame, buffers, column, row)))
         }
-        Buffer::Overdraw | Buffer::Shaded | Buffer::Hits => {
+        Buffer::Hits => {
+            let hits = buffers?.hits.as_ref()?;
+            let mut counts = hits.counts.map(|count| count as f32);
+            // Faults have colours of their own; where they pile up they would leave no greys for the rest.
+            for (column, row) in hits.faults.iter().filter_map(|fault| frame.drawn.grid.sample_at(fault.x, fault.y)) {
+                counts.set(column, row, f32::NAN);
+            }
+            Range::fit(counts.pixels().iter().copied()).map(|r| Range { low: 0.0, ..r })
+        }
+        Buffer::Overdraw | Buffer::Shaded => {
             let buffers = buffers?;
-            let counts = match buffer {
-                Buffer::Overdraw => &buffers.overdraw,
-                Buffer::Hits => &buffers.hits.as_ref()?.counts,
-                _ => &buffers.shaded,
-            };
+            let counts = if buffer == Buffer::Overdraw { &buffers.overdraw } else { &buffers.shaded };
             Range::fit(counts.pixels().iter().map(|c| *c as f32)).map(|r| Range { low: 0.0, ..r })
         }
         _ => None,
@@ -173,7 +178,7 @@ mod tests {
     use super::*;
     use crate::chain::{Recipe, run};
     use crate::inspect::capture;
-    use crate::pipeline::settings::{DepthFormat, DepthTest};
+    use crate::pipeline::settings::{DepthFormat, DepthTest, FillRule};
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
@@ -205,6 +210,29 @@ mod tests {
                 for (pixel, id) in image.pixels().iter().zip(buffers.triangle.pixels()) {
                     assert_eq!(*pixel == NOT_DRAWN, *id == TriangleId::NONE, "{format:?} {depth}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn the_greys_of_the_hit_count_are_for_what_is_no_fault() {
+        let scene = builtin::by_id("shared-edges").unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.pipeline.fill_rule = FillRule::Inclusive;
+        let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
+        let buffers = capture(&scene, &recipe, &frame).completed_for(Buffer::Hits, &recipe, &frame);
+        let hits = buffers.hits.as_ref().unwrap();
+        assert!(hits.counts.pixels().iter().any(|count| *count > 1));
+        let range = range(Buffer::Hits, &frame, Some(&buffers));
+        assert_eq!(range, Some(Range { low: 0.0, high: 1.0 }), "everything else is drawn once or not at all");
+        let image = picture(Buffer::Hits, &frame, Some(&buffers), range);
+        for y in 0..24 {
+            for x in 0..32 {
+                let expected = match hits.counts.at(x, y) {
+                    2.. => DOUBLE_HIT,
+                    count => map_color(Buffer::Hits, count as f32),
+                };
+                assert_eq!(image.at(x, y), expected, "{x},{y}");
             }
         }
     }
