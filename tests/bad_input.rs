@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Vec2, Vec3};
 use rasterscope::scene::obj::{self, Loaded};
-use rasterscope::scene::{Mesh, SceneError};
+use rasterscope::scene::{DepthMapping, Mesh, SceneError};
 
 const LONGEST: Duration = Duration::from_secs(10);
 
@@ -126,7 +126,7 @@ fn sound(loaded: &Loaded) -> Result<(), String> {
             return Err("extent or texture coordinates are not finite".to_owned());
         }
     }
-    let matrix = scene.home.clip_from_world(1.5, false);
+    let matrix = scene.home.clip_from_world(1.5, DepthMapping::Standard);
     if matrix.is_finite() { Ok(()) } else { Err("the first view is not finite".to_owned()) }
 }
 

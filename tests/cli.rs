@@ -306,6 +306,28 @@ fn stability_names_what_it_does_not_know_and_cannot_write() {
 }
 
 #[test]
+fn depths_are_told_with_their_code_and_their_step_in_the_world() {
+    // A panel at distance 1000, with the near plane at 0.1 and the far one at 100 000.
+    let args = ["pixel", "z-fighting", "--at", "240,150", "--size", "1280x720", "--set"];
+    let told = |format: &str, options: &[&str]| {
+        let output = run(&folder(), &[&args[..], &[&format!("depth-format={format}")], options].concat());
+        assert_success(&output);
+        stdout(&output).to_owned()
+    };
+    for (format, code) in [("f32", false), ("unorm16", true), ("unorm24", true), ("w-buffer", false)] {
+        let text = told(format, &[]);
+        assert!(text.contains("One step of the buffer here is "), "{format}:\n{text}");
+        assert_eq!(text.contains("(code "), code, "{format}:\n{text}");
+    }
+    // One step of 1/65535 at w = 1000 is w²/n/65535, about 150 world units.
+    let report: serde_json::Value = serde_json::from_str(&told("unorm16", &["--json"])).unwrap();
+    let depth = &report["final_depth"];
+    let code = depth["code"].as_f64().unwrap();
+    assert_eq!(depth["value"].as_f64().unwrap() as f32, (code / 65_535.0) as f32);
+    assert!((100.0..250.0).contains(&depth["resolution"].as_f64().unwrap()), "{depth}");
+}
+
+#[test]
 fn a_camera_file_changes_the_view() {
     let folder = folder();
     let camera = r#"{"eye": [3, 4, 9], "target": [0, 0, 0], "fov_y_degrees": 60, "near": 0.1, "far": 100}"#;

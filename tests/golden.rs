@@ -20,6 +20,7 @@ use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::buffers::{Buffer, capture};
 use rasterscope::inspect::stages::{self, Stage};
 use rasterscope::inspect::view;
+use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
 use rasterscope::scene::{Scene, builtin};
 use rasterscope::upscale::{self, Upscaling};
 
@@ -41,6 +42,7 @@ fn pictures() -> Vec<(String, Image<Rgba8>)> {
     let mut pictures: Vec<_> =
         builtin::ALL.iter().map(|b| (b.id.to_owned(), image(&b.build(), &Recipe::default()))).collect();
     pictures.extend(switches());
+    pictures.extend(depth_formats());
     pictures.extend(upscalers());
     pictures.extend(buffers());
     pictures.extend(stages());
@@ -62,13 +64,22 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("cubes", "depth-test=greater"),
         ("triangle", "shading=vertex-color"),
         ("triangle", "shading=barycentric"),
-        ("z-fighting", "depth-format=reversed-f32"),
         ("interpenetrating", "shading=triangle-id"),
         ("interpenetrating", "depth-test=off"),
         ("near-plane", "shading=checker"),
     ]
     .into_iter()
     .map(|(id, switch)| (format!("{id}.{}", switch.replace('=', "-")), image(&scene(id), &recipe(&[switch]))))
+}
+
+/// Every depth format but the default one, where they differ most.
+fn depth_formats() -> impl Iterator<Item = (String, Image<Rgba8>)> {
+    let z_fighting = scene("z-fighting");
+    DepthFormat::ALL.iter().filter(|format| **format != DepthFormat::F32).map(move |format| {
+        let mut recipe = Recipe::default();
+        recipe.pipeline.depth_format = *format;
+        (format!("z-fighting.depth-format-{}", format.id()), image(&z_fighting, &recipe))
+    })
 }
 
 /// Every upscaler at its largest enlargement.

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use rasterscope::scene::obj::{self, Loaded};
-use rasterscope::scene::{MeshData, SceneError};
+use rasterscope::scene::{DepthMapping, MeshData, SceneError};
 
 /// Models with faces, or triangles of polygons, that cover nothing: they are left out, which the independent count
 /// (corners − 2) cannot know. Name, triangles left, why.
@@ -127,7 +127,7 @@ fn opacity_is_read_from_d_wherever_tr_stands() {
 fn every_corner_of_the_first_view_shows_the_model_from_outside() {
     let Some(models) = models() else { return };
     let scene = load(&models, "armadillo/armadillo.obj").scene;
-    let clip_from_world = scene.home.clip_from_world(1.0, false);
+    let clip_from_world = scene.home.clip_from_world(1.0, DepthMapping::Standard);
     for corner in scene.bounds().corners() {
         let clip = clip_from_world * corner.extend(1.0);
         assert!(clip.x.abs() <= clip.w && clip.y.abs() <= clip.w && (0.0..=clip.w).contains(&clip.z), "{clip}");

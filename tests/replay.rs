@@ -115,7 +115,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
     let [x, y] = report.drawn_at;
     let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports tell about drawn pixels");
     let stored = frame.drawn.depth.as_ref().map(|d| d.at(column, row));
-    assert_eq!(report.final_depth, stored);
+    assert_eq!(report.final_depth.map(|d| d.value), stored);
     assert_eq!(report.fragments.len(), buffers.overdraw.at(column, row) as usize);
     let shaded = report.fragments.iter().filter(|f| f.shading.is_some()).count();
     assert_eq!(shaded, buffers.shaded.at(column, row) as usize);
@@ -129,7 +129,7 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
             let bits = |weights: [f32; 3]| weights.map(f32::to_bits);
             assert_eq!(bits(visible.attribute_weights), bits(buffers.perspective_lambda.at(column, row)));
             assert_eq!(visible.shading.as_ref().map(|s| s.color), Some(frame.drawn.color.at(column, row)));
-            assert!(stored.is_none_or(|d| d == visible.depth));
+            assert!(stored.is_none_or(|d| d == visible.depth.value));
             assert_eq!(frame.geometry.triangles[visible.submission].id, visible.triangle);
         }
     }

@@ -30,7 +30,8 @@ pub struct TriangleArea {
 }
 
 /// The pixels of a picture of this size that a triangle covers, and the area covered of each in px², in (0, 1]; row by row
-/// from the top. Corners in px, of either winding, as [`crate::flat2d`] says; a triangle without area has none.
+/// from the top. Corners in px, of either winding, as [`crate::flat2d`] says; a triangle without area has none. Of a pixel
+/// that is only touched at its border, up to 10⁻³⁰ px² may be reported.
 pub fn triangle_area(corners: [DVec2; 3], width: u32, height: u32) -> TriangleArea {
     let [a, b, c] = corners;
     let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| HalfPlane::right_of(from, to, width, height));

@@ -37,6 +37,7 @@ impl ClipTri {
         for (number, Exactly(corners)) in self.triangles.iter().enumerate() {
             let vertices = corners.map(|Exactly(position)| ClipVertex {
                 position: Vec4::from_array(position.map(|number| number.0 as f32)),
+                cut_at: None,
                 varyings: Varyings::default(),
             });
             let mut spans = Vec::new();

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Real};
+use super::{Check, Real, Refusal};
+use crate::pipeline::depth::{DepthEncoding, DepthScale};
+use crate::scene::DepthMapping;
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -53,7 +55,44 @@ impl Check for Depth {
         if needs_far && self.far.is_none() {
             return Err("the mapping needs a `far` plane".to_owned());
         }
+        let (near, far) = (self.near.0, self.far.map_or(f64::INFINITY, |far| far.0));
+        if near <= 0.0 || near >= far {
+            return Err("the planes must lie at 0 < `near` < `far`".to_owned());
+        }
+        if self.z.iter().any(|z| z.0 <= 0.0) {
+            return Err("every `z` must be positive: the rest lies behind the eye".to_owned());
+        }
         Ok(())
+    }
+}
+
+impl Depth {
+    /// What the depth buffer stores for vertices at these distances.
+    pub(super) fn answer(&self) -> Result<DepthAnswer, Refusal> {
+        let mapping = match self.mapping {
+            Mapping::Standard => DepthMapping::Standard,
+            Mapping::Reversed => DepthMapping::Reversed,
+            Mapping::ReversedInf => DepthMapping::ReversedInfinite,
+            Mapping::Linear => DepthMapping::Linear,
+            Mapping::StandardInf => {
+                return Err(Refusal(
+                    "there is no depth format whose far plane is infinitely far and stored as 1".to_owned(),
+                ));
+            }
+        };
+        let encoding = match self.format {
+            DepthFormat::F32 => DepthEncoding::F32,
+            DepthFormat::Unorm16 => DepthEncoding::Unorm16,
+            DepthFormat::Unorm24 => DepthEncoding::Unorm24,
+        };
+        let far = self.far.map_or(f32::INFINITY, |far| far.0 as f32);
+        let scale = DepthScale::perspective(mapping, encoding, self.near.0 as f32, far);
+        // Codes as exactly as their quotient can be written; the buffer holds its nearest float.
+        let value = |stored: f32| match encoding.code(stored).zip(encoding.largest_code()) {
+            Some((code, largest)) => f64::from(code) / f64::from(largest),
+            None => stored.into(),
+        };
+        Ok(DepthAnswer { depth: self.z.iter().map(|z| value(scale.stored(z.0 as f32))).collect() })
     }
 }
 

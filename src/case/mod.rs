@@ -172,7 +172,7 @@ pub fn answer(case: &Case, options: Options) -> Result<Answer, Refusal> {
         Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options)),
         Task::TriAttr(task) => Answer::TriAttr(task.answer(options.arithmetic)?),
         Task::ClipTri(task) => Answer::ClipTri(task.answer(options)),
-        Task::Depth(_) => return Err(Refusal("cases of this kind are not answered yet".to_owned())),
+        Task::Depth(task) => Answer::Depth(task.answer()?),
         Task::PolyFill(task) => Answer::PolyFill(task.answer(options)),
         Task::TriArea(task) => Answer::TriArea(task.answer()),
         Task::Line(task) => Answer::Line(task.answer()?),

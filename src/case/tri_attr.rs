@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Check, Exactly, Real, Refusal};
 use crate::math::fixed::snap;
-use crate::pipeline::depth::depth_at;
+use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
 use crate::pipeline::raster::{doubled_area, edge_values};
 use crate::pipeline::settings::{Arithmetic, Interpolation};
@@ -64,6 +64,7 @@ impl TriAttr {
             id: TriangleId(0),
             instance: 0,
             doubled_area: (area * scale).abs(),
+            depth: DepthScale::default().over(&vertices, (area * scale).abs()),
             relative_inv_w: relative_inv_w(&vertices),
             vertices,
         };
@@ -90,7 +91,7 @@ impl Vertex {
             position_px: [x, y],
             x: snap(x) as i32,
             y: snap(y) as i32,
-            depth: z,
+            depth: z.into(),
             inv_w: 1.0 / w,
             varyings: Varyings { uv: Vec2::new(u, v), ..Varyings::default() },
         }

@@ -4,14 +4,15 @@ use std::fmt::Debug;
 
 use rasterscope::image::Rgba8;
 use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord};
-use rasterscope::inspect::{FragmentRecord, Outcome, PixelReport};
+use rasterscope::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
 use rasterscope::pipeline::settings::Arithmetic;
 
 /// The whole report, several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
     if let Some(depth) = report.final_depth {
-        lines.push(format!("The depth buffer holds {depth:?} in the end."));
+        lines.push(format!("The depth buffer holds {depth} in the end."));
+        lines.extend(report.visible().map(|_| one_step(depth)));
     }
     for (index, fragment) in report.fragments.iter().enumerate() {
         lines.push(String::new());
@@ -28,7 +29,7 @@ pub(crate) fn describe(report: &PixelReport) -> String {
 
 fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
     let corners = fragment.corners_px.map(|[x, y]| format!("({x}, {y})")).join(" ");
-    let stored = fragment.stored_depth.map_or("no depth buffer".to_owned(), |d| format!("stored before {d:?}"));
+    let stored = fragment.stored_depth.map_or("no depth buffer".to_owned(), |d| format!("stored before {d}"));
     let rows = [
         (
             "triangle",
@@ -39,9 +40,11 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         ("edges", edges(fragment)),
         ("λ", numbers(&fragment.affine_weights)),
         ("λ′", format!("{} for attributes, 1/w {}", numbers(&fragment.attribute_weights), numbers(&fragment.inv_w))),
-        ("depth", format!("{:?} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
+        ("depth", format!("{} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
     ];
+    let step = fragment.stored_depth.map(|_| ("", one_step(fragment.depth)));
     rows.into_iter()
+        .chain(step)
         .chain(fragment.shading.iter().flat_map(shading_rows))
         .map(|(name, text)| format!("{name:<9} {text}"))
 }
@@ -71,6 +74,13 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
     }));
     rows.push(("colour", color(shading.color)));
     rows
+}
+
+fn one_step(depth: DepthRecord) -> String {
+    match depth.resolution as f32 {
+        f32::INFINITY => "The next depth that the buffer can hold lies at infinity.".to_owned(),
+        step => format!("One step of the buffer here is {step:?} world units."),
+    }
 }
 
 fn source_line(source: &SourceRecord) -> String {

@@ -6,6 +6,8 @@
 
 pub mod buffers;
 
+pub mod depth;
+
 pub mod hits;
 
 pub mod pixel;
@@ -17,6 +19,7 @@ mod verdict;
 pub mod view;
 
 pub use buffers::{Buffer, capture};
+pub use depth::DepthRecord;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, inspect};
 pub use stages::Stage;

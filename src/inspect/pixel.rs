@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::depth::DepthRecord;
 use super::hits::{Fault, fault_at};
 use super::verdict::{fault_verdict, verdict};
 use crate::chain::{Frame, Recipe};
@@ -60,12 +61,12 @@ pub struct FragmentRecord {
     pub attribute_weights: [f32; 3],
     /// 1/w at the corners.
     pub inv_w: [f32; 3],
-    /// Depth at the corners.
+    /// Depth at the corners, before it is quantised.
     pub corner_depths: [f32; 3],
-    /// Depth of the fragment.
-    pub depth: f32,
+    /// Depth of the fragment, as it is stored if the fragment wins.
+    pub depth: DepthRecord,
     /// What the depth buffer held before; `None` without a depth test.
-    pub stored_depth: Option<f32>,
+    pub stored_depth: Option<DepthRecord>,
     /// Shading, if it came to that.
     pub shading: Option<ShadingRecord>,
 }
@@ -123,7 +124,7 @@ pub struct PixelReport {
     /// Every fragment there, in submission order.
     pub fragments: Vec<FragmentRecord>,
     /// What the depth buffer holds in the end.
-    pub final_depth: Option<f32>,
+    pub final_depth: Option<DepthRecord>,
     /// The drawn pixels that this one was made of; one with weight 1 if it was drawn itself.
     pub sources: Vec<SourceRecord>,
     /// The triangle whose edge the wireframe draws over this pixel.
@@ -165,7 +166,7 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         color,
         drawn_at: drawn_at.into(),
         fragments: recorder.finish(),
-        final_depth,
+        final_depth: final_depth.map(|depth| DepthRecord::new(depth, &frame.geometry.depth_scale)),
         sources,
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, x, y),
@@ -243,6 +244,10 @@ impl<'a> Recorder<'a> {
         self.records
     }
 
+    fn depth(&self, stored: f32) -> DepthRecord {
+        DepthRecord::new(stored, &self.frame.geometry.depth_scale)
+    }
+
     fn submission(&self, triangle: &ScreenTriangle) -> usize {
         let all = &self.frame.geometry.triangles;
         let first = all.partition_point(|t| t.id < triangle.id);
@@ -269,17 +274,18 @@ impl Observer for Recorder<'_> {
             affine_weights: affine_weights(triangle, sample),
             attribute_weights: attribute_weights(triangle, sample, self.interpolation),
             inv_w: triangle.vertices.each_ref().map(|v| v.inv_w),
-            corner_depths: triangle.vertices.each_ref().map(|v| v.depth),
-            depth: depth_at(triangle, sample),
+            corner_depths: triangle.vertices.each_ref().map(|v| v.depth as f32),
+            depth: self.depth(depth_at(triangle, sample)),
             stored_depth: None,
             shading: None,
         });
     }
 
     fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+        let [new, stored] = [outcome.new, outcome.stored].map(|depth| self.depth(depth));
         let Some(record) = self.records.last_mut() else { return };
-        record.stored_depth = Some(outcome.stored);
-        let (new, stored, symbol) = (outcome.new, outcome.stored, self.comparison.symbol());
+        record.stored_depth = Some(stored);
+        let symbol = self.comparison.symbol();
         if outcome.passed {
             record.reason = match self.comparison {
                 Comparison::Always => format!("written: the test lets everything pass ({new} over {stored})"),

@@ -36,7 +36,7 @@ fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> Str
     };
     let name = format!("triangle {} of “{}”", winner.triangle.0, winner.instance);
     let rivals = fragments.iter().filter(|f| f.triangle != winner.triangle);
-    let Some(closest) = rivals.map(|f| ulps_apart(f.depth, winner.depth)).min() else {
+    let Some(closest) = rivals.map(|f| f.depth.steps_from(&winner.depth)).min() else {
         return format!("Won by {name}, the only one here.");
     };
     match (winner.stored_depth, comparison, closest) {
@@ -45,7 +45,10 @@ fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> Str
         (_, _, 0) => {
             format!("Depth tie: {name} and another triangle have the very same depth; drawing order decides.")
         }
-        (_, _, ulps @ 1..=Z_FIGHT_ULPS) => {
+        (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => {
+            format!("Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest that the buffer can hold.")
+        }
+        (_, _, ulps @ 1..=Z_FIGHT_ULPS) if winner.depth.code.is_none() => {
             format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest steps a float can make.")
         }
         _ if triangles == 2 => format!("Won by {name} against one other."),
@@ -104,23 +107,34 @@ fn cause(settings: &Settings) -> String {
     }
 }
 
-/// Depths this close differ by no more than rounding: three values of three roundings each.
+/// Floats this close may differ by no more than rounding: w, of which depth is made, is a sum of four products.
 const Z_FIGHT_ULPS: u32 = 8;
 
-/// How many floats lie between two depths in [0, 1].
-fn ulps_apart(a: f32, b: f32) -> u32 {
-    a.to_bits().abs_diff(b.to_bits())
-}
+/// Codes this close may differ by no more than rounding: each stands for all depths within half a step.
+const Z_FIGHT_CODES: u32 = 1;
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::inspect::DepthRecord;
+    use crate::pipeline::depth::{DepthEncoding, DepthScale};
     use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
-    use crate::scene::TriangleId;
+    use crate::scene::{DepthMapping, TriangleId};
 
     /// The last of `fragments` (triangle, depth) is visible.
     fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: Comparison) -> String {
-        let record = |(place, (id, depth)): (usize, &(u32, f32))| FragmentRecord {
+        story_in(DepthEncoding::F32, fragments, stored, comparison)
+    }
+
+    fn story_in(
+        encoding: DepthEncoding,
+        fragments: &[(u32, f32)],
+        stored: Option<f32>,
+        comparison: Comparison,
+    ) -> String {
+        let scale = DepthScale::perspective(DepthMapping::Standard, encoding, 1.0, 2.0);
+        let depth = |depth: f32| DepthRecord::new(encoding.quantize(depth.into()), &scale);
+        let record = |(place, (id, value)): (usize, &(u32, f32))| FragmentRecord {
             triangle: TriangleId(*id),
             instance: "cube".into(),
             submission: place,
@@ -133,9 +147,9 @@ mod tests {
             affine_weights: [0.0; 3],
             attribute_weights: [0.0; 3],
             inv_w: [1.0; 3],
-            corner_depths: [*depth; 3],
-            depth: *depth,
-            stored_depth: stored,
+            corner_depths: [*value; 3],
+            depth: depth(*value),
+            stored_depth: stored.map(depth),
             shading: None,
         };
         fragment_verdict(&fragments.iter().enumerate().map(record).collect::<Vec<_>>(), comparison)
@@ -182,6 +196,15 @@ mod tests {
         let equal = [(0, 0.5), (1, 0.5)];
         assert!(story(&equal, Some(0.5), Comparison::LessEqual).starts_with("Depth tie"));
         assert!(story(&equal, Some(0.5), Comparison::Always).starts_with("Won by"));
+    }
+
+    #[test]
+    fn codes_are_counted_where_the_buffer_holds_codes() {
+        let story = |a, b| story_in(DepthEncoding::Unorm16, &[(0, a), (1, b)], Some(0.5), Comparison::LessEqual);
+        let step = 1.0 / 65_535.0;
+        assert!(story(0.5, 0.5 - step).contains("won by 1 step of depth"));
+        assert!(story(0.5, 0.5 - 2.0 * step).starts_with("Won by"));
+        assert!(story(0.4, 0.4 - 1e-7).starts_with("Depth tie"));
     }
 
     #[test]

@@ -4,12 +4,12 @@
 //! | --- | --- |
 //! | world | right-handed, y up; the camera looks down −z |
 //! | matrices | `target_from_source` names (`clip_from_world`), column vectors |
-//! | clip space | z/w in [0, 1], near = 0 (reversed depth: near = 1), w > 0 in front of the eye |
+//! | clip space | z/w in [0, 1], near = 0 (reversed depth and w-buffer: near = 1), w > 0 in front of the eye |
 //! | screen | x right, y **down**, pixel (i, j) has its centre at (i + 0.5, j + 0.5) |
 //! | snapping | vertices are rounded to nearest, ties to even, onto a grid of 1/256 px before any edge is built |
 //! | front face | counter-clockwise as the viewer sees it, so *negative* doubled area on the y-down screen |
 //! | fill rule | top-left by default: a centre on an edge belongs to the triangle whose top or left edge it is |
-//! | depth | f32, z/w, an affine function of the screen; nearer is smaller unless reversed |
+//! | depth | z/w, an affine function of the screen, unless linear in w; nearer is smaller unless reversed |
 //! | attributes | perspective-correct by default: λᵢ' = (λᵢ/wᵢ) / Σ(λⱼ/wⱼ) |
 //! | colour | textures and the final image are 8-bit sRGB; shading works in linear light unless told otherwise |
 //! | texel | texture coordinate u·width − 0.5, so texel centres sit at half-integers; v is flipped once, on load |

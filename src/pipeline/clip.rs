@@ -61,6 +61,22 @@ impl Plane {
         }
     }
 
+    /// The largest magnitude that distances are sums of, from those of the components of clip space.
+    pub(super) fn magnitude(self, DVec4 { x, y, z, w }: DVec4) -> f64 {
+        match self {
+            Self::Near => z,
+            Self::Eye => w,
+            Self::Far => w.max(z),
+            Self::Left | Self::Right => w.max(x),
+            Self::Bottom | Self::Top => w.max(y),
+        }
+    }
+
+    /// Whether all of the plane is at one depth.
+    fn is_of_depth(self) -> bool {
+        matches!(self, Self::Near | Self::Far)
+    }
+
     /// `p` moved onto the plane along its own axis.
     fn pin(self, p: Vec4, widening: f32) -> Vec4 {
         let side = p.w * widening;
@@ -187,7 +203,9 @@ impl Polygon {
                 (false, true) => between(b, a, (db, da)),
                 _ => continue,
             };
-            self.next.push(ClipVertex { position: plane.pin(crossing.position, widening), ..crossing });
+            let position = plane.pin(crossing.position, widening);
+            let cut_at = if plane.is_of_depth() { Some(plane) } else { crossing.cut_at };
+            self.next.push(ClipVertex { position, cut_at, ..crossing });
         }
         std::mem::swap(&mut self.vertices, &mut self.next);
     }
@@ -199,7 +217,12 @@ impl Polygon {
 fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
     let t = da / (da - db);
     let position = a.position.as_dvec4() * (db / (db - da)) + b.position.as_dvec4() * t;
-    ClipVertex { position: position.as_vec4(), varyings: a.varyings.lerp(&b.varyings, t as f32) }
+    ClipVertex {
+        position: position.as_vec4(),
+        // An edge within a plane is cut within that plane.
+        cut_at: a.cut_at.filter(|plane| b.cut_at == Some(*plane)),
+        varyings: a.varyings.lerp(&b.varyings, t as f32),
+    }
 }
 
 #[cfg(test)]
@@ -208,7 +231,7 @@ mod tests {
     use crate::pipeline::vertex::Varyings;
 
     fn vertex(x: f32, y: f32, z: f32, w: f32) -> ClipVertex {
-        ClipVertex { position: Vec4::new(x, y, z, w), varyings: Varyings::default() }
+        ClipVertex { position: Vec4::new(x, y, z, w), cut_at: None, varyings: Varyings::default() }
     }
 
     fn clip_one(triangle: [ClipVertex; 3]) -> (Result<Cut, Fate>, Vec<ClipVertex>) {

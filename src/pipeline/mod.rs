@@ -44,7 +44,7 @@ use std::hint::black_box;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use depth::{Comparison, depth_at};
+use depth::{Comparison, DepthScale, depth_at};
 use framebuffer::Framebuffer;
 use interpolate::interpolate;
 use observe::{DepthOutcome, Fate, Observer};
@@ -63,6 +63,8 @@ use crate::scene::{Camera, Instance, Scene, TriangleId};
 pub struct Geometry {
     /// Triangles to rasterize, in submission order.
     pub triangles: Vec<ScreenTriangle>,
+    /// What depths of the triangles mean.
+    pub depth_scale: DepthScale,
     /// One plan per instance.
     pub plans: Vec<DrawPlan>,
     /// Time of each geometry stage, over all draws.
@@ -110,7 +112,7 @@ pub fn prepare<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Geometry {
-    let mut geometry = Geometry::default();
+    let mut geometry = Geometry { depth_scale: DepthScale::new(settings.depth_format, camera), ..Geometry::default() };
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
         prepare_draw(scene, camera, settings, viewport, (index, instance, first), &mut geometry, observer);
     }
@@ -130,7 +132,7 @@ fn prepare_draw<O: Observer>(
     out.triangles_in += mesh.triangles.len();
 
     let start = Instant::now();
-    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.reversed());
+    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
     let inside = containment(mesh.bounds(), matrices.clip_from_model);
     let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
     out.plans.push(plan);
@@ -186,12 +188,14 @@ pub fn finish_draw<O: Observer>(
     out.triangles_clipped += clipped.len();
     let clipping_done = Instant::now();
 
-    let projected: Vec<(TriangleId, [ScreenVertex; 3])> = clipped.iter().map(|t| (t.id, viewport.project(t))).collect();
+    let depth_scale = out.depth_scale;
+    let projected: Vec<(TriangleId, [ScreenVertex; 3])> =
+        clipped.iter().map(|t| (t.id, viewport.project(t, &depth_scale))).collect();
     let projected_at = Instant::now();
 
     // Pieces of one triangle stand together.
     for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
-        set_up(pieces, draw, settings, &mut out.triangles, observer);
+        set_up(pieces, draw, settings, &depth_scale, &mut out.triangles, observer);
     }
     out.times.clip += clipping_done - transformed;
     out.times.project += projected_at - clipping_done;
@@ -203,6 +207,7 @@ fn set_up<O: Observer>(
     pieces: &[(TriangleId, [ScreenVertex; 3])],
     draw: &ClipSpaceDraw<'_>,
     settings: &Settings,
+    depth_scale: &DepthScale,
     out: &mut Vec<ScreenTriangle>,
     observer: &mut O,
 ) {
@@ -219,6 +224,7 @@ fn set_up<O: Observer>(
                 id: *id,
                 instance: draw.instance,
                 doubled_area: (area * scale).abs(),
+                depth: depth_scale.over(corners, (area * scale).abs()),
                 relative_inv_w: if draw.divides_by_w { relative_inv_w(corners) } else { [1.0; 3] },
                 vertices: *corners,
             }),

@@ -4,6 +4,9 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::depth::DepthEncoding;
+use crate::scene::DepthMapping;
+
 /// A closed set of alternatives that a person picks from.
 pub trait Choice: Copy + PartialEq + 'static {
     /// All alternatives, in the order in which menus list them.
@@ -128,6 +131,10 @@ choice! {
     DepthFormat {
         F32 = "f32", "f32", "z/w as a float, 0 at the near plane and 1 at the far plane. Most of its precision crowds at the near plane.";
         ReversedF32 = "reversed-f32", "Reversed f32", "z/w as a float, 1 near and 0 far: floats are finest where perspective is coarsest, so far surfaces fight less.";
+        ReversedInfinite = "reversed-infinite", "Reversed, infinite far", "Reversed f32 with the far plane at infinity: nothing is too far to be drawn. Without perspective it is reversed f32.";
+        Unorm24 = "unorm24", "unorm24", "z/w in 24-bit steps, 0 near and 1 far, as graphics cards keep it: in perspective nearly all steps lie close to the near plane.";
+        Unorm16 = "unorm16", "unorm16", "z/w in 16-bit steps, 0 near and 1 far: half the memory, and surfaces fight wherever they are close to each other.";
+        WBuffer = "w-buffer", "w-buffer", "The distance itself as a float, 0 at the near plane and 1 at the far plane: no place is coarse, but every fragment costs a division.";
     }
 }
 
@@ -266,9 +273,30 @@ impl Default for Settings {
     }
 }
 
+impl DepthFormat {
+    /// Which depth a distance has.
+    pub fn mapping(self) -> DepthMapping {
+        match self {
+            Self::F32 | Self::Unorm24 | Self::Unorm16 => DepthMapping::Standard,
+            Self::ReversedF32 => DepthMapping::Reversed,
+            Self::ReversedInfinite => DepthMapping::ReversedInfinite,
+            Self::WBuffer => DepthMapping::Linear,
+        }
+    }
+
+    /// In which numbers depths are stored.
+    pub fn encoding(self) -> DepthEncoding {
+        match self {
+            Self::F32 | Self::ReversedF32 | Self::ReversedInfinite | Self::WBuffer => DepthEncoding::F32,
+            Self::Unorm24 => DepthEncoding::Unorm24,
+            Self::Unorm16 => DepthEncoding::Unorm16,
+        }
+    }
+}
+
 impl Settings {
-    /// Whether depth is stored reversed.
+    /// Whether depth is stored reversed: nearer is larger.
     pub fn reversed(&self) -> bool {
-        self.depth_format == DepthFormat::ReversedF32
+        self.depth_format.mapping().is_reversed()
     }
 }

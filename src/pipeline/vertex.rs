@@ -6,11 +6,12 @@
 
 use glam::{DMat4, Mat3, Mat4, Vec2, Vec3, Vec4};
 
+use super::clip::Plane;
 use super::plan::{Containment, DrawPlan, Part};
 use super::settings::{Settings, Shading};
 use super::shade::{lambert, to_working_space};
 use crate::math::{Aabb, unit_or};
-use crate::scene::{Camera, Instance, Mesh};
+use crate::scene::{Camera, DepthMapping, Instance, Mesh};
 
 /// What is interpolated over a triangle besides position. Parts that the plan leaves out are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,6 +46,8 @@ impl Varyings {
 pub struct ClipVertex {
     /// Homogeneous position: inside is 0 ≤ z ≤ w, |x| ≤ w, |y| ≤ w.
     pub position: Vec4,
+    /// The near or far plane of clip space, if cutting put the vertex there.
+    pub cut_at: Option<Plane>,
     /// What comes along.
     pub varyings: Varyings,
 }
@@ -60,8 +63,8 @@ pub struct DrawMatrices {
 
 impl DrawMatrices {
     /// For one instance seen by a camera. `aspect` is width over height.
-    pub fn new(instance: &Instance, camera: &Camera, aspect: f32, reversed: bool) -> Self {
-        let product: DMat4 = camera.clip_from_view(aspect, reversed).as_dmat4()
+    pub fn new(instance: &Instance, camera: &Camera, aspect: f32, mapping: DepthMapping) -> Self {
+        let product: DMat4 = camera.clip_from_view(aspect, mapping).as_dmat4()
             * camera.view_from_world_f64()
             * instance.world_from_model.as_dmat4();
         let linear = glam::DMat3::from_mat4(instance.world_from_model.as_dmat4());
@@ -84,12 +87,12 @@ pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     }
     let magnitudes = DMat4::from_cols_array(&clip_from_model.as_dmat4().to_cols_array().map(f64::abs));
     let farthest = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
-    let largest = (magnitudes * farthest.extend(1.0)).max_element();
-    let slack = ROUNDING * largest;
+    let magnitudes = magnitudes * farthest.extend(1.0);
     let corners = bounds.corners().map(|c| clip_from_model * c.extend(1.0));
     // Otherwise a vertex may overflow where the corners do not.
-    let mut inside_all = largest < f64::from(f32::MAX);
-    for plane in super::clip::Plane::ALL {
+    let mut inside_all = magnitudes.max_element() < f64::from(f32::MAX);
+    for plane in Plane::ALL {
+        let slack = ROUNDING * plane.magnitude(magnitudes);
         let distances = corners.map(|c| plane.distance(c, 1.0));
         if distances.iter().all(|d| *d < -slack) {
             return Containment::Outside;
@@ -120,7 +123,8 @@ pub fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan
             if colors {
                 varyings.color = to_working_space(mesh.colors[i], settings.color_space);
             }
-            ClipVertex { position: matrices.clip_from_model * mesh.positions[i].extend(1.0), varyings }
+            let position = matrices.clip_from_model * mesh.positions[i].extend(1.0);
+            ClipVertex { position, cut_at: None, varyings }
         })
         .collect()
 }

@@ -1,11 +1,12 @@
 //! Projection to the screen: divide by w, scale to the picture, snap to the 1/256 px grid.
 //!
-//! From here on a triangle's shape is integers. The depth value and 1/w stay floats: they are attributes.
+//! From here on a triangle's shape is integers. Depth and 1/w stay floats: they are attributes.
 
 use glam::Vec3;
 
 use super::clip::ClippedTriangle;
-use super::vertex::Varyings;
+use super::depth::{DepthFunction, DepthScale};
+use super::vertex::{ClipVertex, Varyings};
 use crate::math::fixed::{snap, to_pixels};
 use crate::scene::TriangleId;
 
@@ -18,8 +19,8 @@ pub struct ScreenVertex {
     pub x: i32,
     /// Snapped, 24.8 fixed point, y down.
     pub y: i32,
-    /// z/w in [0, 1].
-    pub depth: f32,
+    /// Depth in [0, 1], before it is quantised.
+    pub depth: f64,
     /// 1/w > 0.
     pub inv_w: f32,
     /// Interpolated attributes.
@@ -37,6 +38,8 @@ pub struct ScreenTriangle {
     pub vertices: [ScreenVertex; 3],
     /// Doubled area, > 0, in the unit that the arithmetic's edge values have.
     pub doubled_area: f64,
+    /// Depth of the samples inside.
+    pub depth: DepthFunction,
     /// 1/w of the corners relative to the largest: all 1 where perspective division is left out.
     pub relative_inv_w: [f32; 3],
 }
@@ -91,22 +94,25 @@ impl Viewport {
         ((ndc.x * 0.5 + 0.5) * self.width as f32, (0.5 - ndc.y * 0.5) * self.height as f32)
     }
 
-    /// Projects the corners of a clipped triangle.
-    pub fn project(self, triangle: &ClippedTriangle) -> [ScreenVertex; 3] {
-        triangle.vertices.map(|v| {
-            let inv_w = 1.0 / v.position.w;
-            let ndc = v.position.truncate() * inv_w;
-            let (x, y) = self.pixels_from_ndc(ndc);
-            ScreenVertex {
-                position_px: [x, y],
-                x: snap(x) as i32,
-                y: snap(y) as i32,
-                // Clipping leaves rounding errors of an ulp beyond the planes.
-                depth: ndc.z.clamp(0.0, 1.0),
-                inv_w,
-                varyings: v.varyings,
-            }
-        })
+    /// Projects the corners of a clipped triangle, which get the depths of `scale`.
+    pub fn project(self, triangle: &ClippedTriangle, scale: &DepthScale) -> [ScreenVertex; 3] {
+        let [a, b, c] = &triangle.vertices;
+        // One by one: mapping an array of such large items copies each of them four times.
+        [self.project_vertex(a, scale), self.project_vertex(b, scale), self.project_vertex(c, scale)]
+    }
+
+    #[inline]
+    fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
+        let inv_w = 1.0 / vertex.position.w;
+        let (x, y) = self.pixels_from_ndc(vertex.position.truncate() * inv_w);
+        ScreenVertex {
+            position_px: [x, y],
+            x: snap(x) as i32,
+            y: snap(y) as i32,
+            depth: scale.of_vertex(vertex),
+            inv_w,
+            varyings: vertex.varyings,
+        }
     }
 }
 

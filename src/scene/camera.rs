@@ -2,13 +2,14 @@
 //!
 //! World is right-handed with y up; the camera looks down −z of its own space. Clip space has z/w in [0, 1] with
 //! near = 0, or near = 1 when depth is reversed (then float precision grows where perspective eats it; Reed, "Depth
-//! Precision Visualized", 2015). Navigation is plain arithmetic here, so that window and tests share it.
+//! Precision Visualized", 2015); which, a [`DepthMapping`] says. Navigation is plain arithmetic here, so that window and tests share it.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use glam::{DMat4, Mat4, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
+use super::DepthMapping;
 use crate::math::{Aabb, unit_or};
 
 /// How view space is flattened.
@@ -40,7 +41,7 @@ pub struct Camera {
     pub projection: Projection,
     /// Distance of the near plane, > 0 for perspective.
     pub near: f32,
-    /// Distance of the far plane, > near.
+    /// Distance of the far plane, > near. [`DepthMapping::ReversedInfinite`] has no use for it in perspective.
     pub far: f32,
 }
 
@@ -130,28 +131,39 @@ impl Camera {
         rotation.as_dmat4() * DMat4::from_translation(-self.eye.as_dvec3())
     }
 
-    /// Clip space from view space, z/w = 0 at the near plane and 1 at the far plane, or the other way round when
-    /// `reversed`. `aspect` is width over height.
+    /// Clip space from view space; z/w is the depth that `mapping` gives. [`DepthMapping::Linear`] in perspective is no
+    /// quotient of z and w; its z serves for clipping alone and is the reversed one, which f32 holds well at both planes
+    /// (where f/n is above 2²⁴, the standard z is rounded to w, and the far plane is lost). `aspect` is width over height.
     ///
     /// Entries are computed in f64 and rounded once (Upchurch and Desbrun, "Tightening the Precision of Perspective
     /// Rendering", 2012).
-    pub fn clip_from_view(&self, aspect: f32, reversed: bool) -> Mat4 {
+    pub fn clip_from_view(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
         let (near, far) = (f64::from(self.near), f64::from(self.far));
-        let (z_at_0, z_at_1) = if reversed { (far, near) } else { (near, far) };
         let mut m = Mat4::ZERO;
         match self.projection {
             Projection::Perspective { fov_y } => {
                 let scale_y = 1.0 / (f64::from(fov_y) * 0.5).tan();
                 m.x_axis.x = (scale_y / f64::from(aspect)) as f32;
                 m.y_axis.y = scale_y as f32;
-                m.z_axis.z = (z_at_1 / (z_at_0 - z_at_1)) as f32;
-                m.w_axis.z = (z_at_0 * (z_at_1 / (z_at_0 - z_at_1))) as f32;
+                let z_from_z = match mapping {
+                    DepthMapping::Standard => far / (near - far),
+                    DepthMapping::Reversed | DepthMapping::Linear => near / (far - near),
+                    DepthMapping::ReversedInfinite => 0.0,
+                };
+                let z_from_one = match mapping {
+                    DepthMapping::Standard => near * z_from_z,
+                    DepthMapping::Reversed | DepthMapping::Linear => far * z_from_z,
+                    DepthMapping::ReversedInfinite => near,
+                };
+                m.z_axis.z = z_from_z as f32;
+                m.w_axis.z = z_from_one as f32;
                 m.z_axis.w = -1.0;
             }
             Projection::Orthographic { height } => {
                 let scale_y = 2.0 / f64::from(height);
                 m.x_axis.x = (scale_y / f64::from(aspect)) as f32;
                 m.y_axis.y = scale_y as f32;
+                let (z_at_0, z_at_1) = if mapping.is_reversed() { (far, near) } else { (near, far) };
                 m.z_axis.z = (1.0 / (z_at_0 - z_at_1)) as f32;
                 m.w_axis.z = (z_at_0 / (z_at_0 - z_at_1)) as f32;
                 m.w_axis.w = 1.0;
@@ -161,8 +173,8 @@ impl Camera {
     }
 
     /// Clip space from world space.
-    pub fn clip_from_world(&self, aspect: f32, reversed: bool) -> Mat4 {
-        self.clip_from_view(aspect, reversed) * self.view_from_world()
+    pub fn clip_from_world(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
+        self.clip_from_view(aspect, mapping) * self.view_from_world()
     }
 
     /// The view of the mirror image in z that corresponds to this view of the original.
@@ -285,8 +297,8 @@ mod tests {
 
     use super::*;
 
-    fn ndc(camera: &Camera, reversed: bool, p: Vec3) -> Vec3 {
-        let clip = camera.clip_from_world(1.0, reversed) * p.extend(1.0);
+    fn ndc(camera: &Camera, mapping: DepthMapping, p: Vec3) -> Vec3 {
+        let clip = camera.clip_from_world(1.0, mapping) * p.extend(1.0);
         clip.xyz() / clip.w
     }
 
@@ -296,10 +308,10 @@ mod tests {
             let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO).with_orthographic(orthographic);
             let near = camera.eye + camera.forward() * camera.near;
             let far = camera.eye + camera.forward() * camera.far;
-            for (reversed, ends) in [(false, [0.0, 1.0]), (true, [1.0, 0.0])] {
+            for (mapping, ends) in [(DepthMapping::Standard, [0.0, 1.0]), (DepthMapping::Reversed, [1.0, 0.0])] {
                 for (point, z) in [near, far].into_iter().zip(ends) {
-                    let got = ndc(&camera, reversed, point).z;
-                    assert!((got - z).abs() < 1e-5, "{orthographic} {reversed}: {got} for {z}");
+                    let got = ndc(&camera, mapping, point).z;
+                    assert!((got - z).abs() < 1e-5, "{orthographic} {mapping:?}: {got} for {z}");
                 }
             }
         }
@@ -308,8 +320,8 @@ mod tests {
     #[test]
     fn right_is_right_and_up_is_up() {
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO);
-        assert!(ndc(&camera, false, Vec3::X * 0.1).x > 0.0);
-        assert!(ndc(&camera, false, Vec3::Y * 0.1).y > 0.0);
+        assert!(ndc(&camera, DepthMapping::Standard, Vec3::X * 0.1).x > 0.0);
+        assert!(ndc(&camera, DepthMapping::Standard, Vec3::Y * 0.1).y > 0.0);
     }
 
     #[test]
@@ -318,7 +330,7 @@ mod tests {
             let bounds = Aabb { min: Vec3::splat(-scale), max: Vec3::new(scale, 2.0 * scale, 3.0 * scale) };
             let camera = Camera::fit(bounds, Vec3::new(1.0, 1.0, 1.0));
             for corner in bounds.corners() {
-                let p = ndc(&camera, false, corner);
+                let p = ndc(&camera, DepthMapping::Standard, corner);
                 assert!(p.abs().max_element() <= 1.0 && p.z >= 0.0, "{scale}: {p}");
             }
         }
@@ -347,7 +359,7 @@ mod tests {
         for (aspect, orthographic) in [0.05, 0.5, 1.0, 3.0].into_iter().flat_map(|a| [(a, false), (a, true)]) {
             let view = Camera::look_at(Vec3::ONE, Vec3::ZERO).with_orthographic(orthographic).refit(bounds, aspect);
             for corner in bounds.corners() {
-                let clip = view.clip_from_world(aspect, false) * corner.extend(1.0);
+                let clip = view.clip_from_world(aspect, DepthMapping::Standard) * corner.extend(1.0);
                 let p = clip.xyz() / clip.w;
                 assert!(p.abs().max_element() <= 1.0 && p.z >= 0.0, "{aspect} {orthographic}: {p}");
             }

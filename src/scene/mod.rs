@@ -6,6 +6,8 @@ pub mod camera;
 
 pub mod camera_file;
 
+pub mod depth_mapping;
+
 pub mod error;
 
 pub mod library;
@@ -21,6 +23,7 @@ pub mod source;
 pub mod texture;
 
 pub use camera::{Camera, Projection};
+pub use depth_mapping::DepthMapping;
 pub use error::{SceneError, Warning};
 pub use library::{Library, MaterialId, MeshId, TextureId};
 pub use material::Material;

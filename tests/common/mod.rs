@@ -53,7 +53,7 @@ pub(crate) fn in_cube(rng: &mut fastrand::Rng) -> Vec3 {
 /// A clip-space vertex without attributes that projects to a pixel position of a picture.
 pub(crate) fn clip_vertex(viewport: Viewport, (x, y): (f32, f32), depth: f32, w: f32) -> ClipVertex {
     let ndc = Vec3::new(x / viewport.width as f32 * 2.0 - 1.0, 1.0 - y / viewport.height as f32 * 2.0, depth);
-    ClipVertex { position: (ndc * w).extend(w), varyings: Varyings::default() }
+    bare((ndc * w).extend(w))
 }
 
 /// Clip, project and edge setup in fixed point, without culling: the geometry stages for vertices that no camera made.
@@ -86,7 +86,7 @@ pub(crate) fn covered(
 
 /// Position only, as [`ClipVertex`].
 pub(crate) fn bare(position: Vec4) -> ClipVertex {
-    ClipVertex { position, varyings: Varyings::default() }
+    ClipVertex { position, cut_at: None, varyings: Varyings::default() }
 }
 
 /// A mesh with texture coordinates from x and y, and one vertex colour per vertex by its number.

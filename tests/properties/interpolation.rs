@@ -3,7 +3,7 @@
 //! Vertices lie on the 1/256 px grid, so snapping moves nothing and the oracle sees the same triangle.
 
 use glam::{DVec3, Vec2, Vec3};
-use rasterscope::pipeline::depth::depth_at;
+use rasterscope::pipeline::depth::{DepthEncoding, DepthFunction, depth_at};
 use rasterscope::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
 use rasterscope::pipeline::raster::{Sample, edge_values};
 use rasterscope::pipeline::settings::{Arithmetic, FillRule, Interpolation, Rasterizer};
@@ -115,10 +115,32 @@ fn depth_is_affine_over_the_screen_whatever_w_is() {
         |_| Varyings::default(),
         |triangle, sample| {
             let weights = oracle(triangle, sample, false);
-            let expected: f64 = weights.iter().zip(&triangle.vertices).map(|(l, v)| l * f64::from(v.depth)).sum();
-            // Two weights of four roundings, two differences, two products and two sums, all of numbers up to 1.
+            let expected: f64 = weights.iter().zip(&triangle.vertices).map(|(l, v)| l * v.depth).sum();
+            // Computed in f64 and rounded once, to the nearest float or, where two are about as near, to either.
+            let nearest = (f64::from(expected as f32) - expected).abs();
             let error = (f64::from(depth_at(triangle, &sample)) - expected).abs();
-            assert!(error <= 14.0 * ROUNDING, "{error} at {sample:?} of {triangle:?}");
+            assert!(error <= nearest + 1e-15, "{error} at {sample:?} of {triangle:?}");
+        },
+    );
+}
+
+#[test]
+fn depth_that_is_linear_in_space_follows_the_perspective_weights() {
+    for_samples(
+        |_| Varyings::default(),
+        |triangle, sample| {
+            let depths = triangle.vertices.each_ref().map(|v| v.depth);
+            let linear =
+                ScreenTriangle { depth: DepthFunction::linear_in_space(depths, DepthEncoding::F32), ..*triangle };
+            let weights = oracle(triangle, sample, true);
+            let expected: f64 = weights.iter().zip(depths).map(|(p, depth)| p * depth).sum();
+            // As above; the volumes of the oracle leave fewer digits than the edge values do.
+            let nearest = (f64::from(expected as f32) - expected).abs();
+            let error = (f64::from(depth_at(&linear, &sample)) - expected).abs();
+            assert!(error <= nearest + 1e-9, "{error} at {sample:?} of {triangle:?}");
+            let [least, greatest] =
+                [f64::min, f64::max].map(|f| depths.into_iter().reduce(f).unwrap_or_default() as f32);
+            assert!((least..=greatest).contains(&depth_at(&linear, &sample)), "beyond the corners");
         },
     );
 }
@@ -163,9 +185,9 @@ fn what_is_the_same_at_all_corners_is_exactly_that_inside() {
             };
             assert_eq!(varyings, same);
             let mut flat = *triangle;
-            for vertex in &mut flat.vertices {
-                vertex.depth = 0.123_456_79;
-            }
+            flat.depth = DepthFunction::affine_on_screen([0.123_456_79; 3], triangle.doubled_area, DepthEncoding::F32);
+            assert_eq!(depth_at(&flat, &sample), 0.123_456_79);
+            flat.depth = DepthFunction::linear_in_space([0.123_456_79; 3], DepthEncoding::F32);
             assert_eq!(depth_at(&flat, &sample), 0.123_456_79);
         },
     );

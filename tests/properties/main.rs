@@ -5,6 +5,7 @@
 mod common;
 
 mod coverage;
+mod depth;
 mod hits;
 mod interpolation;
 mod robustness;

@@ -9,11 +9,11 @@ use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::raster::{Sample, Scissor};
-use rasterscope::pipeline::settings::{Choice, DepthTest, Interpolation, Shading};
+use rasterscope::pipeline::settings::{Choice, DepthFormat, DepthTest, Interpolation, Shading};
 use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport, relative_inv_w};
 use rasterscope::pipeline::{Extent, Until, clip, draw, vertex};
-use rasterscope::scene::{Scene, TriangleId};
+use rasterscope::scene::{DepthMapping, Scene, TriangleId};
 
 use crate::common::{
     SceneBuilder, coplanar_scene, cube, for_seeds, ground_and_cube, in_cube, recipe, render, scenes, soup,
@@ -90,12 +90,17 @@ fn separated(rng: &mut fastrand::Rng) -> Scene {
 }
 
 #[test]
-fn reversed_depth_gives_the_same_picture_of_well_separated_surfaces() {
+fn every_depth_format_gives_the_same_picture_of_well_separated_surfaces() {
     for_seeds(20, |rng| {
         let scene = separated(rng);
         for test in ["depth-test=less", "depth-test=less-equal", "depth-test=always", "depth-test=off"] {
-            let by = |format| picture(&scene, &[test, format, "culling=back"]);
-            assert_eq!(by("depth-format=f32"), by("depth-format=reversed-f32"), "{test}");
+            let by = |format: DepthFormat| {
+                picture(&scene, &[test, &format!("depth-format={}", format.id()), "culling=back"])
+            };
+            let first = by(DepthFormat::F32);
+            for format in DepthFormat::ALL {
+                assert_eq!(by(*format), first, "{test} {format:?}");
+            }
         }
     });
 }
@@ -267,7 +272,7 @@ fn leaving_out_the_clipping_of_an_object_inside_changes_no_bit() {
         let recipe = Recipe::default();
         let instance = &scene.instances[0];
         let mesh = scene.library.mesh(instance.mesh);
-        let matrices = vertex::DrawMatrices::new(instance, &scene.home, VIEW.aspect(), false);
+        let matrices = vertex::DrawMatrices::new(instance, &scene.home, VIEW.aspect(), DepthMapping::Standard);
         let plan = render(&scene, &recipe, SIZE).geometry.plans[0];
         if plan.runs(Part::Clipping) {
             return;
@@ -361,9 +366,9 @@ fn stopping_early_counts_the_same_samples() {
 #[test]
 fn a_greater_depth_test_shows_the_farthest_surface() {
     let scene = ground_and_cube();
-    for format in ["depth-format=f32", "depth-format=reversed-f32"] {
-        let mut recipe = recipe(&["culling=none", "shading=triangle-id", format]);
-        recipe.pipeline.depth_test = DepthTest::Greater;
+    for format in DepthFormat::ALL {
+        let mut recipe = recipe(&["culling=none", "shading=triangle-id"]);
+        (recipe.pipeline.depth_test, recipe.pipeline.depth_format) = (DepthTest::Greater, *format);
         let frame = render(&scene, &recipe, SIZE);
         let mut farthest = Farthest(Image::filled(SIZE.0, SIZE.1, None), recipe.pipeline.reversed());
         redraw(&scene, &recipe, &frame, SampleGrid::FULL, &mut farthest);

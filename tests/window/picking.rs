@@ -1,7 +1,10 @@
 //! Questioning pixels: by pointer, by keys, by number; and what the inspector says about them.
 
 use eframe::egui::{Key, Modifiers, PointerButton, Vec2};
+use rasterscope::chain::Recipe;
 use rasterscope::inspect::Buffer;
+use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
+use rasterscope::ui;
 use rasterscope::ui::engine::Shown;
 
 use crate::bench::Bench;
@@ -26,6 +29,28 @@ fn the_inspector_shows_the_colour_that_the_chain_draws() {
         let [r, g, b, a] = frame.image.at(pixel.0, pixel.1);
         assert_eq!(bench.view().report.as_ref().map(|report| report.color), Some([r, g, b, a]));
         assert!(bench.says(&format!("{r} {g} {b}")), "{pixel:?}");
+    }
+}
+
+#[test]
+fn the_inspector_tells_depths_with_their_code_and_their_step_in_the_world() {
+    let mut bench = Bench::small("triangle");
+    let place = bench.place_of((80, 45));
+    bench.click_at(place);
+    bench.click("Depth stage");
+    for format in DepthFormat::ALL {
+        if *format != Recipe::default().pipeline.depth_format {
+            bench.choose("Format", format.name());
+        }
+        assert_eq!(bench.session().state.recipe.pipeline.depth_format, *format);
+        let report = bench.view().report.clone().expect("a pixel is picked");
+        let depth = report.visible().expect("a triangle is there").depth;
+        assert!(bench.says(&ui::format::f32_full(depth.value)), "{format:?}");
+        assert!(bench.says(&ui::format::f32_full(depth.resolution as f32)), "{format:?}");
+        match depth.code {
+            Some(code) => assert!(bench.says(&code.to_string()), "{format:?}"),
+            None => assert!(!bench.says("… as a code"), "{format:?}"),
+        }
     }
 }
 

@@ -124,6 +124,18 @@ fn a_depth_format_is_offered_only_with_a_depth_test() {
 }
 
 #[test]
+fn a_far_plane_is_offered_only_where_there_is_one() {
+    let mut bench = Bench::small("interpenetrating");
+    bench.click("Transform stage");
+    assert!(bench.says("Far plane"));
+    bench.click("Depth stage");
+    bench.choose("Format", DepthFormat::ReversedInfinite.name());
+    assert!(!bench.says("Far plane") && bench.mentions("the far plane is at infinity"));
+    bench.choose("Projection", "Orthographic");
+    assert!(bench.says("Far plane"), "without perspective there is one");
+}
+
+#[test]
 fn light_is_offered_only_where_it_is_computed() {
     let mut bench = Bench::small("triangle");
     assert!(bench.says("Ambient"));

@@ -8,13 +8,13 @@ use serde::Serialize;
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
 use crate::math::fixed::snap;
 use crate::pipeline::clip::{clip, guard_band_widening};
-use crate::pipeline::depth::depth_at;
+use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
 use crate::pipeline::raster::{self, Exact, Fixed, Floating, Sample, Span, Triangle, doubled_area};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
 use crate::pipeline::vertex::{ClipVertex, Varyings};
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
-use crate::scene::{Camera, TriangleId};
+use crate::scene::TriangleId;
 
 /// The rule that decides about centres on edges where a case does not say.
 const RULE: FillRule = FillRule::TopLeft;
@@ -139,7 +139,7 @@ impl Interpolator {
             position_px: [c.x, c.y],
             x: snap(c.x) as i32,
             y: snap(c.y) as i32,
-            depth: c.z,
+            depth: c.z.into(),
             inv_w: 1.0 / c.w,
             varyings: Varyings { uv: c.uv.into(), ..Varyings::default() },
         });
@@ -155,6 +155,7 @@ impl Interpolator {
             id: TriangleId(0),
             instance: 0,
             doubled_area: (area * scale).abs(),
+            depth: DepthScale::default().over(&vertices, (area * scale).abs()),
             relative_inv_w: if in_space { relative_inv_w(&vertices) } else { [1.0; 3] },
             vertices,
         };
@@ -192,12 +193,14 @@ pub struct ClipFragment {
 
 /// Clips, projects and rasterizes a triangle in clip space, and interpolates at every pixel covered.
 pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Vec<ClipFragment> {
-    let vertices = corners.map(|c| ClipVertex { position: Vec4::from_array(c), varyings: Varyings::default() });
+    let vertex = |c| ClipVertex { position: Vec4::from_array(c), cut_at: None, varyings: Varyings::default() };
+    let vertices = corners.map(vertex);
+    let scale = DepthScale::default();
     let widening = guard_band_widening(viewport.width, viewport.height);
     let weighting = Weighting { interpolation: Interpolation::Perspective, arithmetic: by.arithmetic };
     let mut fragments = Vec::new();
     for piece in clip(&vertices, &[[0, 1, 2]], TriangleId(0), true, widening, &mut ()) {
-        let Some(drawn) = Interpolator::of_projected(viewport.project(&piece), weighting) else { continue };
+        let Some(drawn) = Interpolator::of_projected(viewport.project(&piece, &scale), weighting) else { continue };
         for span in cover(by, drawn.triangle.corners_px(), RULE, viewport) {
             fragments.extend((span.left..span.right).map(|column| drawn.clip_fragment(column, span.row)));
         }
@@ -227,26 +230,28 @@ pub fn meaning(format: DepthFormat) -> (DepthMapping, DepthStorage) {
     match format {
         DepthFormat::F32 => (DepthMapping::Standard, DepthStorage::F32),
         DepthFormat::ReversedF32 => (DepthMapping::Reversed, DepthStorage::F32),
+        DepthFormat::ReversedInfinite => (DepthMapping::ReversedInf, DepthStorage::F32),
+        DepthFormat::Unorm24 => (DepthMapping::Standard, DepthStorage::Unorm24),
+        DepthFormat::Unorm16 => (DepthMapping::Standard, DepthStorage::Unorm16),
+        DepthFormat::WBuffer => (DepthMapping::Linear, DepthStorage::F32),
     }
 }
 
 /// What depth buffers of one view store.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthBuffer {
-    clip_from_view: Mat4,
+    scale: DepthScale,
 }
 
 impl DepthBuffer {
     /// For a perspective view with these planes.
     pub fn new(format: DepthFormat, near: f32, far: f32) -> Self {
-        let camera = Camera { near, far, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
-        Self { clip_from_view: camera.clip_from_view(1.0, format == DepthFormat::ReversedF32) }
+        Self { scale: DepthScale::perspective(format.mapping(), format.encoding(), near, far) }
     }
 
     /// What is stored for a point at this distance.
     pub fn stored(&self, distance: f32) -> f64 {
-        let clip = self.clip_from_view * Vec4::new(0.0, 0.0, -distance, 1.0);
-        (clip.z * (1.0 / clip.w)).clamp(0.0, 1.0).into()
+        self.scale.stored(distance).into()
     }
 }
 

@@ -63,10 +63,11 @@ fn add_pair(draft: &mut Draft, mesh: MeshId, [back, front]: [MaterialId; 2], cen
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::DepthMapping;
 
     /// Depths of two points `gap` apart on the line of sight at `distance`.
-    fn depths(reversed: bool, distance: f32, gap: f32) -> [f32; 2] {
-        let clip_from_view = Z_FIGHTING.build().home.clip_from_view(1.6, reversed);
+    fn depths(mapping: DepthMapping, distance: f32, gap: f32) -> [f32; 2] {
+        let clip_from_view = Z_FIGHTING.build().home.clip_from_view(1.6, mapping);
         [distance, distance - gap].map(|z| {
             let clip = clip_from_view * Vec3::new(0.0, 0.0, -z).extend(1.0);
             clip.z / clip.w
@@ -76,7 +77,8 @@ mod tests {
     #[test]
     fn far_gaps_vanish_in_standard_depth_and_survive_in_reversed_depth() {
         for (distance, gap) in [(100.0, 1e-3), (1000.0, 1e-1), (1000.0, 1e-2)] {
-            let [standard, reversed] = [false, true].map(|r| depths(r, distance, gap));
+            let [standard, reversed] =
+                [DepthMapping::Standard, DepthMapping::Reversed].map(|mapping| depths(mapping, distance, gap));
             assert_eq!(standard[0], standard[1], "{distance} {gap}");
             assert!(reversed[0] < reversed[1], "{distance} {gap}");
         }

@@ -6,7 +6,7 @@ use eframe::egui::{self, Align2, Color32, FontId, Label, Pos2, RichText, ScrollA
 use crate::image::Rgba8;
 use crate::inspect::pixel::{ShadingRecord, sample_position_px};
 use crate::inspect::view::{Value, value};
-use crate::inspect::{FragmentRecord, Outcome, PixelReport};
+use crate::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
 use crate::pipeline::settings::Arithmetic;
 use crate::ui::command::Command;
 use crate::ui::engine::Shown;
@@ -14,6 +14,10 @@ use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{Status, chip, copy_button, empty_state, section_header, swatch, value_row};
+
+/// What a step of the depth buffer is.
+const STEP_HELP: &str = "World units along the line of sight between the fragment's depth and the next that the buffer can \
+                         hold: surfaces closer than that may fight";
 
 /// Fragments listed from the first and from the last one on; a pixel may have ten thousand.
 const LISTED_AT_AN_END: usize = 50;
@@ -262,9 +266,13 @@ fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
 
 fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     section_header(ui, "Depth", |_| {});
-    float_row(ui, "Depth of the fragment", fragment.depth, "z/w, interpolated with λ on the screen");
+    depth_rows(ui, "Depth of the fragment", fragment.depth, "As it is stored if the fragment wins");
     match fragment.stored_depth {
-        Some(stored) => float_row(ui, "Stored before", stored, "What the depth buffer held when this fragment came"),
+        Some(stored) => {
+            depth_rows(ui, "Stored before", stored, "What the depth buffer held when this fragment came");
+            let step = format::f32_full(fragment.depth.resolution as f32);
+            value_row(ui, "One step here", &step, STEP_HELP);
+        }
         None => {
             value_row(ui, "Stored before", "–", "There is no depth test, so nothing is stored");
         }
@@ -296,6 +304,14 @@ fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     );
     if let Some(shading) = &fragment.shading {
         shading_numbers(ui, shading);
+    }
+}
+
+/// A depth, and the code that the buffer holds for it if it holds codes.
+fn depth_rows(ui: &mut Ui, label: &str, depth: DepthRecord, help: &str) {
+    float_row(ui, label, depth.value, help);
+    if let Some(code) = depth.code {
+        value_row(ui, "… as a code", &code.to_string(), "The whole number that the buffer holds for it");
     }
 }
 

@@ -11,7 +11,7 @@ use crate::inspect::Stage;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::Part;
 use crate::pipeline::settings::{Choice as _, DepthTest, Shading};
-use crate::scene::{Camera, Projection, SceneSource, builtin};
+use crate::scene::{Camera, DepthMapping, Projection, SceneSource, builtin};
 use crate::ui::command::Command;
 use crate::ui::engine::{StageFigures, View};
 use crate::ui::format;
@@ -100,7 +100,8 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             row(ui, "Height", "Height of the slab that is seen, world units", |ui| drag(ui, height, 1e-30..=1e34));
         }
     }
-    planes(ui, &mut camera);
+    let mapping = session.state.recipe.pipeline.depth_format.mapping();
+    planes(ui, &mut camera, mapping == DepthMapping::ReversedInfinite && !orthographic);
     if camera != session.state.camera {
         commands.push(Command::SetCamera(camera));
     }
@@ -114,12 +115,16 @@ fn camera(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
-fn planes(ui: &mut Ui, camera: &mut Camera) {
+fn planes(ui: &mut Ui, camera: &mut Camera, endless: bool) {
     let Camera { near, far, .. } = *camera;
     row(ui, "Near plane", "Nothing nearer is drawn. The farther away it is, the finer depth is everywhere", |ui| {
         drag(ui, &mut camera.near, 1e-30..=far * 0.999)
     });
-    row(ui, "Far plane", "Nothing farther is drawn", |ui| drag(ui, &mut camera.far, near * 1.001..=1e34));
+    if endless {
+        note(ui, "Left out: with this depth format the far plane is at infinity.");
+    } else {
+        row(ui, "Far plane", "Nothing farther is drawn", |ui| drag(ui, &mut camera.far, near * 1.001..=1e34));
+    }
 }
 
 fn note(ui: &mut Ui, text: impl Into<String>) {

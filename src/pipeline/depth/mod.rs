@@ -1,12 +1,22 @@
-//! Depth of a fragment, and the test against what is stored.
+//! Depth: from the distance of a vertex to the number of a fragment, and the test against what is stored.
 //!
-//! z/w is an affine function of the screen, so it is interpolated with the screen-space weights, never with the
-//! perspective-correct ones. The form z₀ + λ₁·(z₁ − z₀) + λ₂·(z₂ − z₀) returns a constant depth exactly.
+//! ```text
+//! vertex ── DepthScale ──► depth in f64 ── DepthFunction ──► depth of a sample ── DepthEncoding ──► what is stored
+//! ```
+//!
+//! A depth is quantised before it is tested, so that the test sees exactly what the buffer will hold.
 
-use super::interpolate::affine_weights;
-use super::raster::Sample;
+mod encoding;
+
+mod function;
+
+mod scale;
+
+pub use encoding::DepthEncoding;
+pub use function::{DepthFunction, depth_at};
+pub use scale::DepthScale;
+
 use super::settings::{DepthTest, Settings};
-use super::viewport::ScreenTriangle;
 
 /// The comparison that is made on stored numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,14 +76,6 @@ pub fn clear_value(settings: &Settings) -> f32 {
         Comparison::Less | Comparison::LessEqual => 1.0,
         Comparison::Always => f32::from(u8::from(!settings.reversed())),
     }
-}
-
-/// Depth of a covered sample.
-#[inline]
-pub fn depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
-    let [_, l1, l2] = affine_weights(triangle, sample);
-    let [z0, z1, z2] = triangle.vertices.each_ref().map(|v| v.depth);
-    z0 + l1 * (z1 - z0) + l2 * (z2 - z0)
 }
 
 #[cfg(test)]

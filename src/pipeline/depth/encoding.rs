@@ -1,0 +1,121 @@
+//! In which numbers the depth buffer holds a depth of [0, 1].
+
+/// The numbers that a depth buffer holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DepthEncoding {
+    /// Floats: relative steps, ever finer towards 0.
+    F32,
+    /// Whole numbers of 24 bits: even steps of 1/(2²⁴ − 1).
+    Unorm24,
+    /// Whole numbers of 16 bits: even steps of 1/65535.
+    Unorm16,
+}
+
+impl DepthEncoding {
+    /// The code that stands for 1, where depths are codes.
+    #[inline]
+    pub fn largest_code(self) -> Option<u32> {
+        match self {
+            Self::F32 => None,
+            Self::Unorm24 => Some((1 << 24) - 1),
+            Self::Unorm16 => Some((1 << 16) - 1),
+        }
+    }
+
+    /// What is stored for a depth in [0, 1]: the nearest float, or that of code/(2ⁿ − 1) with code = ⌊depth·(2ⁿ − 1) + ½⌋.
+    /// Distinct codes are distinct floats.
+    #[inline]
+    pub fn quantize(self, depth: f64) -> f32 {
+        match self.largest_code() {
+            None => depth as f32,
+            // Converting to an integer drops the fraction.
+            Some(largest) => (f64::from((depth * f64::from(largest) + 0.5) as u32) / f64::from(largest)) as f32,
+        }
+    }
+
+    /// The code of a stored value.
+    pub fn code(self, stored: f32) -> Option<u32> {
+        // A float is less than half a step from the code that it stands for.
+        self.largest_code().map(|largest| (f64::from(stored) * f64::from(largest) + 0.5) as u32)
+    }
+
+    /// The depth that a stored value stands for, and the next one that can be stored: upwards, but for the last one, 1.
+    pub fn with_next(self, stored: f32) -> [f64; 2] {
+        match self.largest_code().zip(self.code(stored)) {
+            None => [stored, if stored < 1.0 { stored.next_up() } else { stored.next_down() }].map(f64::from),
+            Some((largest, code)) => {
+                [code, if code < largest { code + 1 } else { code - 1 }].map(|c| f64::from(c) / f64::from(largest))
+            }
+        }
+    }
+
+    /// How many steps lie between two stored values: codes, or floats.
+    pub fn steps_between(self, a: f32, b: f32) -> u32 {
+        match self.code(a).zip(self.code(b)) {
+            None => a.to_bits().abs_diff(b.to_bits()),
+            Some((a, b)) => a.abs_diff(b),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All codes of 16 bits; of 24 bits both ends of the range and of every power of two, and every 97th.
+    fn codes(encoding: DepthEncoding) -> Vec<u32> {
+        let Some(largest) = encoding.largest_code() else { return Vec::new() };
+        let around = |code: u32| code.saturating_sub(500)..=(code + 500).min(largest);
+        let mut codes: Vec<u32> = match encoding {
+            DepthEncoding::Unorm16 => (0..=largest).collect(),
+            _ => (0..=24).flat_map(|bit| around(1 << bit)).chain((0..=largest).step_by(97)).collect(),
+        };
+        codes.sort_unstable();
+        codes.dedup();
+        codes
+    }
+
+    #[test]
+    fn every_code_is_kept_apart_and_comes_back() {
+        for encoding in [DepthEncoding::Unorm16, DepthEncoding::Unorm24] {
+            let largest = f64::from(encoding.largest_code().unwrap());
+            let codes = codes(encoding);
+            assert_eq!(codes.first().zip(codes.last()), Some((&0, &encoding.largest_code().unwrap())));
+            let mut before = -1.0;
+            for code in codes {
+                let exact = f64::from(code) / largest;
+                let stored = encoding.quantize(exact);
+                assert_eq!(encoding.code(stored), Some(code));
+                assert_eq!(stored, exact as f32, "the nearest float");
+                assert!(stored > before, "{code}");
+                // Storing what is stored changes nothing.
+                assert_eq!(encoding.quantize(f64::from(stored)), stored);
+                before = stored;
+            }
+        }
+    }
+
+    #[test]
+    fn codes_are_rounded_half_up() {
+        let largest = 65_535.0;
+        for (depth, code) in [(0.0, 0), (0.499_999, 0), (0.5, 1), (1.499_999, 1), (1.5, 2), (65_534.5, 65_535)] {
+            assert_eq!(DepthEncoding::Unorm16.code(DepthEncoding::Unorm16.quantize(depth / largest)), Some(code));
+        }
+    }
+
+    #[test]
+    fn the_next_value_is_the_next_that_can_be_stored() {
+        for encoding in [DepthEncoding::F32, DepthEncoding::Unorm16, DepthEncoding::Unorm24] {
+            for depth in [0.0, 1e-9, 0.1, 0.5, 0.75, 1.0 - 1e-7, 1.0] {
+                let stored = encoding.quantize(depth);
+                let [here, next] = encoding.with_next(stored);
+                assert_eq!(encoding.quantize(here), stored);
+                assert_eq!(encoding.steps_between(stored, encoding.quantize(next)), 1, "{encoding:?} {depth}");
+                let between = (here + next) * 0.5;
+                let near = [encoding.quantize(here), encoding.quantize(next)];
+                assert!(near.contains(&encoding.quantize(between)), "{encoding:?} {depth}: nothing lies between");
+                assert_eq!(next > here, stored < 1.0);
+            }
+        }
+    }
+}

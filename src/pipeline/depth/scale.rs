@@ -1,0 +1,143 @@
+//! From distances to depths and back: which depth a vertex has, and how far apart two depths are in the world.
+//!
+//! In perspective the depth of a point follows from its distance alone, which is w. So it is computed from w, in f64, and
+//! not as the quotient of a z and a w that were both rounded to f32: every step of the formulas below is monotone, so no
+//! farther vertex ever comes out nearer; and rounded to f32 the result is the nearest float, but for one in some hundred
+//! million.
+
+use super::DepthEncoding;
+use super::function::DepthFunction;
+use crate::pipeline::clip::Plane;
+use crate::pipeline::settings::DepthFormat;
+use crate::pipeline::vertex::ClipVertex;
+use crate::pipeline::viewport::ScreenVertex;
+use crate::scene::{Camera, DepthMapping, Projection};
+
+/// What the depth buffer of one view stores for which distance. Distances are measured from the eye along the line of
+/// sight, in world units.
+///
+/// The default is for vertices that no camera made: depth is z/w, stored as a float.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DepthScale {
+    law: Law,
+    encoding: DepthEncoding,
+    near: f64,
+    far: f64,
+    /// What the formulas of [`DepthScale::depth`] multiply with: the part that is the same for all vertices.
+    factor: f64,
+}
+
+/// How depth follows from the distance, and the vertex from its clip position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Law {
+    /// In perspective, where the distance is w.
+    Perspective(DepthMapping),
+    /// Without, where depth is linear and simply z; mirrored where it is reversed.
+    Orthographic { reversed: bool },
+}
+
+impl Default for DepthScale {
+    fn default() -> Self {
+        Self::with_law(Law::Orthographic { reversed: false }, DepthEncoding::F32, [0.0, 1.0])
+    }
+}
+
+impl DepthScale {
+    /// For a view drawn with this format.
+    pub fn new(format: DepthFormat, camera: &Camera) -> Self {
+        let law = match camera.projection {
+            Projection::Perspective { .. } => Law::Perspective(format.mapping()),
+            Projection::Orthographic { .. } => Law::Orthographic { reversed: format.mapping().is_reversed() },
+        };
+        Self::with_law(law, format.encoding(), [camera.near, camera.far])
+    }
+
+    /// For a perspective view with these planes, 0 < `near` < `far`. [`DepthMapping::ReversedInfinite`] does not read `far`.
+    pub fn perspective(mapping: DepthMapping, encoding: DepthEncoding, near: f32, far: f32) -> Self {
+        Self::with_law(Law::Perspective(mapping), encoding, [near, far])
+    }
+
+    fn with_law(law: Law, encoding: DepthEncoding, planes: [f32; 2]) -> Self {
+        let [near, far] = planes.map(f64::from);
+        let factor = match law {
+            Law::Perspective(DepthMapping::Standard) => far / (far - near),
+            Law::Perspective(DepthMapping::Reversed) => near / (far - near),
+            Law::Perspective(DepthMapping::ReversedInfinite) => near,
+            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { .. } => 1.0 / (far - near),
+        };
+        Self { law, encoding, near, far, factor }
+    }
+
+    /// In which numbers depths are stored.
+    pub fn encoding(&self) -> DepthEncoding {
+        self.encoding
+    }
+
+    /// What is stored for a point at `distance` > 0, by the arithmetic that the pipeline has for vertices in perspective.
+    pub fn stored(&self, distance: f32) -> f32 {
+        self.encoding.quantize(self.depth(distance.into()).clamp(0.0, 1.0))
+    }
+
+    /// The distance between a stored depth and the next that can be stored: surfaces closer than that may tie. Infinite
+    /// where the next one is infinitely far.
+    pub fn resolution(&self, stored: f32) -> f64 {
+        let Self { near, far, .. } = *self;
+        let [a, b] = self.encoding.with_next(stored);
+        let step = (b - a).abs();
+        // In closed form, as the two distances may agree in all digits.
+        let hyperbolic = |factor: fn(f64, [f64; 2]) -> f64| {
+            let planes = [near, far];
+            near * far * (far - near) * step / (factor(a, planes) * factor(b, planes))
+        };
+        match self.law {
+            Law::Perspective(DepthMapping::Standard) => hyperbolic(|depth, [n, f]| (1.0 - depth) * f + depth * n),
+            Law::Perspective(DepthMapping::Reversed) => hyperbolic(|depth, [n, f]| (1.0 - depth) * n + depth * f),
+            Law::Perspective(DepthMapping::ReversedInfinite) => near * step / (a * b),
+            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { .. } => (far - near) * step,
+        }
+    }
+
+    /// Depth in [0, 1] of a vertex, before it is quantised.
+    #[inline]
+    pub(crate) fn of_vertex(&self, vertex: &ClipVertex) -> f64 {
+        let (z, w) = (f64::from(vertex.position.z), f64::from(vertex.position.w));
+        let depth = match (vertex.cut_at, self.law) {
+            (Some(plane), _) => self.of_plane(plane),
+            (None, Law::Perspective(_)) => self.depth(w),
+            (None, Law::Orthographic { .. }) => z / w,
+        };
+        // Adding 0 leaves no −0, whose bits are far from those of its neighbours.
+        depth.clamp(0.0, 1.0) + 0.0
+    }
+
+    /// Depth over the samples of a triangle of this doubled area, in the unit of edge values.
+    pub(crate) fn over(&self, corners: &[ScreenVertex; 3], doubled_area: f64) -> DepthFunction {
+        let depths = corners.each_ref().map(|v| v.depth);
+        match self.law {
+            Law::Perspective(DepthMapping::Linear) => DepthFunction::linear_in_space(depths, self.encoding),
+            _ => DepthFunction::affine_on_screen(depths, doubled_area, self.encoding),
+        }
+    }
+
+    /// Depth at a distance, beyond [0, 1] outside of the planes.
+    #[inline]
+    fn depth(&self, distance: f64) -> f64 {
+        let Self { near, far, factor, .. } = *self;
+        match self.law {
+            Law::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
+            Law::Perspective(DepthMapping::Reversed) => (far - distance) / distance * factor,
+            Law::Perspective(DepthMapping::ReversedInfinite) => factor / distance,
+            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { reversed: false } => {
+                (distance - near) * factor
+            }
+            Law::Orthographic { reversed: true } => (far - distance) * factor,
+        }
+    }
+
+    /// Depth of a vertex that was put onto the plane z = 0 (near) or z = w (far) of clip space.
+    fn of_plane(&self, plane: Plane) -> f64 {
+        // The z of a linear depth is the reversed one.
+        let mirrored = self.law == Law::Perspective(DepthMapping::Linear);
+        f64::from(u8::from((plane == Plane::Far) != mirrored))
+    }
+}

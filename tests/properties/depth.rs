@@ -1,0 +1,294 @@
+//! Depths of vertices and samples, through the pipeline and beside it.
+
+use glam::{Mat4, Vec3};
+use rasterscope::chain::{Frame, Recipe, run};
+use rasterscope::pipeline::clip::{clip, guard_band_widening};
+use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
+use rasterscope::pipeline::observe::{DepthOutcome, Observer};
+use rasterscope::pipeline::plan::Part;
+use rasterscope::pipeline::raster::Sample;
+use rasterscope::pipeline::settings::{Arithmetic, Choice, Culling, DepthFormat, DepthTest, FillRule, Rasterizer};
+use rasterscope::pipeline::vertex::{DrawMatrices, transform};
+use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
+use rasterscope::scene::{Camera, DepthMapping, Mesh, Scene, TriangleId, builtin};
+
+use crate::common::{SceneBuilder, covered, cube, for_seeds, in_cube, mesh, render, scenes};
+
+const SIZE: (u32, u32) = (32, 24);
+
+const ENCODINGS: [DepthEncoding; 3] = [DepthEncoding::F32, DepthEncoding::Unorm24, DepthEncoding::Unorm16];
+
+const MAPPINGS: [DepthMapping; 4] =
+    [DepthMapping::Standard, DepthMapping::Reversed, DepthMapping::ReversedInfinite, DepthMapping::Linear];
+
+/// Every depth is written, by this format.
+fn always(format: DepthFormat) -> Recipe {
+    let mut recipe = Recipe::default();
+    (recipe.pipeline.depth_test, recipe.pipeline.depth_format) = (DepthTest::Always, format);
+    recipe.pipeline.culling = Culling::None;
+    recipe
+}
+
+/// A scene seen from the origin along −z.
+fn seen_along_z(mesh: Mesh, [near, far]: [f32; 2]) -> Scene {
+    let mut scene = SceneBuilder::new(Vec3::Z).with(mesh, Mat4::IDENTITY, None).0;
+    scene.home = Camera { near, far, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
+    scene
+}
+
+fn depths(frame: &Frame) -> &[f32] {
+    frame.drawn.depth.as_ref().expect("a depth buffer").pixels()
+}
+
+/// A number between two others, evenly over the logarithm.
+fn log_uniform(rng: &mut fastrand::Rng, [from, to]: [f32; 2]) -> f32 {
+    let [from, to] = [from, to].map(f64::from);
+    (from * (to / from).powf(rng.f64())) as f32
+}
+
+#[test]
+fn what_is_stored_for_a_distance_is_what_the_pipeline_stores_there() {
+    for planes in [[0.1, 1e4], [1e-6, 1e3], [10.0, 10.5], [1.0, 1e9]] {
+        for_seeds(10, |rng| {
+            let [near, far] = planes;
+            let w = log_uniform(rng, [near * 1.001, far * 0.999]);
+            // Larger than the view, and facing it.
+            let corners = [Vec3::new(-3.0, -3.0, -1.0), Vec3::new(6.0, -3.0, -1.0), Vec3::new(-3.0, 6.0, -1.0)];
+            let scene = seen_along_z(mesh(corners.map(|c| c * w).to_vec(), vec![[0, 1, 2]]), planes);
+            for format in DepthFormat::ALL {
+                let scale = DepthScale::perspective(format.mapping(), format.encoding(), near, far);
+                let frame = render(&scene, &always(*format), SIZE);
+                let expected = scale.stored(w);
+                assert!(depths(&frame).iter().all(|d| *d == expected), "{format:?} at {w} of {planes:?}");
+            }
+        });
+    }
+}
+
+#[test]
+fn no_farther_distance_is_ever_stored_as_nearer() {
+    for planes in [[0.1, 1e4], [1e-30, 1e30], [1.0, 1.0_f32.next_up()], [1.0, 1e9], [1e-6, 1e-5], [7.0, 7.5]] {
+        for (mapping, encoding) in MAPPINGS.into_iter().flat_map(|m| ENCODINGS.map(|e| (m, e))) {
+            let scale = DepthScale::perspective(mapping, encoding, planes[0], planes[1]);
+            let [near, far] = planes.map(|w| scale.stored(w));
+            let ends = if mapping.is_reversed() { [1.0, 0.0] } else { [0.0, 1.0] };
+            assert_eq!(near, ends[0], "{mapping:?} {encoding:?}");
+            assert!(far == ends[1] || mapping == DepthMapping::ReversedInfinite, "{mapping:?} {encoding:?}: {far}");
+            for_seeds(200, |rng| {
+                // Neighbours among the floats, where an error would show.
+                let mut w = log_uniform(rng, planes);
+                let mut before = scale.stored(w);
+                for _ in 0..20 {
+                    w = w.next_up();
+                    let here = scale.stored(w);
+                    let sound = if mapping.is_reversed() { here <= before } else { here >= before };
+                    assert!(
+                        sound && (0.0..=1.0).contains(&here),
+                        "{mapping:?} {encoding:?}: {here} after {before} at {w}"
+                    );
+                    before = here;
+                }
+            });
+        }
+    }
+}
+
+/// The distance at which a depth is `target`, by halving: with the textbook's formula, and none that is solved for w.
+fn distance_of(depth: impl Fn(f64) -> f64, target: f64, [mut from, mut to]: [f64; 2]) -> f64 {
+    let rises = depth(from) < depth(to);
+    for _ in 0..200 {
+        let middle = (from + to) * 0.5;
+        *(if (depth(middle) < target) == rises { &mut from } else { &mut to }) = middle;
+    }
+    (from + to) * 0.5
+}
+
+#[test]
+fn the_resolution_is_the_distance_between_two_neighbouring_depths() {
+    for planes in [[0.1, 1e3], [1.0, 3.0], [1e-3, 50.0]] {
+        let [n, f] = planes.map(f64::from);
+        for format in DepthFormat::ALL {
+            for orthographic in [false, true] {
+                let camera = Camera { near: planes[0], far: planes[1], ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
+                let scale = DepthScale::new(*format, &camera.with_orthographic(orthographic));
+                let depth = move |w: f64| match format.mapping() {
+                    mapping if orthographic && mapping.is_reversed() => (f - w) / (f - n),
+                    _ if orthographic => (w - n) / (f - n),
+                    DepthMapping::Standard => f * (w - n) / (w * (f - n)),
+                    DepthMapping::Reversed => n * (f - w) / (w * (f - n)),
+                    DepthMapping::ReversedInfinite => n / w,
+                    DepthMapping::Linear => (w - n) / (f - n),
+                };
+                for_seeds(50, |rng| {
+                    // Farther away the smallest floats have their place, whose steps no f64 resolves at that distance.
+                    let w = f64::from(log_uniform(rng, [planes[0] * 1.1, planes[1] * 0.9]));
+                    let stored = scale.encoding().quantize(depth(w));
+                    let next = match format.encoding().largest_code() {
+                        None => f64::from(f32::from_bits(stored.to_bits() + 1)),
+                        Some(largest) => f64::from(stored) + 1.0 / f64::from(largest),
+                    };
+                    if next > 1.0 {
+                        return;
+                    }
+                    // A step beyond the planes where depth is coarse.
+                    let [a, b] = [f64::from(stored), next].map(|d| distance_of(depth, d, [n * 1e-3, f * 1e3]));
+                    let (expected, got) = ((b - a).abs(), scale.resolution(stored));
+                    // What is stored for a code is off by up to half an ulp, and so is its distance, by as much more.
+                    assert!((got / expected - 1.0).abs() < 1e-3, "{format:?} at {w}: {got} for {expected}");
+                });
+            }
+        }
+    }
+}
+
+#[test]
+fn a_far_plane_at_infinity_cuts_nothing_away() {
+    for distance in [1e3_f32, 1e9, 1e20] {
+        let place = Mat4::from_translation(Vec3::NEG_Z * distance) * Mat4::from_scale(Vec3::splat(distance * 0.2));
+        let mut scene = SceneBuilder::new(Vec3::Z).with(cube(), place, None).0;
+        scene.home = Camera { near: 0.1, far: 10.0, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
+        for format in DepthFormat::ALL {
+            let mut recipe = Recipe::default();
+            recipe.pipeline.depth_format = *format;
+            let frame = render(&scene, &recipe, SIZE);
+            let drawn = frame.image.pixels().iter().filter(|p| p[..3] != scene.background).count();
+            if format.mapping() == DepthMapping::ReversedInfinite {
+                assert!(drawn > 50, "{drawn} at {distance}");
+                let plan = &frame.geometry.plans[0];
+                assert!(!plan.runs(Part::Clipping), "wholly inside at {distance}");
+                // The front of the cube stands at 0.8 of the distance.
+                let nearest = depths(&frame).iter().fold(0.0_f32, |a, b| a.max(*b));
+                assert!((nearest * distance * 0.8 / 0.1 - 1.0).abs() < 1e-6, "{nearest} at {distance}");
+            } else {
+                assert_eq!(drawn, 0, "{format:?} has a far plane");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_w_buffer_holds_distances_up_to_a_far_plane_of_any_ratio_to_the_near_one() {
+    // Ground one unit below the eye, from near the eye to far beyond the far plane.
+    let corners = [[-1e7, -1e-1], [1e7, -1e-1], [1e7, -1e6], [-1e7, -1e6]].map(|[x, z]| Vec3::new(x, -1.0, z));
+    let planes = [1e-6, 1e3];
+    let scene = seen_along_z(mesh(corners.to_vec(), vec![[0, 1, 2], [0, 2, 3]]), planes);
+    let (width, height) = (8, 4000);
+    let frame = render(&scene, &always(DepthFormat::WBuffer), (width, height));
+    let half_height = f64::from(rasterscope::scene::camera::DEFAULT_FOV_Y * 0.5).tan();
+    let mut beyond = 0;
+    for row in height / 2..height {
+        // Distance of the ground in this row of pixels, by the ray through it; a row is many units high there.
+        let slope = |row: f64| (row / f64::from(height) * 2.0 - 1.0) * half_height;
+        let [farthest, nearest] = [0.49, 0.51].map(|offset| 1.0 / slope(f64::from(row) + offset));
+        let stored = f64::from(depths(&frame)[(row * width) as usize]);
+        let distance = stored * f64::from(planes[1]);
+        if nearest > f64::from(planes[1]) {
+            assert_eq!(stored, 1.0, "row {row} lies beyond the far plane");
+            beyond += 1;
+        } else if farthest < f64::from(planes[1]) {
+            assert!((nearest..farthest).contains(&distance), "row {row}: {distance}, not {nearest} to {farthest}");
+        }
+    }
+    assert!(beyond > 1, "{beyond} rows beyond the far plane");
+}
+
+#[test]
+fn what_is_cut_at_a_plane_has_exactly_the_depth_of_that_plane() {
+    const VIEW: Viewport = Viewport { width: SIZE.0, height: SIZE.1 };
+    for format in DepthFormat::ALL {
+        let mut cut = [0; 2];
+        let mut scene = builtin::by_id("near-plane").expect("a built-in scene").build();
+        // Both planes run through what is in view.
+        scene.home.far = 20.0;
+        let (camera, recipe) = (scene.home, always(*format));
+        let plans = render(&scene, &recipe, SIZE).geometry.plans;
+        let scale = DepthScale::new(*format, &camera);
+        for (instance, plan) in scene.instances.iter().zip(&plans).filter(|(_, plan)| plan.runs(Part::Clipping)) {
+            let mesh = scene.library.mesh(instance.mesh);
+            let matrices = DrawMatrices::new(instance, &camera, VIEW.aspect(), format.mapping());
+            let vertices = transform(mesh, &matrices, &recipe.pipeline, plan);
+            let widening = guard_band_widening(VIEW.width, VIEW.height);
+            for triangle in clip(&vertices, &mesh.triangles, TriangleId(0), true, widening, &mut ()) {
+                let corners = VIEW.project(&triangle, &scale);
+                for (vertex, corner) in triangle.vertices.iter().zip(corners).filter(|(v, _)| v.cut_at.is_some()) {
+                    let w = vertex.position.w;
+                    let at_near = (w - camera.near).abs() < (w - camera.far).abs();
+                    let [plane, end] = if at_near { [camera.near, 0.0] } else { [camera.far, 1.0] };
+                    assert!((w / plane - 1.0).abs() < 1e-4, "{format:?}: cut at {w}");
+                    let expected = if format.mapping().is_reversed() { 1.0 - end } else { end };
+                    assert_eq!(corner.depth, f64::from(expected), "{format:?}: cut at {w}");
+                    cut[usize::from(!at_near)] += 1;
+                }
+            }
+        }
+        let endless = format.mapping() == DepthMapping::ReversedInfinite;
+        assert!(cut[0] > 20 && (cut[1] > 20 || endless && cut[1] == 0), "{format:?}: {cut:?} vertices cut");
+    }
+}
+
+#[test]
+fn without_perspective_depth_is_linear_whatever_the_format() {
+    for (name, mut scene) in scenes() {
+        scene.home = scene.home.with_orthographic(true);
+        let stored = |format| depths(&render(&scene, &always(format), SIZE)).to_vec();
+        assert_eq!(stored(DepthFormat::WBuffer), stored(DepthFormat::F32), "{name}");
+        assert_eq!(stored(DepthFormat::ReversedInfinite), stored(DepthFormat::ReversedF32), "{name}");
+        for (standard, reversed) in stored(DepthFormat::F32).iter().zip(stored(DepthFormat::ReversedF32)) {
+            assert!((standard + reversed - 1.0).abs() < 1e-5, "{name}: {standard} and {reversed}");
+        }
+    }
+}
+
+#[test]
+fn a_w_buffer_grows_with_the_distance_at_any_ratio_of_distances() {
+    for exponent in [1, 5, 15] {
+        let (close, far) = (10.0_f32.powi(-exponent), 10.0_f32.powi(exponent));
+        // One corner in the middle of the picture, close; two beyond its sides, far away at one distance.
+        let corners = vec![
+            Vec3::new(0.0, -0.3, -1.0) * close,
+            Vec3::new(1.0, 0.3, -1.0) * far,
+            Vec3::new(-1.0, 0.35, -1.0) * far,
+        ];
+        let scene = seen_along_z(mesh(corners, vec![[0, 1, 2]]), [close * 0.5, far * 2.0]);
+        let frame = render(&scene, &always(DepthFormat::WBuffer), (64, 64));
+        let triangle = &frame.geometry.triangles[0];
+        let (view, stored) = (Viewport { width: 64, height: 64 }, frame.drawn.depth.as_ref().expect("a depth buffer"));
+        let samples = covered(triangle, Rasterizer::BoundingBox, FillRule::TopLeft, view);
+        // By the weight of the close corner.
+        let mut samples: Vec<_> = samples.into_iter().map(|s| (s.edges[0], stored.at(s.x, s.y))).collect();
+        assert!(samples.len() > 200, "only {} samples", samples.len());
+        samples.sort_by(|a, b| b.0.total_cmp(&a.0));
+        assert!(samples.iter().all(|(_, depth)| (0.0..=1.0).contains(depth)), "in range at 1e±{exponent}");
+        assert!(samples.windows(2).all(|pair| pair[0].1 <= pair[1].1), "growing at 1e±{exponent}");
+        assert!(samples[0].1 < samples[samples.len() - 1].1);
+    }
+}
+
+/// Fails if a depth is no number from 0 to 1.
+struct OnlyDepths(usize);
+
+impl Observer for OnlyDepths {
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+        assert!((0.0..=1.0).contains(&outcome.new), "{outcome:?} at {sample:?} of {triangle:?}");
+        self.0 += 1;
+    }
+}
+
+#[test]
+fn every_depth_of_any_triangle_in_any_arithmetic_is_a_number_from_0_to_1() {
+    let mut watch = OnlyDepths(0);
+    for_seeds(40, |rng| {
+        // Vertices of all sizes, seen past planes that are many powers of ten apart.
+        let positions = (0..90).map(|_| in_cube(rng) * 10.0_f32.powi(rng.i32(-15..16)));
+        let mesh = mesh(positions.collect(), (0..30).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect());
+        let mut scene = SceneBuilder::new(in_cube(rng)).with(mesh, Mat4::IDENTITY, None).0;
+        (scene.home.near, scene.home.far) = (10.0_f32.powi(rng.i32(-15..0)), 10.0_f32.powi(rng.i32(1..16)));
+        for (format, arithmetic) in DepthFormat::ALL.iter().flat_map(|f| Arithmetic::ALL.iter().map(move |a| (f, a))) {
+            let mut recipe = always(*format);
+            recipe.pipeline.arithmetic = *arithmetic;
+            recipe.pipeline.rasterizer = Rasterizer::ALL[rng.usize(..Rasterizer::ALL.len())];
+            run(&scene, &scene.home, &recipe, Viewport { width: SIZE.0, height: SIZE.1 }, &mut watch);
+        }
+    });
+    assert!(watch.0 > 1_000_000, "only {} depths", watch.0);
+}
