@@ -1,4 +1,4 @@
-use std::sync::Mutex;
+use std::sync::{LazyLock, Mutex};
 
 use super::*;
 use crate::report::stability::csv::csv;
@@ -16,12 +16,14 @@ fn report(plan: &Plan) -> Report {
     run(plan, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-/// Everything small, judged only.
-fn small() -> Report {
-    report(&plan(
-        &["benign", "slivers", "mesh-strips", "near-crossing", "columns", "thin", "coplanar", "depth-thin"],
-        false,
-    ))
+/// Everything small, judged only, and only once.
+fn small() -> &'static Report {
+    static SMALL: LazyLock<Report> = LazyLock::new(|| {
+        let classes =
+            ["benign", "slivers", "mesh-strips", "near-crossing", "columns", "thin", "coplanar", "depth-thin"];
+        report(&plan(&classes, false))
+    });
+    &SMALL
 }
 
 fn cell<'a>(report: &'a Report, class: &str, label: &str) -> &'a Cell {
@@ -34,7 +36,7 @@ fn integers_and_exact_predicates_pass_where_published_methods_do_not() {
     let report = small();
     for class in ["benign", "slivers", "mesh-strips"] {
         for label in ["scanline · fixed", "tiled · exact"] {
-            assert_eq!(cell(&report, class, label).verdict, Verdict::Pass, "{class} {label}");
+            assert_eq!(cell(report, class, label).verdict, Verdict::Pass, "{class} {label}");
         }
         assert_eq!(cell(&report, class, "bounding-box-published · f64").verdict, Verdict::Measured, "{class}");
     }
@@ -171,7 +173,7 @@ fn unbalanced(page: &str) -> Vec<String> {
 
 #[test]
 fn the_page_is_sound_and_loads_nothing() {
-    let page = html(&small());
+    let page = html(small());
     assert_eq!(unbalanced(&page), Vec::<String>::new());
     assert_eq!(unbalanced("<p><b></p>"), ["p", "p"]);
     for foreign in ["<script", "http://", "https://", "@import", "url("] {
