@@ -488,7 +488,7 @@ fn corners_of_polygons_are_snapped_unless_told() {
         stdout(&output).to_owned()
     };
     assert_eq!(result(&[]), "{\"id\":\"p\",\"snap_bits\":8,\"spans\":[[0,0,2]]}\n");
-    assert_eq!(result(&["--corners", "as-given"]), "{\"id\":\"p\",\"snap_bits\":null,\"spans\":[[0,1,2]]}\n");
+    assert_eq!(result(&["--arithmetic", "exact"]), "{\"id\":\"p\",\"snap_bits\":null,\"spans\":[[0,1,2]]}\n");
 }
 
 #[test]

@@ -56,8 +56,8 @@ fn ulp(value: f64) -> f64 {
 #[test]
 fn stored_depths_are_the_exact_ones_rounded_once() {
     let mut figures: BTreeMap<String, Figures> = BTreeMap::new();
-    for (case, expected) in cases::of_class("depth") {
-        let (id, mapping, encoding) = (&case["id"], mapping(&case), encoding(&case));
+    for cases::Sample { path, case, expected } in cases::of_kinds(&["depth"]) {
+        let (id, mapping, encoding) = (path.display(), mapping(&case), encoding(&case));
         let plane = |name: &str| case[name].as_f64().map_or(f32::INFINITY, |distance| distance as f32);
         let scale = DepthScale::perspective(mapping, encoding, plane("near"), plane("far"));
         let stored: Vec<f32> = numbers(&case["z"]).into_iter().map(|z| scale.stored(z as f32)).collect();

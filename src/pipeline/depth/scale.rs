@@ -1,8 +1,9 @@
 //! From distances to depths and back: which depth a vertex has, and how far apart two depths are in the world.
 //!
 //! In perspective the depth of a point follows from its distance alone, which is w. So it is computed from w, in f64, and
-//! not as the quotient of a z and a w that were both rounded to f32: every step of the formulas below is monotone, so no
-//! farther vertex ever comes out nearer; and rounded to f32 the result is the nearest float, but for one in some hundred
+//! not as the quotient of a z and a w that were both rounded to f32. Differences of two f32 are exact there (but where they
+//! are so uneven that depth is at its end anyway), and the two roundings left are too small to change the order of what is
+//! stored: no farther vertex ever comes out nearer. As f32 the result is the nearest float, but for one in some hundred
 //! million.
 
 use super::DepthEncoding;

@@ -129,7 +129,7 @@ impl CaseView {
 }
 
 fn choose<C: crate::pipeline::settings::Choice>(ui: &mut Ui, salt: &str, value: &mut C) {
-    combo(salt, value.name(), 150.0).show_ui(ui, |ui| {
+    combo(salt, value.name(), 112.0).show_ui(ui, |ui| {
         for choice in C::ALL {
             ui.selectable_value(value, *choice, choice.name()).on_hover_text(choice.help());
         }

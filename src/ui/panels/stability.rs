@@ -37,6 +37,10 @@ const LIGHT_FROM: usize = 4;
 /// Error that stands for none on a logarithmic axis.
 const NO_ERROR: f64 = 1e-9;
 
+/// Marks of the arithmetics, and how the key writes them.
+const MARKS: [(MarkerShape, &str); 4] =
+    [(MarkerShape::Circle, "●"), (MarkerShape::Diamond, "◆"), (MarkerShape::Square, "■"), (MarkerShape::Up, "▲")];
+
 /// Draws the buttons beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if let Some(progress) = session.stability.progress {
@@ -180,42 +184,60 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &Cell, commands: &mut Vec<C
     });
 }
 
-/// Share of wrong pixels over all classes of triangles on the screen, against the middle of the times per pixel.
+/// Share of wrong pixels over all classes of triangles on the screen, against the middle of the times per pixel. Colours
+/// stand for rasterizers, marks for arithmetics.
 fn scatter(ui: &mut Ui, report: &Report) {
+    /// Width of the key in points.
+    const KEY: f32 = 190.0;
     let points = configurations(report);
     let colors = tokens(ui).series;
-    let shapes = [MarkerShape::Circle, MarkerShape::Diamond, MarkerShape::Square, MarkerShape::Up];
-    Plot::new("error against time")
-        .height(ui.available_height())
-        .x_axis_label("ns per pixel, logarithm to base 10")
-        .y_axis_label("share of wrong pixels, log₁₀")
-        .legend(egui_plot::Legend::default())
-        .allow_scroll(false)
-        .label_formatter(|position| match position {
-            HoverPosition::NearDataPoint { plot_name, position, .. } => {
-                let wrong = 10_f64.powf(position.y);
-                let wrong =
-                    if wrong <= NO_ERROR * 1.01 { "no wrong pixel".to_owned() } else { format!("{wrong:.1e} wrong") };
-                Some(format!("{plot_name}: {:.2} ns per pixel, {wrong}", 10_f64.powf(position.x)))
-            }
-            HoverPosition::Elsewhere { .. } => None,
-        })
-        .show(ui, |plot| {
-            let mut methods: Vec<&str> = Vec::new();
-            let mut arithmetics: Vec<&str> = Vec::new();
-            for (column, ns, share) in points {
-                let place = |list: &mut Vec<&'static str>, word: &'static str| {
-                    list.iter().position(|known| *known == word).unwrap_or_else(|| {
-                        list.push(word);
-                        list.len() - 1
-                    })
-                };
-                let color = colors[place(&mut methods, column.method()) % colors.len()];
-                let shape = shapes[place(&mut arithmetics, column.arithmetic().unwrap_or_default()) % shapes.len()];
+    let words = |word: fn(Column) -> Option<&'static str>| {
+        let mut all: Vec<_> = points.iter().filter_map(|(column, ..)| word(*column)).collect();
+        let mut seen = std::collections::HashSet::new();
+        all.retain(|word| seen.insert(*word));
+        all
+    };
+    let (methods, arithmetics) = (words(|column| Some(column.method_name())), words(Column::arithmetic));
+    let place = |list: &[&str], word: Option<&str>| list.iter().position(|known| Some(*known) == word).unwrap_or(0);
+    ui.horizontal_top(|ui| {
+        let plot = Plot::new("error against time")
+            .width((ui.available_width() - KEY).max(200.0))
+            .height(ui.available_height())
+            .x_axis_label("log₁₀ of ns per pixel")
+            .y_axis_label("log₁₀ of wrong share")
+            .allow_scroll(false)
+            .label_formatter(|position| match position {
+                HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                    let (ns, wrong) = (10_f64.powf(position.x), 10_f64.powf(position.y));
+                    let none = wrong <= NO_ERROR * 1.01;
+                    let wrong =
+                        if none { "no wrong pixel".to_owned() } else { format!("{wrong:.1e} of the pixels wrong") };
+                    Some(format!("{plot_name}: {ns:.2} ns per pixel, {wrong}"))
+                }
+                HoverPosition::Elsewhere { .. } => None,
+            });
+        plot.show(ui, |plot| {
+            for (column, ns, share) in &points {
+                let color = colors[place(&methods, Some(column.method_name())) % colors.len()];
+                let (shape, _) = MARKS[place(&arithmetics, column.arithmetic()) % MARKS.len()];
                 let at = PlotPoints::from(vec![[ns.log10(), share.max(NO_ERROR).log10()]]);
                 plot.points(Points::new(column.label(), at).color(color).shape(shape).radius(5.0));
             }
         });
+        ScrollArea::vertical().id_salt("key").show(ui, |ui| {
+            ui.vertical(|ui| {
+                for (index, method) in methods.iter().enumerate() {
+                    ui.label(RichText::new(*method).small().color(colors[index % colors.len()]));
+                }
+                for (index, arithmetic) in arithmetics.iter().enumerate() {
+                    let (_, mark) = MARKS[index % MARKS.len()];
+                    ui.label(RichText::new(format!("{mark} {arithmetic}")).small());
+                }
+                let note = "At 10⁻⁹: no wrong pixel";
+                ui.label(RichText::new(note).small().color(tokens(ui).text_weak));
+            });
+        });
+    });
 }
 
 /// Every rasterizer in every arithmetic: the middle of its times per pixel over the classes, and its share of pixels that

@@ -219,13 +219,20 @@ fn huge_uv(dice: &mut Dice) -> Vec<Draft> {
 fn coplanar(dice: &mut Dice) -> Vec<Draft> {
     let mut drafts = Vec::new();
     while drafts.len() < 8 {
-        // z = 1/2 + (a·x + b·y) / 2¹⁶ with whole a, b below 2⁸: of numbers with 8 places behind the point an f32 holds every
-        // digit, so the corners lie in one plane exactly.
-        let [a, b] = [(); 2].map(|()| dice.integer(-250..250) as f32);
-        let in_plane =
-            |[x, y]: [f32; 2]| ScreenCorner { x, y, z: 0.5 + (a * x + b * y) / 65_536.0, w: 1.0, uv: [0.0; 2] };
-        let whole = |dice: &mut Dice| [(); 3].map(|()| in_plane([(); 2].map(|()| dice.integer(0..SIDE as i32) as f32)));
-        let (first, second) = (whole(dice), whole(dice));
+        // A parallelogram is flat whatever its corners, and f32 holds them all: places are multiples of 1/256 px, depths
+        // multiples of 2⁻²⁴ in 1/2…1. Its halves along either diagonal overlap.
+        let mut at = |_: usize| {
+            let depth = 0.5 + f64::from(dice.integer(0..1 << 23)) / 16_777_216.0;
+            [dice.on_grid(0, SIDE as i32).into(), dice.on_grid(0, SIDE as i32).into(), depth]
+        };
+        let [a, b, c]: [[f64; 3]; 3] = std::array::from_fn(&mut at);
+        let d = [0, 1, 2].map(|axis| a[axis] + c[axis] - b[axis]);
+        if !(0.5..1.0).contains(&d[2]) {
+            continue;
+        }
+        let corner = |[x, y, z]: [f64; 3]| ScreenCorner { x: x as f32, y: y as f32, z: z as f32, w: 1.0, uv: [0.0; 2] };
+        let (first, second) = ([a, b, c].map(corner), [a, b, d].map(corner));
+        let (first, second) = (dice.shuffled(first), dice.shuffled(second));
         let eval = samples(dice, SIDE, &[&first, &second]);
         if eval.len() >= SAMPLES / 2 {
             let body = Body::CoplanarPair(CoplanarPair { width: SIDE, height: SIDE, first, second, eval });

@@ -38,13 +38,13 @@ fn integers_and_exact_predicates_pass_where_published_methods_do_not() {
         for label in ["scanline · fixed", "tiled · exact"] {
             assert_eq!(cell(report, class, label).verdict, Verdict::Pass, "{class} {label}");
         }
-        assert_eq!(cell(&report, class, "bounding-box-published · f64").verdict, Verdict::Measured, "{class}");
+        assert_eq!(cell(report, class, "bounding-box-published · f64").verdict, Verdict::Measured, "{class}");
     }
-    let published = cell(&report, "mesh-strips", "bounding-box-published · f64");
+    let published = cell(report, "mesh-strips", "bounding-box-published · f64");
     assert!(published.measures.get(Metric::Seams) > Some(100.0));
-    assert!(cell(&report, "slivers", "scanline · fixed").measures.get(Metric::WrongUnsnapped) > Some(10.0));
-    assert!(cell(&report, "thin", "affine · f64").measures.get(Metric::WeightError) > Some(0.1));
-    assert!(cell(&report, "thin", "perspective · f64").measures.get(Metric::WeightError) < Some(1e-5));
+    assert!(cell(report, "slivers", "scanline · fixed").measures.get(Metric::WrongUnsnapped) > Some(10.0));
+    assert!(cell(report, "thin", "affine · f64").measures.get(Metric::WeightError) > Some(0.1));
+    assert!(cell(report, "thin", "perspective · f64").measures.get(Metric::WeightError) < Some(1e-5));
 }
 
 #[test]
@@ -132,14 +132,14 @@ fn times_are_taken_and_stiffness_follows() {
 fn every_form_of_the_report_has_every_cell() {
     let report = small();
     let cells: usize = report.classes.iter().map(|class| class.cells.len()).sum();
-    let table = csv(&report);
+    let table = csv(report);
     let widths: Vec<usize> = table.lines().map(|line| line.split(',').count()).collect();
     assert_eq!(widths.len(), cells + 1);
     assert!(widths.iter().all(|width| *width == widths[0]), "{widths:?}");
-    let json: serde_json::Value = serde_json::to_value(&report).unwrap();
+    let json: serde_json::Value = serde_json::to_value(report).unwrap();
     assert_eq!(json["classes"][0]["cells"][0]["verdict"], "PASS");
     assert_eq!(json["classes"][0]["id"], "benign");
-    let (text, page) = (text(&report), html(&report));
+    let (text, page) = (text(report), html(report));
     for class in &report.classes {
         assert!(text.contains(&format!("  {} ", class.class.id)), "{}", class.class.id);
         assert!(page.contains(class.class.name), "{}", class.class.name);
