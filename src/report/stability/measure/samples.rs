@@ -40,12 +40,16 @@ pub(super) fn judge(expected: &[ExpectedSamples], answers: &[Vec<Sampled>]) -> O
     Outcome::new(all, worst.1.into_iter().collect())
 }
 
-/// Orders samples by what is worst about them: no number at all, then weights, then depth.
+/// Orders samples by what is worst about them: no number at all, then two depths where there should be one, then weights,
+/// then depth.
 fn badness(measures: &Measures) -> f64 {
     /// Larger than any error of a number that is one.
     const NO_NUMBER: f64 = 1e300;
+    /// Larger than any error of a weight, or in texels, that is worth looking at.
+    const FLIP: f64 = 1e9;
     let value = |metric| measures.get(metric).unwrap_or(0.0);
     value(Metric::NotFinite) * NO_NUMBER
+        + value(Metric::Flips) * FLIP
         + value(Metric::WeightError)
         + value(Metric::UvTexels)
         + value(Metric::DepthUlp) * 1e-6
@@ -134,7 +138,9 @@ mod tests {
         let mut other = given.clone();
         other[0].depth += 1e-12;
         let both = [right.clone(), right];
-        let measures = judge(&both, &[given, other]).measures.unwrap();
+        let outcome = judge(&both, &[given, other]);
+        let measures = outcome.measures.unwrap();
         assert_eq!((measures.get(Metric::Flips), measures.get(Metric::Samples)), (Some(1.0), Some(6.0)));
+        assert_eq!(outcome.culprits, [0], "the sample that shows it");
     }
 }
