@@ -1,6 +1,9 @@
 //! The one entry for window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
 
 use std::collections::BTreeSet;
+use std::fmt;
+use std::ops::{Deref, DerefMut};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
@@ -8,10 +11,14 @@ use serde_json::Value;
 use thiserror::Error;
 
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::Lanes;
+use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::settings::Settings;
-use crate::pipeline::viewport::Viewport;
+use crate::pipeline::plan::DrawPlan;
+use crate::pipeline::settings::{Execution, Settings};
+use crate::pipeline::tiled::{self, TiledReport};
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare, wireframe};
 use crate::scene::{Camera, Scene};
 use crate::upscale::{self, Upscaling};
@@ -21,6 +28,8 @@ use crate::upscale::{self, Upscaling};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Recipe {
+    /// How it is executed: the picture is the same.
+    pub execution: Execution,
     /// The pipeline's decisions.
     #[serde(flatten)]
     pub pipeline: Settings,
@@ -32,7 +41,12 @@ pub struct Recipe {
 
 impl Default for Recipe {
     fn default() -> Self {
-        Self { pipeline: Settings::default(), upscaler: Upscaling::NATIVE, wireframe: false }
+        Self {
+            execution: Execution::Tiled,
+            pipeline: Settings::default(),
+            upscaler: Upscaling::NATIVE,
+            wireframe: false,
+        }
     }
 }
 
@@ -212,27 +226,89 @@ pub struct FrameTimes {
 /// A finished frame and what it was made from.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// The full picture.
-    pub image: Image<Rgba8>,
+    /// The full picture where it is not what was drawn itself.
+    finished: Option<Image<Rgba8>>,
     /// What was really drawn.
     pub drawn: Framebuffer,
-    /// The triangles that were rasterized, and the plans.
-    pub geometry: Geometry,
+    /// The triangles that were rasterized.
+    pub geometry: LazyGeometry,
+    /// One plan per instance.
+    pub plans: Vec<DrawPlan>,
     /// Size of the full picture.
     pub viewport: Viewport,
+    /// How it was drawn.
+    pub execution: Execution,
     /// Where the time went.
     pub times: FrameTimes,
+    /// What was counted while it was drawn tile by tile.
+    pub tiled: Option<TiledReport>,
 }
 
 impl Frame {
+    /// The full picture.
+    pub fn image(&self) -> &Image<Rgba8> {
+        self.finished.as_ref().unwrap_or(&self.drawn.color)
+    }
+
     /// Share of the picture's pixels that were drawn, in [0, 1].
     pub fn drawn_share(&self) -> f64 {
-        let (width, height) = self.image.size();
+        let Viewport { width, height } = self.viewport;
         self.drawn.grid.drawn_pixels(width, height) as f64 / (f64::from(width) * f64::from(height))
+    }
+
+    /// Triangles, and pieces of cut ones, that were rasterized.
+    pub fn rasterized(&self) -> usize {
+        self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
+    }
+
+    /// What depths of the frame mean.
+    pub fn depth_scale(&self) -> &DepthScale {
+        &self.drawn.depth_scale
+    }
+
+    /// Draws the list of triangles once more, after it was changed.
+    pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
+        self.drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
+        self.finished = finish(recipe, &self.drawn, self.viewport, || &self.geometry.triangles);
     }
 }
 
-/// Draws one frame of `viewport`'s size. Cannot fail: a scene is always renderable.
+/// The geometry of a frame, made when it is first asked for: what was drawn tile by tile needed none in this form.
+#[derive(Clone)]
+pub struct LazyGeometry {
+    made: OnceLock<Geometry>,
+    make: Arc<dyn Fn() -> Geometry + Send + Sync>,
+}
+
+impl LazyGeometry {
+    fn made(geometry: Geometry) -> Self {
+        Self { made: geometry.into(), make: Arc::new(Geometry::default) }
+    }
+}
+
+impl fmt::Debug for LazyGeometry {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("LazyGeometry").field(&self.made).finish()
+    }
+}
+
+impl Deref for LazyGeometry {
+    type Target = Geometry;
+
+    fn deref(&self) -> &Geometry {
+        self.made.get_or_init(|| (self.make)())
+    }
+}
+
+impl DerefMut for LazyGeometry {
+    fn deref_mut(&mut self) -> &mut Geometry {
+        let made = self.made.take().unwrap_or_else(|| (self.make)());
+        self.made = made.into();
+        self.made.get_mut().expect("it was put there a line above")
+    }
+}
+
+/// Draws one frame of `viewport`'s size the classic way, watched by `observer`. Cannot fail: a scene is always renderable.
 pub fn run<O: Observer>(
     scene: &Scene,
     camera: &Camera,
@@ -241,25 +317,154 @@ pub fn run<O: Observer>(
     observer: &mut O,
 ) -> Frame {
     let start = Instant::now();
-    let Viewport { width, height } = viewport;
     let geometry = prepare(scene, camera, &recipe.pipeline, viewport, observer);
     let geometry_done = Instant::now();
 
     let drawn = draw_pixels(scene, recipe, &geometry, viewport, Until::Shade, observer);
     let drawn_at = Instant::now();
 
-    let mut image = recipe.upscaler.upscaler().upscale(&drawn.color, recipe.upscaler.scale(), width, height);
-    let upscaled_at = Instant::now();
-    if recipe.wireframe {
-        wireframe::overlay(&geometry.triangles, &mut image);
-    }
+    let finished = finish(recipe, &drawn, viewport, || &geometry.triangles);
     let times = FrameTimes {
         geometry: geometry_done - start,
         pixels: drawn_at - geometry_done,
-        upscale: upscaled_at - drawn_at,
+        upscale: drawn_at.elapsed(),
         total: start.elapsed(),
     };
-    Frame { image, drawn, geometry, viewport, times }
+    Frame {
+        finished,
+        drawn,
+        plans: geometry.plans.clone(),
+        geometry: LazyGeometry::made(geometry),
+        viewport,
+        execution: Execution::Classic,
+        times,
+        tiled: None,
+    }
+}
+
+/// Draws frames as recipes say, on all threads where they allow it, and keeps memory from frame to frame.
+#[derive(Debug)]
+pub struct Renderer {
+    memory: tiled::Memory,
+    lanes: Lanes,
+    /// A picture that is no longer needed.
+    spare: Option<Image<Rgba8>>,
+    /// Depths that are no longer needed.
+    spare_depth: Option<Image<f32>>,
+}
+
+impl Default for Renderer {
+    fn default() -> Self {
+        Self { memory: tiled::Memory::default(), lanes: Lanes::best(), spare: None, spare_depth: None }
+    }
+}
+
+/// Whether a frame keeps its depths for others to read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeepDepth {
+    /// It does.
+    Yes,
+    /// They are used and forgotten.
+    No,
+}
+
+impl Renderer {
+    /// One that computes on these lanes.
+    pub fn on(lanes: Lanes) -> Self {
+        Self { lanes, ..Self::default() }
+    }
+
+    /// Draws one frame of `viewport`'s size, on the threads of the present rayon pool.
+    pub fn render(
+        &mut self,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        viewport: Viewport,
+        keep_depth: KeepDepth,
+    ) -> Frame {
+        if execution(scene, recipe).0 == Execution::Classic {
+            return run(scene, camera, recipe, viewport, &mut ());
+        }
+        let start = Instant::now();
+        let settings = &recipe.pipeline;
+        let geometry = {
+            let (scene, camera, settings) = (Arc::clone(scene), *camera, *settings);
+            let make = Arc::new(move || prepare(&scene, &camera, &settings, viewport, &mut ()));
+            LazyGeometry { made: OnceLock::new(), make }
+        };
+        let spare_depth = self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes);
+        let mut drawn = Framebuffer::reusing(
+            recipe.upscaler.grid(),
+            viewport,
+            (self.spare.take(), spare_depth),
+            settings,
+            keep_depth == KeepDepth::Yes,
+        );
+        drawn.depth_scale = DepthScale::new(settings.depth_format, camera);
+        let report = tiled::draw(scene, camera, settings, viewport, &mut drawn, &mut self.memory, self.lanes);
+        let drawn_at = Instant::now();
+        let finished = finish(recipe, &drawn, viewport, || &geometry.triangles);
+        let front = report.times.transform + report.times.cull;
+        let times = FrameTimes {
+            geometry: front,
+            pixels: (drawn_at - start).saturating_sub(front),
+            upscale: drawn_at.elapsed(),
+            total: start.elapsed(),
+        };
+        Frame {
+            finished,
+            drawn,
+            geometry,
+            plans: report.plans.clone(),
+            viewport,
+            execution: Execution::Tiled,
+            times,
+            tiled: Some(report),
+        }
+    }
+
+    /// Takes the memory of a frame that nobody looks at any more.
+    pub fn recycle(&mut self, frame: Frame) {
+        self.spare = Some(frame.drawn.color);
+        self.spare_depth = frame.drawn.depth.or(self.spare_depth.take());
+    }
+
+    /// Bytes held from frame to frame.
+    pub fn bytes(&self) -> usize {
+        self.memory.bytes()
+            + self.spare.as_ref().map_or(0, Image::bytes)
+            + self.spare_depth.as_ref().map_or(0, Image::bytes)
+    }
+}
+
+/// How a recipe is executed on a scene, and why not otherwise where it asks for otherwise.
+pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
+    match recipe.execution {
+        Execution::Classic => (Execution::Classic, None),
+        Execution::Tiled => match tiled::obstacle(scene, &recipe.pipeline) {
+            None => (Execution::Tiled, None),
+            why => (Execution::Classic, why),
+        },
+    }
+}
+
+/// The full picture, unless what was drawn is that already.
+fn finish<'a>(
+    recipe: &Recipe,
+    drawn: &Framebuffer,
+    viewport: Viewport,
+    triangles: impl Fn() -> &'a Vec<ScreenTriangle>,
+) -> Option<Image<Rgba8>> {
+    let Viewport { width, height } = viewport;
+    let upscaled = (!recipe.upscaler.is_native())
+        .then(|| recipe.upscaler.upscaler().upscale(&drawn.color, recipe.upscaler.scale(), width, height));
+    if !recipe.wireframe {
+        return upscaled;
+    }
+    let mut image = upscaled.unwrap_or_else(|| drawn.color.clone());
+    wireframe::overlay(triangles(), &mut image);
+    Some(image)
 }
 
 /// Draws the triangles of a frame once more into a framebuffer of their own, as far as `until` says. `recipe` may differ
@@ -285,6 +490,7 @@ fn draw_pixels<O: Observer>(
     let (Viewport { width, height }, settings) = (viewport, &recipe.pipeline);
     let mut drawn = Framebuffer::new(recipe.upscaler.grid(), width, height, scene.background, settings);
     draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut drawn, observer);
+    drawn.depth_scale = geometry.depth_scale;
     drawn
 }
 

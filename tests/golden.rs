@@ -34,7 +34,7 @@ fn scene(id: &str) -> Scene {
 }
 
 fn image(scene: &Scene, recipe: &Recipe) -> Image<Rgba8> {
-    render(scene, recipe, SIZE).image
+    render(scene, recipe, SIZE).image().clone()
 }
 
 /// Every picture that has a golden, with the name of its file.

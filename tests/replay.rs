@@ -103,7 +103,7 @@ fn replay_frame(name: &str, scene: &Scene, recipe: &Recipe, (width, height): (u3
     for y in 0..height {
         for x in 0..width {
             let report = inspect(scene, recipe, &frame, x, y).expect("inside of the picture");
-            assert_eq!(report.color, frame.image.at(x, y), "{name} ({x}, {y}) {recipe:?}\n{report:#?}");
+            assert_eq!(report.color, frame.image().at(x, y), "{name} ({x}, {y}) {recipe:?}\n{report:#?}");
             check_against_buffers(&report, &frame, &buffers);
         }
     }

@@ -87,12 +87,12 @@ impl Shot {
 
     /// What the picture of the window has where the canvas shows the frame, and the frame.
     fn canvas_and_frame(&self) -> (Image<Rgba8>, Image<Rgba8>) {
-        let frame = &self.app.session().view.as_ref().expect("a frame was drawn").frame.image;
+        let frame = self.app.session().view.as_ref().expect("a frame was drawn").frame.image();
         let picture = self.headless.picture();
         let corner = (self.canvas().min * self.pixels_per_point).round();
         let (width, height) = frame.size();
         let crop = Image::from_fn(width, height, |x, y| picture.at(corner.x as u32 + x, corner.y as u32 + y));
-        (crop, frame.clone())
+        (crop, (*frame).clone())
     }
 }
 

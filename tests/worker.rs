@@ -64,7 +64,7 @@ fn a_request_is_answered_with_its_frame_and_then_its_stage_times() {
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
     let [Answer::View(view), Answer::Stages(figures)] = &answers[..] else { panic!("{} answers", answers.len()) };
     let expected = run(&request.scene, &request.camera, &request.recipe, request.viewport, &mut ());
-    assert_eq!(*view.picture, expected.image);
+    assert_eq!(*view.picture, *expected.image());
     assert!(view.fresh);
     assert!(figures.times.rasterize > Duration::ZERO);
 }

@@ -49,6 +49,9 @@ pub(crate) enum Failure {
     /// Results cannot be written.
     #[error("standard output: {0}")]
     Output(std::io::Error),
+    /// The threads asked for cannot be had.
+    #[error("--threads: {0}")]
+    Threads(String),
     /// There can be no window.
     #[error("{0}")]
     NoWindow(String),

@@ -3,6 +3,7 @@
 //! Warnings and errors go to standard error, one line each. Exit codes: 0 done; 2 input that cannot be used or output
 //! that cannot be written; 3 no window where one was asked for.
 
+mod bench;
 mod case;
 mod failure;
 mod output;
@@ -59,6 +60,9 @@ enum Command {
     /// Draw the whole workbench into a PNG, without a window
     #[command(after_help = EXIT_CODES)]
     Screenshot(screenshot::ScreenshotArgs),
+    /// Time frames: in all and per stage, with counts and memory
+    #[command(after_help = EXIT_CODES)]
+    Bench(bench::BenchArgs),
     /// Answer numerical cases: small inputs to one algorithm each, to be compared with exact answers
     #[command(after_help = EXIT_CODES)]
     Case(case::CaseArgs),
@@ -92,6 +96,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Pixel(args)) => pixel::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
+        Some(Command::Bench(args)) => bench::run(args),
         Some(Command::Case(args)) => case::run(args),
         Some(Command::Stability(args)) => stability::run(args),
         Some(Command::Scenes) => scenes::run(),

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use clap::Args;
-use rasterscope::chain::{self, Frame, Recipe};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
 use rasterscope::image::file::write_png;
 use rasterscope::inspect::{Buffer, Hits, Stage, capture, stages, view};
 use rasterscope::measure::stages::stage_times;
@@ -44,7 +45,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let mut faults = None;
     let image = match args.stage {
         Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
-        None if args.buffer == Buffer::Color => &frame.image,
+        None if args.buffer == Buffer::Color => frame.image(),
         None => {
             let buffers = capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame);
             let range = view::range(args.buffer, &frame, Some(&buffers));
@@ -58,8 +59,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         output::display(&args.output),
         frame.viewport.width,
         frame.viewport.height,
-        frame.geometry.triangles_in,
-        frame.geometry.triangles.len(),
+        scene.triangle_count(),
+        frame.rasterized(),
         frame.times.total.as_secs_f64() * 1e3,
         frame.drawn_share() * 100.0,
     ))?;
@@ -70,11 +71,18 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 }
 
 /// One line per stage: the median of its times over frames drawn for this.
-fn print_times(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, frames: u32) -> Result<(), Failure> {
+fn print_times(
+    scene: &Arc<Scene>,
+    camera: &Camera,
+    recipe: &Recipe,
+    frame: &Frame,
+    frames: u32,
+) -> Result<(), Failure> {
+    let mut renderer = Renderer::default();
     let mut samples_ms: BTreeMap<usize, (&str, Vec<f64>)> = BTreeMap::new();
     for _ in 0..frames {
-        let frame = chain::run(scene, camera, recipe, frame.viewport, &mut ());
-        for (place, (name, time)) in stage_times(scene, recipe, &frame).named().into_iter().enumerate() {
+        let frame = renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
+        for (place, (name, time)) in stage_times(scene, camera, recipe, &frame).named().into_iter().enumerate() {
             samples_ms.entry(place).or_insert((name, Vec::new())).1.push(time.as_secs_f64() * 1e3);
         }
     }

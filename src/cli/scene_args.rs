@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use rasterscope::chain::{Frame, Recipe, run};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::Loaded;
@@ -147,10 +147,15 @@ impl FrameArgs {
         self.size
     }
 
+    /// Reads scene, view and recipe.
+    pub(crate) fn view(&self) -> Result<View, Failure> {
+        self.scene.view()
+    }
+
     /// Draws the frame.
     pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
-        let View { scene, recipe, camera, .. } = self.scene.view()?;
-        let frame = run(&scene, &camera, &recipe, self.size, &mut ());
+        let View { scene, recipe, camera, .. } = self.view()?;
+        let frame = Renderer::default().render(&scene, &camera, &recipe, self.size, KeepDepth::Yes);
         Ok(Drawn { scene, camera, recipe, frame })
     }
 }

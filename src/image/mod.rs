@@ -21,6 +21,13 @@ impl<T: Copy> Image<T> {
         Self { width, height, pixels: vec![value; width as usize * height as usize] }
     }
 
+    /// A picture in the memory of another one that is no longer needed. What it holds is arbitrary; `value` where memory is new.
+    pub fn reusing(memory: Option<Self>, width: u32, height: u32, value: T) -> Self {
+        let mut pixels = memory.map_or_else(Vec::new, |image| image.pixels);
+        pixels.resize(width as usize * height as usize, value);
+        Self { width, height, pixels }
+    }
+
     /// Takes row-major `pixels`. Panics unless there are exactly `width` × `height` of them.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Self {
         assert_eq!(pixels.len(), width as usize * height as usize, "pixel count does not match {width}×{height}");

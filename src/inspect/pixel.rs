@@ -166,7 +166,7 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         color,
         drawn_at: drawn_at.into(),
         fragments: recorder.finish(),
-        final_depth: final_depth.map(|depth| DepthRecord::new(depth, &frame.geometry.depth_scale)),
+        final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, x, y),
@@ -219,7 +219,7 @@ struct Recorder<'a> {
 
 impl<'a> Recorder<'a> {
     fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
-        let shaders = scene.instances.iter().zip(&frame.geometry.plans);
+        let shaders = scene.instances.iter().zip(&frame.plans);
         Self {
             scene,
             shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
@@ -245,7 +245,7 @@ impl<'a> Recorder<'a> {
     }
 
     fn depth(&self, stored: f32) -> DepthRecord {
-        DepthRecord::new(stored, &self.frame.geometry.depth_scale)
+        DepthRecord::new(stored, self.frame.depth_scale())
     }
 
     fn submission(&self, triangle: &ScreenTriangle) -> usize {
@@ -299,7 +299,7 @@ impl Observer for Recorder<'_> {
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
         let instance = triangle.instance as usize;
-        let (shader, plan) = (&self.shaders[instance], &self.frame.geometry.plans[instance]);
+        let (shader, plan) = (&self.shaders[instance], &self.frame.plans[instance]);
         if let Some(record) = self.records.last_mut() {
             record.shading = Some(shading_record(shader, plan, fragment, color));
         }

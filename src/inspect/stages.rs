@@ -73,7 +73,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         Stage::Depth => redrawn(Shading::TriangleId, depth_test),
         Stage::Interpolate => redrawn(Shading::Barycentric, depth_test),
         Stage::Shade => spread(&frame.drawn, frame.viewport),
-        Stage::Upscale => frame.image.clone(),
+        Stage::Upscale => frame.image().clone(),
     }
 }
 
@@ -180,7 +180,7 @@ mod tests {
             let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
             let shown = picture(&scene, &scene.home, &recipe, &frame, stage);
             recipe.pipeline.shading = shading;
-            assert_eq!(shown, run(&scene, &scene.home, &recipe, VIEW, &mut ()).image, "{stage:?}");
+            assert_eq!(shown, *run(&scene, &scene.home, &recipe, VIEW, &mut ()).image(), "{stage:?}");
         }
     }
 

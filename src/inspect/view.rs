@@ -80,7 +80,7 @@ pub enum Value {
 /// Reads a buffer at a pixel inside the picture. `buffers` may be missing for colour and depth.
 pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
     if buffer == Buffer::Color {
-        return frame.image.get(x, y).map_or(Value::NotDrawn, Value::Color);
+        return frame.image().get(x, y).map_or(Value::NotDrawn, Value::Color);
     }
     let Some((column, row)) = frame.drawn.grid.sample_at(x, y) else {
         return Value::NotDrawn;
@@ -148,7 +148,7 @@ pub fn range(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option
 /// A buffer as a full picture.
 pub fn picture(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
     let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
-    let (width, height) = frame.image.size();
+    let (width, height) = frame.image().size();
     let mut image = Image::from_fn(width, height, |x, y| match value(buffer, frame, buffers, x, y) {
         Value::NotDrawn | Value::Nothing => NOT_DRAWN,
         Value::Color(color) => color,

@@ -20,6 +20,8 @@ pub mod expansion;
 
 pub mod fixed;
 
+pub mod lanes;
+
 mod bounds;
 
 pub use bounds::Aabb;
@@ -30,6 +32,21 @@ use glam::{DVec3, Vec3};
 pub fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
     let largest = v.abs().max_element();
     if largest > 0.0 && largest.is_finite() { (v / largest).normalize().as_vec3() } else { fallback }
+}
+
+/// [`unit_or`] for eight vectors, by component.
+#[inline(always)]
+pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [Vec3; lanes::LANES] {
+    use lanes::{F64, SimdBase as _, SimdFloat as _, narrow};
+    let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
+    let [x, y, z] = [v[0] / largest, v[1] / largest, v[2] / largest];
+    let reciprocal = F64::splat(simd, 1.0) / (x * x + y * y + z * z).sqrt();
+    let [x, y, z] = lanes::each!(part in [x, y, z] => narrow(simd, part * reciprocal).to_array());
+    let largest = largest.to_array();
+    std::array::from_fn(|i| {
+        let has_length = largest[i] > 0.0 && largest[i].is_finite();
+        if has_length { Vec3::new(x[i], y[i], z[i]) } else { fallback }
+    })
 }
 
 /// The largest integer not above `x`, exactly as [`f32::floor`], which without SSE 4.1 is a function call of some thirty

@@ -1,52 +1,55 @@
 //! Where the time of a frame goes, stage by stage.
 //!
-//! Rasterizing, depth and shading are interleaved sample by sample, and a clock in that loop would cost more than what it
-//! measures. They are told apart by drawing the frame several times, each time one stage further, and taking differences.
-//! So they are estimates: a difference within the noise of its two runs comes out as zero, which means "too short to
-//! tell". The compiler may also move work from one stage into the next where only the next one reads the result.
+//! Tile by tile, stages run one after the other, and each tells its own time. In the classic way rasterizing, depth and
+//! shading are interleaved sample by sample, and a clock in that loop would cost more than what it measures. There they are
+//! told apart by drawing the frame several times, each time one stage further, and taking differences. So they are estimates:
+//! a difference within the noise of its two runs comes out as zero, which means "too short to tell". The compiler may also
+//! move work from one stage into the next where only the next one reads the result.
 
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::chain::{Frame, Recipe, redraw};
+use crate::chain::{Frame, KeepDepth, Recipe, Renderer, redraw};
 use crate::pipeline::Until;
-use crate::pipeline::settings::DepthTest;
-use crate::scene::Scene;
+use crate::pipeline::settings::{DepthTest, Execution};
+use crate::pipeline::tiled::TiledTimes;
+use crate::scene::{Camera, Scene};
 
-/// Time of each stage of a frame.
+/// Time of each stage of a frame; `None` for a stage that did not run, or whose time is that of another one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageTimes {
-    /// Plan and vertices.
+    /// Plan and vertices. Tile by tile with projection.
     pub transform: Duration,
     /// Clipping.
-    pub clip: Duration,
+    pub clip: Option<Duration>,
     /// Division and snapping.
-    pub project: Duration,
-    /// Facing and edge setup.
+    pub project: Option<Duration>,
+    /// Facing and edge setup. Tile by tile with clipping and sorting into tiles.
     pub cull: Duration,
-    /// Clearing the framebuffer and finding covered samples.
+    /// Clearing the framebuffer and finding covered samples. Tile by tile with the depth test.
     pub rasterize: Duration,
-    /// Depth test and store; `None` without a depth test.
+    /// Depth test and store.
     pub depth: Option<Duration>,
     /// Interpolating attributes.
-    pub interpolate: Duration,
-    /// Shading and writing.
+    pub interpolate: Option<Duration>,
+    /// Shading and writing. Tile by tile with interpolation.
     pub shade: Duration,
     /// Filling in.
     pub upscale: Duration,
 }
 
 impl StageTimes {
-    /// The stages that ran, with their names, in their order.
+    /// The stages that have a time of their own, with their names, in their order.
     pub fn named(&self) -> Vec<(&'static str, Duration)> {
         let stages = [
             ("transform", Some(self.transform)),
-            ("clip", Some(self.clip)),
-            ("project", Some(self.project)),
+            ("clip", self.clip),
+            ("project", self.project),
             ("cull", Some(self.cull)),
             ("rasterize", Some(self.rasterize)),
             ("depth", self.depth),
-            ("interpolate", Some(self.interpolate)),
+            ("interpolate", self.interpolate),
             ("shade", Some(self.shade)),
             ("upscale", Some(self.upscale)),
         ];
@@ -67,18 +70,27 @@ const LEVELS: [Until; 4] = [Until::Coverage, Until::Depth, Until::Interpolate, U
 ///
 /// Rounds run all levels in turn, so that a disturbance hits one run and not one level; the least time of each level is the
 /// one that was disturbed least.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct StageTimer {
     least: [Duration; LEVELS.len()],
     runs: usize,
     wanted_runs: usize,
+    /// Draws frames once more tile by tile.
+    renderer: Renderer,
+    tiled: Option<TiledTimes>,
 }
 
 impl StageTimer {
     /// For a frame, which tells how many rounds are worth while.
     pub fn new(frame: &Frame) -> Self {
         let rounds = if frame.times.total < SHORT_FRAME { ROUNDS } else { 1 };
-        Self { least: [Duration::MAX; LEVELS.len()], runs: 0, wanted_runs: rounds * LEVELS.len() }
+        Self {
+            least: [Duration::MAX; LEVELS.len()],
+            runs: 0,
+            wanted_runs: rounds * LEVELS.len(),
+            renderer: Renderer::default(),
+            tiled: None,
+        }
     }
 
     /// Whether a piece was timed already.
@@ -88,13 +100,39 @@ impl StageTimer {
 
     /// Times the next piece, at most one frame, of the frame that was drawn of `scene` by `recipe`. The times are there when
     /// all pieces are.
-    pub fn step(&mut self, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Option<StageTimes> {
+    pub fn step(&mut self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> Option<StageTimes> {
+        if frame.execution == Execution::Tiled {
+            return self.step_tiled(scene, camera, recipe, frame);
+        }
         let level = self.runs % LEVELS.len();
         let start = Instant::now();
         black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
         self.least[level] = self.least[level].min(start.elapsed());
         self.runs += 1;
         (self.runs >= self.wanted_runs).then(|| self.differences(recipe, frame))
+    }
+
+    fn step_tiled(
+        &mut self,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        frame: &Frame,
+    ) -> Option<StageTimes> {
+        let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
+        let times = again.tiled.as_ref().map(|report| report.times)?;
+        self.renderer.recycle(again);
+        self.runs += 1;
+        let least = self.tiled.map_or(times, |before| before.least(&times));
+        self.tiled = Some(least);
+        (self.runs >= self.wanted_runs).then_some(StageTimes {
+            transform: least.transform,
+            cull: least.cull,
+            rasterize: least.rasterize,
+            shade: least.shade,
+            upscale: frame.times.upscale,
+            ..StageTimes::default()
+        })
     }
 
     fn differences(&self, recipe: &Recipe, frame: &Frame) -> StageTimes {
@@ -106,12 +144,12 @@ impl StageTimer {
             if tests_depth { (coverage, depth) } else { (coverage.min(depth), coverage.min(depth)) };
         StageTimes {
             transform: geometry.transform,
-            clip: geometry.clip,
-            project: geometry.project,
+            clip: Some(geometry.clip),
+            project: Some(geometry.project),
             cull: geometry.cull,
             rasterize: coverage,
             depth: tests_depth.then(|| depth.saturating_sub(coverage)),
-            interpolate: interpolate.saturating_sub(depth),
+            interpolate: Some(interpolate.saturating_sub(depth)),
             shade: shade.saturating_sub(interpolate),
             upscale: frame.times.upscale,
         }
@@ -120,10 +158,10 @@ impl StageTimer {
 
 /// Times every stage of a frame that was drawn of `scene` by `recipe`; costs some ten more frames if it is a short one, else
 /// about three.
-pub fn stage_times(scene: &Scene, recipe: &Recipe, frame: &Frame) -> StageTimes {
+pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let mut timer = StageTimer::new(frame);
     loop {
-        if let Some(times) = timer.step(scene, recipe, frame) {
+        if let Some(times) = timer.step(scene, camera, recipe, frame) {
             return times;
         }
     }
@@ -137,11 +175,11 @@ mod tests {
     use crate::scene::builtin;
 
     fn times(depth_test: DepthTest) -> StageTimes {
-        let scene = builtin::by_id("cubes").unwrap().build();
-        let mut recipe = Recipe::default();
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let mut recipe = Recipe { execution: Execution::Classic, ..Recipe::default() };
         recipe.pipeline.depth_test = depth_test;
         let frame = run(&scene, &scene.home, &recipe, Viewport { width: 160, height: 120 }, &mut ());
-        stage_times(&scene, &recipe, &frame)
+        stage_times(&scene, &scene.home, &recipe, &frame)
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! What is drawn into: packed colour and, if needed, packed depth.
 
-use super::depth::clear_value;
+use super::depth::{DepthScale, clear_value};
 use super::grid::SampleGrid;
 use super::settings::{DepthTest, Settings};
+use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
 
 /// The packed picture of a [`SampleGrid`], or a rectangle of it.
@@ -18,6 +19,8 @@ pub struct Framebuffer {
     pub depth: Option<Image<f32>>,
     /// What stored depth starts from.
     pub clear_depth: f32,
+    /// What stored depth means.
+    pub depth_scale: DepthScale,
 }
 
 impl Framebuffer {
@@ -40,6 +43,27 @@ impl Framebuffer {
     ) -> Self {
         let clear_depth = clear_value(settings);
         let depth = (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_depth));
-        Self { grid, origin, color: Image::filled(width, height, [r, g, b, 255]), depth, clear_depth }
+        let color = Image::filled(width, height, [r, g, b, 255]);
+        Self { grid, origin, color, depth, clear_depth, depth_scale: DepthScale::default() }
+    }
+
+    /// A framebuffer in memory that is no longer needed, with whatever it holds, for those who overwrite all of it.
+    pub fn reusing(
+        grid: SampleGrid,
+        viewport: Viewport,
+        (color, depth): (Option<Image<Rgba8>>, Option<Image<f32>>),
+        settings: &Settings,
+        keep_depth: bool,
+    ) -> Self {
+        let (width, height) = grid.packed_size(viewport.width, viewport.height);
+        let needs_depth = keep_depth && settings.depth_test != DepthTest::Off;
+        Self {
+            grid,
+            origin: (0, 0),
+            color: Image::reusing(color, width, height, [0; 4]),
+            depth: needs_depth.then(|| Image::reusing(depth, width, height, 0.0)),
+            clear_depth: clear_value(settings),
+            depth_scale: DepthScale::default(),
+        }
     }
 }

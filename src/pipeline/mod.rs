@@ -34,6 +34,8 @@ pub mod settings;
 
 pub mod shade;
 
+pub mod tiled;
+
 pub mod vertex;
 
 pub mod viewport;

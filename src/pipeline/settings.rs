@@ -52,6 +52,14 @@ macro_rules! choice {
 pub(crate) use choice;
 
 choice! {
+    /// How the pipeline is executed. The picture is the same, bit for bit; the time is not.
+    Execution {
+        Tiled = "tiled", "Tiled", "Tile by tile, eight samples at a time, on all threads; each visible sample is shaded once.";
+        Classic = "classic", "Classic", "Triangle after triangle through every stage, on one thread: what the stages and rasterizers can be told apart with.";
+    }
+}
+
+choice! {
     /// Which triangles are dropped because of the side that they show.
     Culling {
         None = "none", "None", "Both sides are drawn.";

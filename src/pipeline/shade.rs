@@ -33,13 +33,13 @@ pub fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
 /// Everything that shading one draw needs: settings, light and the material's textures, looked up once.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader<'a> {
-    settings: &'a Settings,
+    pub(super) settings: &'a Settings,
     sampler: Sampler,
     tables: &'static Tables,
-    light_direction: Vec3,
+    pub(super) light_direction: Vec3,
     /// Material colour × tint, in the numbers of the colour space.
-    diffuse: Vec3,
-    texture: Option<&'a Image<Rgba8>>,
+    pub(super) diffuse: Vec3,
+    pub(super) texture: Option<&'a Image<Rgba8>>,
     dark_texture: Option<&'a Image<Rgba8>>,
     attributes: Attributes,
 }

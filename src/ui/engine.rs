@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::chain::{self, Frame, Recipe, run};
+use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer, run};
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::view::{self, Range};
@@ -85,12 +85,19 @@ pub struct View {
 #[derive(Debug, Default)]
 pub struct Engine {
     last: Option<View>,
+    renderer: Renderer,
 }
 
 impl Engine {
     /// Answers a request, reusing what the last answer has in common.
     pub fn answer(&mut self, request: Request) -> View {
-        let last = self.last.take().filter(|view| view.request.same_frame(&request));
+        let mut last = self.last.take();
+        if let Some(view) = last.take_if(|view| !view.request.same_frame(&request)) {
+            // Whoever still shows it keeps it.
+            if let Ok(frame) = Arc::try_unwrap(view.frame) {
+                self.renderer.recycle(frame);
+            }
+        }
         let fresh = last.is_none();
         let (frame, rasterized, kept_buffers, kept_picture) = match last {
             Some(view) => {
@@ -98,7 +105,7 @@ impl Engine {
                 (view.frame, view.rasterized, view.buffers, same_picture)
             }
             None => {
-                let (frame, rasterized) = render(&request);
+                let (frame, rasterized) = render(&request, &mut self.renderer);
                 (Arc::new(frame), rasterized, None, None)
             }
         };
@@ -130,25 +137,18 @@ fn needed_buffers(request: &Request, frame: &Frame, kept: Option<Arc<Buffers>>) 
 }
 
 /// A frame, and how many triangles it would have without a limit.
-fn render(request: &Request) -> (Frame, usize) {
-    let Request { scene, camera, recipe, viewport, .. } = request;
+fn render(request: &Request, renderer: &mut Renderer) -> (Frame, usize) {
+    let Request { scene, camera, recipe, viewport, triangle_limit, .. } = request;
+    let Some(limit) = triangle_limit else {
+        let frame = renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
+        let rasterized = frame.rasterized();
+        return (frame, rasterized);
+    };
     let mut frame = run(scene, camera, recipe, *viewport, &mut ());
     let rasterized = frame.geometry.triangles.len();
-    if let Some(limit) = request.triangle_limit {
-        frame.geometry.triangles.truncate(limit);
-        redraw(scene, recipe, &mut frame);
-    }
+    frame.geometry.triangles.truncate(*limit);
+    frame.redraw(scene, recipe);
     (frame, rasterized)
-}
-
-/// Draws a frame whose list of triangles has changed.
-fn redraw(scene: &Scene, recipe: &Recipe, frame: &mut Frame) {
-    let Viewport { width, height } = frame.viewport;
-    frame.drawn = chain::redraw(scene, recipe, frame, Until::Shade, &mut ());
-    frame.image = recipe.upscaler.upscaler().upscale(&frame.drawn.color, recipe.upscaler.scale(), width, height);
-    if recipe.wireframe {
-        crate::pipeline::wireframe::overlay(&frame.geometry.triangles, &mut frame.image);
-    }
 }
 
 /// What happened in each stage of a frame, and how long it took. Found out after the frame is on screen, by drawing it a
@@ -162,7 +162,7 @@ pub struct StageFigures {
 }
 
 /// Finds out the figures of a view piece by piece, each at most as long as a frame.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Figuring {
     view: View,
     timer: StageTimer,
@@ -182,7 +182,7 @@ impl Figuring {
     /// Does the next piece; the figures are there when all pieces are done.
     pub fn step(&mut self) -> Option<StageFigures> {
         let View { request, frame, .. } = &self.view;
-        let times = self.timer.step(&request.scene, &request.recipe, frame)?;
+        let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
         Some(StageFigures { times, counters: count(request, frame) })
     }
 }

@@ -9,7 +9,7 @@ use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvErro
 use std::time::{Duration, Instant};
 
 use super::engine::{Engine, Figuring, Request, StageFigures, View};
-use crate::chain::{Recipe, run};
+use crate::chain::{KeepDepth, Recipe, Renderer};
 use crate::upscale::Upscaling;
 
 /// Rounds of a measurement; every round times every method once, so that drift of the machine's speed hits all alike.
@@ -120,6 +120,7 @@ struct Measurement {
     request: Box<Request>,
     methods: Vec<Upscaling>,
     next: usize,
+    renderer: Renderer,
 }
 
 impl Loop {
@@ -174,7 +175,7 @@ impl Loop {
             Job::Show(request) => self.to_show = Some(request),
             Job::Measure(request) => {
                 let methods = Upscaling::every().collect();
-                self.measurement = Some(Measurement { request, methods, next: 0 });
+                self.measurement = Some(Measurement { request, methods, next: 0, renderer: Renderer::default() });
             }
             Job::CancelMeasure => self.measurement = None,
         }
@@ -241,8 +242,9 @@ impl Measurement {
         let Request { scene, camera, recipe, viewport, .. } = &*self.request;
         let recipe = Recipe { upscaler: upscaling, ..*recipe };
         let start = Instant::now();
-        std::hint::black_box(run(scene, camera, &recipe, *viewport, &mut ()));
+        let frame = self.renderer.render(scene, camera, &recipe, *viewport, KeepDepth::No);
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+        self.renderer.recycle(frame);
         let progress = self.next as f32 / self.total() as f32;
         (round >= WARM_UP_ROUNDS).then_some(Answer::Sample { upscaling, milliseconds, progress })
     }

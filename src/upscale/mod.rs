@@ -102,6 +102,11 @@ impl Upscaling {
             .flat_map(|(method, u)| u.scales().iter().map(move |scale| Self { method, scale: *scale }))
     }
 
+    /// Whether every pixel is drawn and none filled in.
+    pub fn is_native(self) -> bool {
+        self == Self::NATIVE
+    }
+
     /// The method.
     pub fn upscaler(self) -> &'static dyn Upscaler {
         ALL[self.method]

@@ -151,10 +151,10 @@ fn a_far_plane_at_infinity_cuts_nothing_away() {
             let mut recipe = Recipe::default();
             recipe.pipeline.depth_format = *format;
             let frame = render(&scene, &recipe, SIZE);
-            let drawn = frame.image.pixels().iter().filter(|p| p[..3] != scene.background).count();
+            let drawn = frame.image().pixels().iter().filter(|p| p[..3] != scene.background).count();
             if format.mapping() == DepthMapping::ReversedInfinite {
                 assert!(drawn > 50, "{drawn} at {distance}");
-                let plan = &frame.geometry.plans[0];
+                let plan = &frame.plans[0];
                 assert!(!plan.runs(Part::Clipping), "wholly inside at {distance}");
                 // The front of the cube stands at 0.8 of the distance.
                 let nearest = depths(&frame).iter().fold(0.0_f32, |a, b| a.max(*b));
@@ -201,7 +201,7 @@ fn what_is_cut_at_a_plane_has_exactly_the_depth_of_that_plane() {
         // Both planes run through what is in view.
         scene.home.far = 20.0;
         let (camera, recipe) = (scene.home, always(*format));
-        let plans = render(&scene, &recipe, SIZE).geometry.plans;
+        let plans = render(&scene, &recipe, SIZE).plans;
         let scale = DepthScale::new(*format, &camera);
         for (instance, plan) in scene.instances.iter().zip(&plans).filter(|(_, plan)| plan.runs(Part::Clipping)) {
             let mesh = scene.library.mesh(instance.mesh);

@@ -255,7 +255,7 @@ fn an_object_far_from_the_origin_looks_as_it_does_there() {
     let picture = |offset: Vec3| {
         let mut scene = SceneBuilder::new(Vec3::ZERO).with(cube(), Mat4::from_translation(offset), None).0;
         scene.home = Camera::look_at(offset + Vec3::new(2.0, 3.0, 4.0), offset);
-        render(&scene, &Recipe::default(), (VIEW.width, VIEW.height)).image
+        render(&scene, &Recipe::default(), (VIEW.width, VIEW.height)).image().clone()
     };
     assert_eq!(picture(Vec3::new(3e6, -1e6, 2e6)), picture(Vec3::ZERO));
 }
@@ -264,6 +264,6 @@ fn an_object_far_from_the_origin_looks_as_it_does_there() {
 fn tiny_pictures_are_drawn() {
     let scene = crate::common::ground_and_cube();
     for size in [(1, 1), (1, 7), (7, 1), (2, 3)] {
-        assert_eq!(render(&scene, &Recipe::default(), size).image.size(), size);
+        assert_eq!(render(&scene, &Recipe::default(), size).image().size(), size);
     }
 }

@@ -23,7 +23,7 @@ const SIZE: (u32, u32) = (64, 48);
 const VIEW: Viewport = Viewport { width: SIZE.0, height: SIZE.1 };
 
 fn picture(scene: &Scene, assignments: &[&str]) -> Image<Rgba8> {
-    render(scene, &recipe(assignments), SIZE).image
+    render(scene, &recipe(assignments), SIZE).image().clone()
 }
 
 /// Draws prepared geometry again, with a grid of its own.
@@ -151,7 +151,7 @@ fn less_and_less_equal_differ_at_ties_and_only_there() {
         let ties = Ties::of(&scene, &less, &frame);
         let other = render(&scene, &less_equal, SIZE);
         assert_eq!(frame.drawn.depth, other.drawn.depth, "{name}");
-        for (i, (a, b)) in frame.image.pixels().iter().zip(other.image.pixels()).enumerate() {
+        for (i, (a, b)) in frame.image().pixels().iter().zip(other.image().pixels()).enumerate() {
             assert!(a == b || ties.0.pixels()[i], "{name}: sample {i} differs without a tie");
             differing += usize::from(a != b);
         }
@@ -177,7 +177,7 @@ fn what_a_grid_draws_is_what_the_full_picture_has_there() {
                 for y in 0..SIZE.1 {
                     for x in 0..SIZE.0 {
                         let Some((column, row)) = grid.sample_at(x, y) else { continue };
-                        assert_eq!(drawn.color.at(column, row), native.image.at(x, y), "{name} {grid:?} {x},{y}");
+                        assert_eq!(drawn.color.at(column, row), native.image().at(x, y), "{name} {grid:?} {x},{y}");
                         assert!(depths.is_some_and(|(full, packed)| full.at(x, y) == packed.at(column, row)));
                         samples += 1;
                     }
@@ -202,7 +202,7 @@ fn a_scissor_draws_its_part_of_the_picture_and_nothing_else() {
         let [r, g, b] = scene.background;
         let expected = Image::from_fn(SIZE.0, SIZE.1, |x, y| {
             let inside = (scissor.left..scissor.right).contains(&x) && (scissor.top..scissor.bottom).contains(&y);
-            if inside { full.image.at(x, y) } else { [r, g, b, 255] }
+            if inside { full.image().at(x, y) } else { [r, g, b, 255] }
         });
         assert_eq!(part.color, expected, "{scissor:?}");
     });
@@ -222,11 +222,11 @@ fn leaving_out_the_perspective_division_of_an_orthographic_view_changes_no_bit()
         scene.home = scene.home.with_orthographic(true);
         let recipe = recipe(&["culling=none"]);
         let mut frame = render(scene, &recipe, SIZE);
-        assert!(frame.geometry.plans.iter().all(|p| !p.runs(Part::PerspectiveDivision)), "{name}");
+        assert!(frame.plans.iter().all(|p| !p.runs(Part::PerspectiveDivision)), "{name}");
         for triangle in &mut frame.geometry.triangles {
             triangle.relative_inv_w = relative_inv_w(&triangle.vertices);
         }
-        assert_eq!(redraw(scene, &recipe, &frame, SampleGrid::FULL, &mut ()).color, frame.image, "{name}");
+        assert_eq!(redraw(scene, &recipe, &frame, SampleGrid::FULL, &mut ()).color, *frame.image(), "{name}");
     }
 }
 
@@ -247,7 +247,7 @@ fn leaving_out_the_interpolation_of_attributes_changes_no_bit() {
             let mut recipe = Recipe::default();
             recipe.pipeline.shading = *shading;
             let frame = render(scene, &recipe, SIZE);
-            let shaders = scene.instances.iter().zip(&frame.geometry.plans);
+            let shaders = scene.instances.iter().zip(&frame.plans);
             let shaders: Vec<_> =
                 shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect();
             for shader in &shaders {
@@ -297,7 +297,7 @@ fn leaving_out_an_object_outside_changes_no_bit() {
             .with(soup(rng, 20), Mat4::from_translation(in_cube(rng) * 6.0), None)
             .0;
         let frame = render(&scene, &Recipe::default(), SIZE);
-        if frame.geometry.plans[0].runs(Part::Vertices) {
+        if frame.plans[0].runs(Part::Vertices) {
             return;
         }
         outside += 1;
@@ -315,7 +315,7 @@ fn leaving_out_an_object_outside_changes_no_bit() {
         scene.instances[0].mesh = scene.library.add_mesh(rasterscope::scene::Mesh::new(data).unwrap());
         let forced = render(&scene, &Recipe::default(), SIZE);
         assert!(forced.geometry.plans[0].runs(Part::Vertices));
-        assert_eq!(forced.image, frame.image);
+        assert_eq!(forced.image(), frame.image());
     });
     assert!(outside > 10, "only {outside} objects were outside");
 }

@@ -73,7 +73,7 @@ impl Bench {
 
     /// The finished picture of the frame on screen, whatever the canvas shows of it.
     pub(crate) fn image(&self) -> Image<Rgba8> {
-        self.view().frame.image.clone()
+        self.view().frame.image().clone()
     }
 
     /// What the chain draws for the window's present state.

@@ -20,7 +20,7 @@ fn the_scene_menu_opens_every_built_in_scene() {
         assert!(bench.session().error.is_none());
         assert_eq!(bench.session().state.camera, bench.session().scene.home);
         assert!(Arc::ptr_eq(&bench.view().request.scene, &bench.session().scene), "the new scene is drawn");
-        assert_eq!(bench.image(), bench.expected().image);
+        assert_eq!(bench.image(), *bench.expected().image());
     }
 }
 

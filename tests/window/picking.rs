@@ -26,7 +26,7 @@ fn the_inspector_shows_the_colour_that_the_chain_draws() {
     for pixel in [(12, 20), (80, 45), (150, 88)] {
         let place = bench.place_of(pixel);
         bench.click_at(place);
-        let [r, g, b, a] = frame.image.at(pixel.0, pixel.1);
+        let [r, g, b, a] = frame.image().at(pixel.0, pixel.1);
         assert_eq!(bench.view().report.as_ref().map(|report| report.color), Some([r, g, b, a]));
         assert!(bench.says(&format!("{r} {g} {b}")), "{pixel:?}");
     }

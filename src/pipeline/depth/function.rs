@@ -41,6 +41,12 @@ impl DepthFunction {
         let (least, rises) = rises(corners);
         Self { course: Course::Space, encoding, least, rises }
     }
+
+    /// The least depth, and per corner what multiplies its edge value (or, where depth is linear in space, its weight).
+    #[inline(always)]
+    pub(in crate::pipeline) fn terms(&self) -> (f64, [f64; 3]) {
+        (self.least, self.rises)
+    }
 }
 
 /// The least depth, and each above it.

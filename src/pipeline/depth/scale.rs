@@ -8,6 +8,7 @@
 
 use super::DepthEncoding;
 use super::function::DepthFunction;
+use crate::math::lanes::{F32, F64, Simd, SimdBase as _, clamp_f64, widen};
 use crate::pipeline::clip::Plane;
 use crate::pipeline::settings::DepthFormat;
 use crate::pipeline::vertex::ClipVertex;
@@ -111,9 +112,40 @@ impl DepthScale {
         depth.clamp(0.0, 1.0) + 0.0
     }
 
+    /// [`DepthScale::of_vertex`] for eight vertices that no plane cut, by their z and w.
+    #[inline(always)]
+    pub(crate) fn of_lanes<S: Simd>(&self, simd: S, z: F32<S>, w: F32<S>) -> F64<S> {
+        let Self { near, far, factor, .. } = *self;
+        let distance = widen(simd, w);
+        let depth = match self.law {
+            Law::Perspective(DepthMapping::Standard) => (distance - near) / distance * factor,
+            Law::Perspective(DepthMapping::Reversed) => (F64::splat(simd, far) - distance) / distance * factor,
+            Law::Perspective(DepthMapping::ReversedInfinite) => F64::splat(simd, factor) / distance,
+            Law::Perspective(DepthMapping::Linear) => (distance - near) * factor,
+            Law::Orthographic { .. } => widen(simd, z) / distance,
+        };
+        clamp_f64(depth, 0.0, 1.0) + 0.0
+    }
+
+    /// Whether depth is linear in space rather than on the screen.
+    pub(crate) fn is_linear_in_space(&self) -> bool {
+        self.law == Law::Perspective(DepthMapping::Linear)
+    }
+
     /// Depth over the samples of a triangle of this doubled area, in the unit of edge values.
     pub(crate) fn over(&self, corners: &[ScreenVertex; 3], doubled_area: f64) -> DepthFunction {
-        let depths = corners.each_ref().map(|v| v.depth);
+        self.function(corners.each_ref().map(|v| v.depth), doubled_area)
+    }
+
+    /// The least depth of a triangle, and per corner what multiplies its edge value (or, where depth is linear in space, its
+    /// weight).
+    #[inline(always)]
+    pub(in crate::pipeline) fn terms(&self, depths: [f64; 3], doubled_area: f64) -> (f64, [f64; 3]) {
+        self.function(depths, doubled_area).terms()
+    }
+
+    #[inline(always)]
+    fn function(&self, depths: [f64; 3], doubled_area: f64) -> DepthFunction {
         match self.law {
             Law::Perspective(DepthMapping::Linear) => DepthFunction::linear_in_space(depths, self.encoding),
             _ => DepthFunction::affine_on_screen(depths, doubled_area, self.encoding),

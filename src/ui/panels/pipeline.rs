@@ -95,7 +95,7 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage for the frame on screen. Rasterize, depth, interpolate and shade are told apart by drawing the frame several times, each time one stage further; 0 means too short to tell";
+    let help = "Time of this stage for the frame on screen, the least of several. Tile by tile, projection counts with transform, clipping with cull, depth with rasterize, interpolation with shade. In the classic way rasterize, depth, interpolate and shade are told apart by drawing the frame several times, each time one stage further; 0 means too short to tell";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));
@@ -116,12 +116,12 @@ fn time_of(stage: Stage, times: &StageTimes) -> Option<Duration> {
     match stage {
         Stage::Assemble => None,
         Stage::Transform => Some(times.transform),
-        Stage::Clip => Some(times.clip),
-        Stage::Project => Some(times.project),
+        Stage::Clip => times.clip,
+        Stage::Project => times.project,
         Stage::Cull => Some(times.cull),
         Stage::Rasterize => Some(times.rasterize),
         Stage::Depth => times.depth,
-        Stage::Interpolate => Some(times.interpolate),
+        Stage::Interpolate => times.interpolate,
         Stage::Shade => Some(times.shade),
         Stage::Upscale => Some(times.upscale),
     }
@@ -140,7 +140,7 @@ fn count_of(stage: Stage, session: &Session, view: &View) -> Option<(u64, &'stat
         Stage::Interpolate => None,
         Stage::Shade => Some((counters.shaded, "fragments shaded")),
         Stage::Upscale => {
-            let (width, height) = view.frame.image.size();
+            let (width, height) = view.frame.image().size();
             Some((view.frame.drawn.grid.drawn_pixels(width, height), "pixels drawn"))
         }
     }

@@ -16,7 +16,7 @@ pub fn ui(ui: &mut Ui, session: &Session) {
         empty_state(ui, Icon::ListChecks, "No frame yet", "The plan is made with the first frame.");
         return;
     };
-    let plans = &view.frame.geometry.plans;
+    let plans = &view.frame.plans;
     Grid::new("plan").num_columns(3).striped(true).spacing([24.0, 4.0]).show(ui, |ui| {
         for heading in ["Part", "Runs for", "Left out"] {
             ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));

@@ -147,7 +147,7 @@ fn fate_row(ui: &mut Ui, figures: &StageFigures, fate: Fate) {
 }
 
 fn left_out(ui: &mut Ui, view: &View, part: Part) {
-    let reasons = plan::reasons(&view.frame.geometry.plans, part);
+    let reasons = plan::reasons(&view.frame.plans, part);
     if !reasons.is_empty() {
         note(ui, format!("Left out: {reasons}"));
     }
@@ -245,7 +245,7 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         }
     }
     let Some(view) = &session.view else { return };
-    if view.frame.geometry.plans.iter().any(|p| p.runs(Part::Texels)) {
+    if view.frame.plans.iter().any(|p| p.runs(Part::Texels)) {
         row(ui, "Filter", "How a texture is read between texel centres", |ui| pick(ui, &mut settings.filter));
         row(ui, "Address", "What texture coordinates outside of 0…1 mean", |ui| pick(ui, &mut settings.address));
     } else {

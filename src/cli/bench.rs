@@ -1,0 +1,89 @@
+//! `rasterscope bench`: what frames of one view cost, as a table or as JSON.
+
+use clap::{Args, ValueEnum};
+use rasterscope::chain::Renderer;
+use rasterscope::math::lanes::Lanes;
+use rasterscope::measure::bench::{BenchReport, bench};
+use rasterscope::measure::timing::Summary;
+
+use super::failure::Failure;
+use super::output;
+use super::scene_args::FrameArgs;
+
+/// What `bench` takes.
+#[derive(Args, Debug)]
+pub(crate) struct BenchArgs {
+    #[command(flatten)]
+    frame: FrameArgs,
+
+    /// Threads to draw with; all that the machine has if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Frames that are timed, after some that are not
+    #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: u32,
+
+    /// Which instructions of the processor are used
+    #[arg(long, value_enum, default_value_t = LanesArg::Best)]
+    lanes: LanesArg,
+
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum LanesArg {
+    /// The best that there are
+    Best,
+    /// Plain code
+    Scalar,
+}
+
+/// Draws, and says what it cost.
+pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
+    let (view, size) = (args.frame.view()?, args.frame.size());
+    let lanes = match args.lanes {
+        LanesArg::Best => Lanes::best(),
+        LanesArg::Scalar => Lanes::scalar(),
+    };
+    let threads = args.threads.map_or(0, usize::from);
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
+    let report = pool
+        .install(|| bench(&view.scene, &view.camera, &view.recipe, size, args.frames as usize, Renderer::on(lanes)));
+    let Some(report) = report else { return Ok(()) };
+    if args.json {
+        let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
+        return output::print(&(json + "\n"));
+    }
+    output::print(&table(&report))
+}
+
+fn table(report: &BenchReport) -> String {
+    let BenchReport { scene, size: [width, height], threads, execution, frame_ms, stages, counts, bytes, .. } = report;
+    let mut text = format!(
+        "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames\n\n",
+        if *threads == 1 { "thread" } else { "threads" },
+        frame_ms.n
+    );
+    text += &format!("{:24} {:>10} {:>10} {:>10}\n", "milliseconds", "median", "p10", "p90");
+    let line = |name: &str, ms: &Summary| format!("{name:24} {:10.3} {:10.3} {:10.3}\n", ms.median, ms.p10, ms.p90);
+    text += &line("whole frame", frame_ms);
+    text.extend(stages.iter().map(|stage| line(stage.stage, &stage.ms)));
+    text.push('\n');
+    text.extend(counts.iter().map(|(name, count)| format!("{name:24} {count:10}\n")));
+    let megabytes = |bytes: usize| bytes as f64 / 1e6;
+    text += &format!(
+        "\n{:24} {:10.1} MB frame, {:.1} MB renderer, {:.1} MB scene\n",
+        "memory",
+        megabytes(bytes.frame),
+        megabytes(bytes.renderer),
+        megabytes(bytes.scene)
+    );
+    text + &format!(
+        "{:24} {:10.2} ns per triangle, {:.2} ns per pixel\n",
+        "cost", report.ns_per_triangle, report.ns_per_pixel
+    )
+}

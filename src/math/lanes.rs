@@ -1,0 +1,102 @@
+//! Eight numbers at a time, with instructions that the processor is asked for at run time.
+//!
+//! Kernels are written once, generic over [`Simd`], and compiled twice: for AVX2, and as plain scalar code for every other
+//! processor. Additions, products, quotients, square roots and conversions are correctly rounded in both, and neither joins
+//! a product and a sum into one rounding, so both give the same bits.
+
+pub use fearless_simd::prelude::*;
+pub use fearless_simd::{Level, Simd, f32x8, f64x8, i32x8, mask32x8, mask64x8, u32x8};
+
+use fearless_simd::Fallback;
+
+/// How many numbers a kernel takes at a time.
+pub const LANES: usize = 8;
+
+/// Eight floats.
+pub type F32<S> = f32x8<S>;
+
+/// Eight doubles.
+pub type F64<S> = f64x8<S>;
+
+/// Which instructions kernels are run with.
+#[derive(Clone, Copy, Debug)]
+pub enum Lanes {
+    /// AVX2.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    Avx2(fearless_simd::x86::Avx2),
+    /// Plain code.
+    Scalar(Fallback),
+}
+
+impl Lanes {
+    /// The best that this processor has.
+    pub fn best() -> Self {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        if let Some(avx2) = Level::new().as_avx2() {
+            return Self::Avx2(avx2);
+        }
+        Self::scalar()
+    }
+
+    /// Plain code, which every processor has.
+    pub fn scalar() -> Self {
+        Self::Scalar(Fallback::new())
+    }
+
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Self::Avx2(_) => "AVX2",
+            Self::Scalar(_) => "scalar",
+        }
+    }
+}
+
+/// Runs `$body` with `$simd` standing for the instructions that `$lanes` chose. Everything called in it that computes on
+/// lanes must be `#[inline(always)]`.
+macro_rules! on_lanes {
+    ($lanes:expr, $simd:ident => $body:expr) => {
+        match $lanes {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            $crate::math::lanes::Lanes::Avx2($simd) => $crate::math::lanes::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $body,
+            ),
+            $crate::math::lanes::Lanes::Scalar($simd) => $body,
+        }
+    };
+}
+
+pub(crate) use on_lanes;
+
+/// Floats as doubles, without rounding.
+#[inline(always)]
+pub fn widen<S: Simd>(simd: S, x: F32<S>) -> F64<S> {
+    let (low, high) = simd.widen_f32x8(x);
+    simd.combine_f64x4(low, high)
+}
+
+/// Doubles rounded to the nearest floats.
+#[inline(always)]
+pub fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
+    let (low, high) = simd.split_f64x8(x);
+    simd.narrow_f64x4(low, high)
+}
+
+/// The larger of two floats and the smaller, as `f32::clamp` and `f64::clamp` choose for numbers: NaN does not occur.
+#[inline(always)]
+pub fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
+    x.max(least).min(greatest)
+}
+
+/// An array of what `$body` is for each of some items. In the place of `map`, whose closure the compiler may fail to compile
+/// for the chosen instructions.
+macro_rules! each {
+    ($item:pat in [$($value:expr),+ $(,)?] => $body:expr) => {
+        [$({ let $item = $value; $body }),+]
+    };
+}
+
+pub(crate) use each;

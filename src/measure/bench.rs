@@ -1,0 +1,144 @@
+//! What frames of one view cost: time in all and per stage, counts, memory.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::timing::{Summary, summarize};
+use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::pipeline::settings::Choice as _;
+use crate::pipeline::tiled::TiledReport;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene};
+
+/// Frames before those that count: memory is found, caches and clocks settle.
+const WARM_UP_FRAMES: usize = 3;
+
+/// Milliseconds of one stage.
+#[derive(Clone, Debug, Serialize)]
+pub struct StageSummary {
+    /// Its name.
+    pub stage: &'static str,
+    /// Its time over the frames.
+    pub ms: Summary,
+}
+
+/// What the frames of one view cost.
+#[derive(Clone, Debug, Serialize)]
+pub struct BenchReport {
+    /// Scene.
+    pub scene: String,
+    /// Picture size in px.
+    pub size: [u32; 2],
+    /// Threads that could be used.
+    pub threads: usize,
+    /// How frames were executed.
+    pub execution: &'static str,
+    /// Milliseconds of a whole frame.
+    pub frame_ms: Summary,
+    /// Milliseconds of its stages, in their order.
+    pub stages: Vec<StageSummary>,
+    /// What was done in a frame, in the order of the stages.
+    pub counts: Vec<(&'static str, u64)>,
+    /// Bytes held by frame, renderer and scene.
+    pub bytes: Bytes,
+    /// Median nanoseconds per triangle of the scene.
+    pub ns_per_triangle: f64,
+    /// Median nanoseconds per pixel of the picture.
+    pub ns_per_pixel: f64,
+}
+
+/// Memory in bytes.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Bytes {
+    /// Pictures of one frame.
+    pub frame: usize,
+    /// What the renderer keeps from frame to frame.
+    pub renderer: usize,
+    /// Meshes and textures.
+    pub scene: usize,
+}
+
+/// Draws a view again and again, on the threads of the present rayon pool. `frames` ≥ 1.
+pub fn bench(
+    scene: &Arc<Scene>,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    frames: usize,
+    mut renderer: Renderer,
+) -> Option<BenchReport> {
+    let mut samples: Vec<(Duration, Vec<(&'static str, Duration)>)> = Vec::with_capacity(frames);
+    let mut last: Option<Frame> = None;
+    for number in 0..WARM_UP_FRAMES + frames {
+        if let Some(frame) = last.take() {
+            renderer.recycle(frame);
+        }
+        let frame = renderer.render(scene, camera, recipe, viewport, KeepDepth::No);
+        if number >= WARM_UP_FRAMES {
+            samples.push((frame.times.total, stages(&frame)));
+        }
+        last = Some(frame);
+    }
+    let frame = last?;
+    let summary = |times: &mut dyn Iterator<Item = Duration>| {
+        summarize(&times.map(|time| time.as_secs_f64() * 1e3).collect::<Vec<_>>())
+    };
+    let frame_ms = summary(&mut samples.iter().map(|(total, _)| *total))?;
+    let names: Vec<&'static str> = samples.first()?.1.iter().map(|(name, _)| *name).collect();
+    let stages = names.into_iter().enumerate().filter_map(|(place, stage)| {
+        let ms = summary(&mut samples.iter().map(|(_, stages)| stages[place].1))?;
+        Some(StageSummary { stage, ms })
+    });
+    let pixels = f64::from(viewport.width) * f64::from(viewport.height);
+    Some(BenchReport {
+        scene: scene.name.clone(),
+        size: [viewport.width, viewport.height],
+        threads: rayon::current_num_threads(),
+        execution: frame.execution.id(),
+        stages: stages.collect(),
+        counts: counts(scene, &frame),
+        bytes: Bytes {
+            frame: frame.image().bytes() + frame.drawn.depth.as_ref().map_or(0, crate::image::Image::bytes),
+            renderer: renderer.bytes(),
+            scene: scene.memory().shared_bytes,
+        },
+        ns_per_triangle: frame_ms.median * 1e6 / scene.triangle_count().max(1) as f64,
+        ns_per_pixel: frame_ms.median * 1e6 / pixels,
+        frame_ms,
+    })
+}
+
+fn stages(frame: &Frame) -> Vec<(&'static str, Duration)> {
+    let mut stages = match &frame.tiled {
+        Some(TiledReport { times, .. }) => vec![
+            ("transform", times.transform),
+            ("cull and bin", times.cull),
+            ("rasterize", times.rasterize),
+            ("shade", times.shade),
+        ],
+        None => vec![("geometry", frame.times.geometry), ("pixels", frame.times.pixels)],
+    };
+    stages.push(("upscale", frame.times.upscale));
+    stages
+}
+
+fn counts(scene: &Scene, frame: &Frame) -> Vec<(&'static str, u64)> {
+    let mut counts = vec![("triangles in", scene.triangle_count() as u64)];
+    if let Some(TiledReport { counts: done, .. }) = &frame.tiled {
+        counts.extend([
+            ("vertices transformed", done.vertices),
+            ("triangles culled", done.triangles_in.saturating_sub(done.kept)),
+            ("triangles kept", done.kept),
+            ("entries binned", done.binned),
+            ("samples tested", done.visited),
+            ("samples taken in blocks", done.plain),
+            ("samples shaded", done.shaded),
+            ("texels read", done.texels),
+        ]);
+    } else {
+        counts.push(("triangles rasterized", frame.geometry.triangles.len() as u64));
+    }
+    counts
+}

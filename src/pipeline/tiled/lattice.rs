@@ -1,0 +1,115 @@
+//! Where the samples of a tile lie: the packed samples of a [`SampleGrid`] in steps that lanes can take.
+
+use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
+use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _};
+use crate::pipeline::grid::SampleGrid;
+
+/// Side of a tile in packed samples.
+pub(super) const TILE: usize = 64;
+
+/// Side of a block in packed samples: as many as there are lanes.
+pub(super) const BLOCK: usize = LANES;
+
+/// Blocks along a side of a tile.
+pub(super) const BLOCKS: usize = TILE / BLOCK;
+
+/// Samples by their distance from a tile's first one, in grid steps of 1/256 px.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lattice {
+    grid: SampleGrid,
+    /// Of the eight samples of a block's row, from the first.
+    pub(super) lanes: [f64; LANES],
+    /// Of the first samples of the blocks of a row.
+    pub(super) blocks: [f64; BLOCKS],
+    /// From one block to the next in a row.
+    pub(super) block_step: f64,
+    /// From one row to the next.
+    pub(super) row_step: f64,
+    /// From the first sample of a block's row to the last one, and what shifts rows against each other.
+    pub(super) block_width: f64,
+    /// From the first row of a block to the last one.
+    pub(super) block_height: f64,
+}
+
+impl Lattice {
+    pub(super) fn new(grid: SampleGrid) -> Self {
+        let pixel = SUBPIXELS as f64;
+        let column = |column: u32| f64::from(grid.pixel(column, 0).0) * pixel;
+        let row = |row: u32| f64::from(grid.pixel(0, row).1) * pixel;
+        let last = LANES as u32 - 1;
+        let shift = match grid {
+            SampleGrid::Block { .. } => 0.0,
+            SampleGrid::Checkerboard => 2.0 * pixel,
+        };
+        Self {
+            grid,
+            lanes: std::array::from_fn(|lane| column(lane as u32)),
+            blocks: std::array::from_fn(|block| column((block * BLOCK) as u32)),
+            block_step: column(BLOCK as u32),
+            row_step: row(1),
+            block_width: column(last) + shift,
+            block_height: row(last),
+        }
+    }
+
+    /// Position of a tile's first sample, in grid steps.
+    pub(super) fn origin(&self, tile: (usize, usize)) -> [f64; 2] {
+        let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
+        let step = |pixel: u32| (i64::from(pixel) * SUBPIXELS + HALF_PIXEL) as f64;
+        [step(x), step(y)]
+    }
+
+    /// How far the samples of a row stand to the right of those of a tile's first row.
+    #[inline(always)]
+    pub(super) fn shift(&self, row: usize) -> f64 {
+        match self.grid {
+            SampleGrid::Block { .. } => 0.0,
+            SampleGrid::Checkerboard => ((row & 2) as i64 * SUBPIXELS) as f64,
+        }
+    }
+
+    /// Distance of a column from a tile's first one.
+    #[inline(always)]
+    pub(super) fn column(&self, column: usize) -> f64 {
+        match self.grid {
+            SampleGrid::Block { .. } => column as f64 * self.row_step,
+            SampleGrid::Checkerboard => ((column / 2 * 4 + column % 2) as i64 * SUBPIXELS) as f64,
+        }
+    }
+
+    /// Packed columns or rows from the first to the last that may lie within a range of grid steps; both may be beyond the
+    /// picture. Never too few, seldom too many.
+    #[inline(always)]
+    pub(super) fn range(&self, axis: usize, least: f32, greatest: f32) -> [f32; 2] {
+        let half = HALF_PIXEL as f32;
+        match self.grid {
+            SampleGrid::Checkerboard if axis == 0 => {
+                // Four pixels in a row hold two samples.
+                let four = 4.0 * SUBPIXELS as f32;
+                [((least - half) / four).floor() * 2.0, ((greatest - half) / four).floor() * 2.0 + 1.0]
+            }
+            _ => {
+                let step = self.row_step as f32;
+                [((least - half) / step).ceil(), ((greatest - half) / step).floor()]
+            }
+        }
+    }
+}
+
+impl Lattice {
+    /// [`Lattice::range`] for eight ranges.
+    #[inline(always)]
+    pub(super) fn range_lanes<S: Simd>(&self, simd: S, axis: usize, least: F32<S>, greatest: F32<S>) -> [F32<S>; 2] {
+        let half = F32::splat(simd, HALF_PIXEL as f32);
+        match self.grid {
+            SampleGrid::Checkerboard if axis == 0 => {
+                let per_four = 1.0 / (4.0 * SUBPIXELS as f32);
+                [((least - half) * per_four).floor() * 2.0, ((greatest - half) * per_four).floor() * 2.0 + 1.0]
+            }
+            _ => {
+                let step = F32::splat(simd, self.row_step as f32);
+                [((least - half) / step).ceil(), ((greatest - half) / step).floor()]
+            }
+        }
+    }
+}

@@ -1,0 +1,444 @@
+//! The fast way to execute the pipeline: tile by tile, eight samples at a time, on all threads.
+//!
+//! ```text
+//! transform ─► cull and bin ─┬─► tile: coverage and depth ─► shade ─┐
+//!  vertices     triangles    ├─► tile …                             ├─► picture
+//!                            └─► tile …                             ┘
+//! ```
+//!
+//! A tile first finds which triangle is seen at each of its samples, and only then shades, each sample once: what is hidden
+//! costs no shading, however much of it there is. Vertices are snapped, edges are whole numbers, depth and attributes are
+//! computed by the same operations in the same order as in the classic way, so the picture is the same bit for bit, whatever
+//! the number of threads and whatever the instructions of the processor.
+
+mod bins;
+mod geometry;
+mod lattice;
+mod setup;
+mod shade;
+mod texture;
+mod tile;
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+
+use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
+use geometry::{Arrays, Draw, Surface, Vertex};
+use lattice::{Lattice, TILE};
+use setup::{Corner, Setup};
+use shade::{DrawShader, shade_tile};
+use tile::{DepthRules, Tile};
+
+use super::clip::guard_band_widening;
+use super::depth::{Comparison, DepthScale, clear_value};
+use super::framebuffer::Framebuffer;
+use super::grid::SampleGrid;
+use super::plan::{DrawPlan, Part};
+use super::settings::{Arithmetic, Interpolation, Settings};
+use super::shade::Shader;
+use super::vertex::{DrawMatrices, containment};
+use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use crate::image::Rgba8;
+use crate::math::fixed::to_pixels;
+use crate::math::lanes::{Lanes, Simd, on_lanes};
+use crate::scene::{Camera, Scene, TriangleId};
+
+/// Why a frame cannot be drawn tile by tile, if so.
+pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
+    if settings.arithmetic != Arithmetic::Fixed {
+        Some("only fixed point runs tile by tile")
+    } else if settings.rasterizer.is_published() {
+        Some("published rasterizers have an order of their own")
+    } else if settings.interpolation == Interpolation::Published {
+        Some("the published weights are computed one by one")
+    } else if scene.triangle_count() > MOST_TRIANGLES {
+        Some("there are more triangles than tiles can number")
+    } else {
+        None
+    }
+}
+
+/// Wall-clock time of each stage. Tiles are drawn and shaded in turn by all threads: the time of both is shared out by the
+/// time that the threads spent on either.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TiledTimes {
+    /// Planning, and vertices to the screen.
+    pub transform: Duration,
+    /// Culling, clipping, binning.
+    pub cull: Duration,
+    /// Coverage and depth.
+    pub rasterize: Duration,
+    /// Interpolation and shading.
+    pub shade: Duration,
+}
+
+impl TiledTimes {
+    /// The shorter time of each stage.
+    pub fn least(&self, other: &Self) -> Self {
+        Self {
+            transform: self.transform.min(other.transform),
+            cull: self.cull.min(other.cull),
+            rasterize: self.rasterize.min(other.rasterize),
+            shade: self.shade.min(other.shade),
+        }
+    }
+}
+
+/// What was done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct TiledCounts {
+    /// Triangles of the scene.
+    pub triangles_in: u64,
+    /// Triangles of draws that are not outside as a whole.
+    pub considered: u64,
+    /// Triangles, and pieces of cut ones, that face the right way.
+    pub rasterized: u64,
+    /// Those of them that may hold a sample.
+    pub kept: u64,
+    /// Entries of triangles in tiles.
+    pub binned: u64,
+    /// Samples that were tested one by one.
+    pub visited: u64,
+    /// Samples that were taken in blocks.
+    pub plain: u64,
+    /// Vertices transformed.
+    pub vertices: u64,
+    /// Samples shaded.
+    pub shaded: u64,
+    /// Texels read.
+    pub texels: u64,
+}
+
+/// What is left when a frame is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct TiledReport {
+    /// One plan per instance.
+    pub plans: Vec<DrawPlan>,
+    /// Where the time went.
+    pub times: TiledTimes,
+    /// What was done.
+    pub counts: TiledCounts,
+}
+
+/// Memory that is kept from frame to frame.
+#[derive(Debug, Default)]
+pub struct Memory {
+    arrays: Arrays,
+    chunks: Vec<Chunk>,
+    tiles: Mutex<Vec<Tile>>,
+}
+
+impl Memory {
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let tiles = self.tiles.lock().map_or(0, |tiles| tiles.iter().map(Tile::bytes).sum());
+        self.arrays.bytes() + self.chunks.iter().map(Chunk::bytes).sum::<usize>() + tiles
+    }
+}
+
+/// Everything that tiles read.
+struct Frame<'a> {
+    settings: &'a Settings,
+    grid: SampleGrid,
+    lattice: Lattice,
+    packed: (u32, u32),
+    scale: DepthScale,
+    rules: DepthRules,
+    background: Rgba8,
+    draws: &'a [Draw<'a>],
+    arrays: &'a Arrays,
+    chunks: &'a [Chunk],
+    shaders: Vec<DrawShader<'a>>,
+}
+
+/// Draws a scene into a framebuffer, all of which it overwrites. [`obstacle`] must have found none.
+pub fn draw(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    viewport: Viewport,
+    frame: &mut Framebuffer,
+    memory: &mut Memory,
+    lanes: Lanes,
+) -> TiledReport {
+    let start = Instant::now();
+    let scale = DepthScale::new(settings.depth_format, camera);
+    let (draws, plans) = plan(scene, camera, settings, viewport);
+    let widening = guard_band_widening(viewport.width, viewport.height);
+    let Memory { arrays, chunks, tiles } = memory;
+    geometry::transform(&draws, settings, viewport, &scale, widening, lanes, arrays);
+    let transformed = Instant::now();
+
+    let packed = frame.color.size();
+    let lattice = Lattice::new(frame.grid);
+    let tile_counts = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
+    Binning { draws: &draws, arrays, settings, viewport, scale, lattice, packed, tiles: tile_counts }
+        .run(lanes, chunks);
+    let binned = Instant::now();
+
+    let comparison = Comparison::of(settings);
+    let [r, g, b] = scene.background;
+    let Framebuffer { grid, color, depth, .. } = frame;
+    let job = Frame {
+        settings,
+        grid: *grid,
+        lattice,
+        packed,
+        scale,
+        rules: DepthRules {
+            comparison,
+            encoding: scale.encoding(),
+            linear_in_space: scale.is_linear_in_space(),
+            clear: clear_value(settings),
+            stored: comparison != Comparison::Always || depth.is_some(),
+        },
+        background: [r, g, b, 255],
+        draws: &draws,
+        arrays,
+        chunks,
+        shaders: shaders(scene, settings, &draws),
+    };
+    let work = Work::default();
+    let band = packed.0 as usize * TILE;
+    let mut depth_bands: Vec<Option<&mut [f32]>> = match depth {
+        Some(depth) => depth.pixels_mut().chunks_mut(band.max(1)).map(Some).collect(),
+        None => (0..tile_counts.1).map(|_| None).collect(),
+    };
+    color.pixels_mut().par_chunks_mut(band.max(1)).zip(depth_bands.par_iter_mut()).enumerate().for_each(
+        |(row, (colors, depths))| {
+            let taken = tiles.lock().ok().and_then(|mut tiles| tiles.pop());
+            let mut tile = taken.unwrap_or_else(Tile::new);
+            for column in 0..tile_counts.0 {
+                let number = row * tile_counts.0 + column;
+                on_lanes!(lanes, simd => job.draw_tile(simd, &mut tile, (column, row), number, colors, depths, &work));
+            }
+            if let Ok(mut tiles) = tiles.lock() {
+                tiles.push(tile);
+            }
+        },
+    );
+    let tiles_time = binned.elapsed();
+    let times = TiledTimes {
+        transform: transformed - start,
+        cull: binned - transformed,
+        rasterize: work.share_of_rasterizing(tiles_time),
+        shade: tiles_time - work.share_of_rasterizing(tiles_time),
+    };
+    let considered = draws.iter().map(|draw| draw.mesh.triangles.len() as u64).sum();
+    let counts = TiledCounts {
+        triangles_in: scene.triangle_count() as u64,
+        considered,
+        rasterized: chunks.iter().map(|chunk| chunk.rasterized as u64).sum(),
+        kept: chunks.iter().map(|chunk| chunk.kept() as u64).sum(),
+        binned: chunks.iter().map(|chunk| chunk.binned() as u64).sum(),
+        visited: work.visited.into_inner(),
+        plain: work.plain.into_inner(),
+        shaded: work.shaded.into_inner(),
+        texels: work.texels.into_inner(),
+        vertices: draws.iter().map(|draw| draw.mesh.positions.len() as u64).sum(),
+    };
+    TiledReport { plans, times, counts }
+}
+
+/// What all threads add to.
+#[derive(Debug, Default)]
+struct Work {
+    rasterize_ns: AtomicU64,
+    shade_ns: AtomicU64,
+    visited: AtomicU64,
+    plain: AtomicU64,
+    shaded: AtomicU64,
+    texels: AtomicU64,
+}
+
+impl Work {
+    fn share_of_rasterizing(&self, time: Duration) -> Duration {
+        let rasterize = self.rasterize_ns.load(Ordering::Relaxed) as f64;
+        let shade = self.shade_ns.load(Ordering::Relaxed) as f64;
+        time.mul_f64(if rasterize > 0.0 { rasterize / (rasterize + shade) } else { 0.0 })
+    }
+}
+
+/// The draws that are not outside, and the plans of all instances.
+fn plan<'a>(
+    scene: &'a Scene,
+    camera: &Camera,
+    settings: &Settings,
+    viewport: Viewport,
+) -> (Vec<Draw<'a>>, Vec<DrawPlan>) {
+    let (mut draws, mut plans) = (Vec::new(), Vec::new());
+    let mut first_vertex = 0;
+    for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
+        let mesh = scene.library.mesh(instance.mesh);
+        let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
+        let inside = containment(mesh.bounds(), matrices.clip_from_model);
+        let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
+        plans.push(plan);
+        if plan.runs(Part::Vertices) && !mesh.triangles.is_empty() {
+            draws.push(Draw::new(index as u32, mesh, plan, matrices, first, first_vertex));
+            first_vertex += mesh.positions.len();
+        }
+    }
+    (draws, plans)
+}
+
+fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> Vec<DrawShader<'a>> {
+    let shader = |draw: &Draw<'_>| {
+        let instance = &scene.instances[draw.instance as usize];
+        let shader = Shader::new(settings, &scene.library, instance, &draw.plan);
+        let texture = scene.library.material(instance.material).texture.map(|id| scene.library.texture(id));
+        DrawShader::new(shader, texture, draw.plan.runs(Part::PerspectiveDivision))
+    };
+    draws.iter().map(shader).collect()
+}
+
+/// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
+const CROWDED: usize = 192;
+
+impl Frame<'_> {
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "one tile's place, memory and output")]
+    fn draw_tile<S: Simd>(
+        &self,
+        simd: S,
+        tile: &mut Tile,
+        place: (usize, usize),
+        number: usize,
+        colors: &mut [Rgba8],
+        depths: &mut Option<&mut [f32]>,
+        work: &Work,
+    ) {
+        let start = Instant::now();
+        let crowd = self.chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>();
+        tile.clear(&self.rules, crowd < CROWDED);
+        let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
+        let set_up = |key: Key, draw: usize| {
+            let corners = self.corners(key, draw);
+            Setup::new(key, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
+        };
+        let mut draw = 0;
+        for chunk in self.chunks {
+            for key in chunk.keys(number) {
+                if !self.is_of_draw(*key, draw) {
+                    draw = self.draw_of(*key);
+                }
+                if let Some(triangle) = set_up(*key, draw) {
+                    let owner = |key: Key| set_up(key, self.draw_of(key));
+                    tile.draw(simd, &triangle, &self.lattice, &self.rules, owner);
+                }
+            }
+        }
+        if let Some(depths) = depths {
+            let owner = |key: Key| set_up(key, self.draw_of(key));
+            for (block, _) in tile.plain_blocks() {
+                tile.write_out(simd, block, &self.lattice, &self.rules, &owner);
+            }
+            let width = self.packed.0 as usize;
+            let left = place.0 * TILE;
+            let columns = (width - left).min(TILE);
+            for (row, out) in depths.chunks_mut(width).enumerate() {
+                out[left..left + columns].copy_from_slice(&tile.depths(row)[..columns]);
+            }
+        }
+        let rasterized = Instant::now();
+        let shaded = shade_tile(simd, self, tile, place, colors);
+        work.rasterize_ns.fetch_add((rasterized - start).as_nanos() as u64, Ordering::Relaxed);
+        work.shade_ns.fetch_add(rasterized.elapsed().as_nanos() as u64, Ordering::Relaxed);
+        work.visited.fetch_add(tile.counts.visited, Ordering::Relaxed);
+        work.plain.fetch_add(tile.counts.plain, Ordering::Relaxed);
+        work.shaded.fetch_add(shaded.samples, Ordering::Relaxed);
+        work.texels.fetch_add(shaded.texels, Ordering::Relaxed);
+    }
+
+    /// The triangle of the scene that a key stands for.
+    #[inline(always)]
+    fn id_of(&self, key: Key) -> TriangleId {
+        match key.as_piece() {
+            Some((chunk, index)) => self.chunks[chunk].pieces[index].id,
+            None => TriangleId(key.0),
+        }
+    }
+
+    /// The draw that a triangle belongs to.
+    #[inline(always)]
+    fn draw_of(&self, key: Key) -> usize {
+        let id = self.id_of(key);
+        self.draws.partition_point(|draw| draw.first <= id) - 1
+    }
+
+    #[inline(always)]
+    fn is_of_draw(&self, key: Key, draw: usize) -> bool {
+        let first = self.draws[draw].first.0;
+        let id = self.id_of(key).0;
+        id >= first && id - first < self.draws[draw].mesh.triangles.len() as u32
+    }
+
+    #[inline(always)]
+    fn corners(&self, key: Key, draw: usize) -> [Corner; 3] {
+        match key.as_piece() {
+            Some((chunk, index)) => self.chunks[chunk].pieces[index].vertices.each_ref().map(Corner::from),
+            None => {
+                let [a, b, c] = self.draws[draw].corners(key.0);
+                let vertices = &self.arrays.vertices;
+                [(&vertices[a]).into(), (&vertices[b]).into(), (&vertices[c]).into()]
+            }
+        }
+    }
+
+    /// What lanes read of the corners of a triangle.
+    #[inline(always)]
+    fn records(&self, key: Key, draw: usize) -> [(&Vertex, Option<&Surface>); 3] {
+        match key.as_piece() {
+            Some((chunk, index)) => {
+                let [a, b, c] = &self.chunks[chunk].corners[index];
+                [(&a.0, Some(&a.1)), (&b.0, Some(&b.1)), (&c.0, Some(&c.1))]
+            }
+            None => {
+                let [a, b, c] = self.draws[draw].corners(key.0);
+                let Arrays { vertices, surfaces, .. } = self.arrays;
+                [(&vertices[a], surfaces.get(a)), (&vertices[b], surfaces.get(b)), (&vertices[c], surfaces.get(c))]
+            }
+        }
+    }
+
+    /// A triangle as the classic way has it.
+    fn screen_triangle(&self, key: Key, draw: usize) -> ScreenTriangle {
+        if let Some((chunk, index)) = key.as_piece() {
+            return self.chunks[chunk].pieces[index];
+        }
+        let draw = &self.draws[draw];
+        let mut corner = 0;
+        let vertices = draw.corners(key.0).map(|index| {
+            let vertex = &self.arrays.vertices[index];
+            let mut varyings = draw.varyings(index, self.arrays);
+            varyings.source_weights = glam::Vec3::AXES[corner];
+            corner += 1;
+            let [x, y] = vertex.position().map(|step| step as i32);
+            ScreenVertex {
+                position_px: [to_pixels(x.into()), to_pixels(y.into())],
+                x,
+                y,
+                depth: vertex.depth(),
+                inv_w: vertex.inv_w(),
+                varyings,
+            }
+        });
+        let corners = vertices.each_ref().map(Corner::from);
+        let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |edges| edges.doubled_area);
+        ScreenTriangle {
+            id: TriangleId(key.0),
+            instance: draw.instance,
+            doubled_area: area,
+            depth: self.scale.over(&vertices, area),
+            relative_inv_w: if draw.plan.runs(Part::PerspectiveDivision) {
+                relative_inv_w(&vertices)
+            } else {
+                [1.0; 3]
+            },
+            vertices,
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Texture reads for eight samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
+
+use crate::image::Rgba8;
+use crate::image::color::Tables;
+use crate::math::lanes::*;
+use crate::pipeline::sample::Sampler;
+use crate::pipeline::settings::{Address, ColorSpace, Filter};
+use crate::scene::Texture;
+
+/// The two texels around a coordinate along one axis, and the weight of the second one.
+struct Neighbours<S: Simd> {
+    first: i32x8<S>,
+    second: i32x8<S>,
+    weight: F32<S>,
+}
+
+/// A texture with how it is read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TextureReader<'a> {
+    texels: &'a [Rgba8],
+    /// Rows that go on with their first texel once more, so that neighbours of a repeated texture stand together.
+    wrapped: &'a [u32],
+    size: (u32, u32),
+    sampler: Sampler,
+    space: ColorSpace,
+}
+
+impl<'a> TextureReader<'a> {
+    pub(super) fn new(texture: &'a Texture, sampler: Sampler, space: ColorSpace) -> Self {
+        let image = texture.image();
+        let pairs = sampler.filter == Filter::Bilinear && sampler.address == Address::Repeat;
+        let wrapped = if pairs { texture.wrapped() } else { &[] };
+        Self { texels: image.pixels(), wrapped, size: image.size(), sampler, space }
+    }
+
+    /// Red, green and blue at eight places (v down), in the numbers of the colour space.
+    #[inline(always)]
+    pub(super) fn sample<S: Simd>(&self, simd: S, u: F32<S>, v: F32<S>) -> [F32<S>; 3] {
+        let (width, height) = self.size;
+        match self.sampler.filter {
+            Filter::Point => {
+                let x = nearest(simd, bring_into_unit(simd, u, self.sampler.address), width);
+                let y = nearest(simd, bring_into_unit(simd, v, self.sampler.address), height);
+                // The weight is one.
+                self.values(simd, self.fetch(simd, x, y))
+            }
+            Filter::Bilinear => {
+                let x = neighbours(simd, u, width, self.sampler.address);
+                let y = neighbours(simd, v, height, self.sampler.address);
+                let one = F32::splat(simd, 1.0);
+                let (left, top) = (one - x.weight, one - y.weight);
+                let weights = [left * top, x.weight * top, left * y.weight, x.weight * y.weight];
+                let texels = if self.wrapped.is_empty() {
+                    let (first, second) = (y.first, y.second);
+                    [
+                        self.fetch(simd, x.first, first),
+                        self.fetch(simd, x.second, first),
+                        self.fetch(simd, x.first, second),
+                        self.fetch(simd, x.second, second),
+                    ]
+                } else {
+                    let (a, b) = self.fetch_pairs(simd, x.first, y.first);
+                    let (c, d) = self.fetch_pairs(simd, x.first, y.second);
+                    [a, b, c, d]
+                };
+                let values = each!(tap in [0, 1, 2, 3] => self.values(simd, texels[tap]));
+                each!(channel in [0, 1, 2] => {
+                    values[0][channel] * weights[0]
+                        + values[1][channel] * weights[1]
+                        + values[2][channel] * weights[2]
+                        + values[3][channel] * weights[3]
+                })
+            }
+        }
+    }
+
+    /// Eight texels and their neighbours to the right in a repeated texture.
+    #[inline(always)]
+    fn fetch_pairs<S: Simd>(&self, simd: S, x: i32x8<S>, y: i32x8<S>) -> (u32x8<S>, u32x8<S>) {
+        let index = (y * (self.size.0 as i32 + 1) + x).to_array();
+        let mut pairs = [0_u32; 2 * LANES];
+        for lane in 0..LANES {
+            let at = index[lane] as usize;
+            let pair = &self.wrapped[at..at + 2];
+            [pairs[2 * lane], pairs[2 * lane + 1]] = [pair[0], pair[1]];
+        }
+        let (low, high) = pairs.split_at(LANES);
+        u32x8::from_slice(simd, low).deinterleave(u32x8::from_slice(simd, high))
+    }
+
+    /// Eight texels, each packed into one number.
+    #[inline(always)]
+    fn fetch<S: Simd>(&self, simd: S, x: i32x8<S>, y: i32x8<S>) -> u32x8<S> {
+        let index = (y * self.size.0 as i32 + x).to_array();
+        let mut texels = [0; LANES];
+        for lane in 0..LANES {
+            texels[lane] = u32::from_le_bytes(self.texels[index[lane] as usize]);
+        }
+        u32x8::load_array(simd, texels)
+    }
+
+    /// The numbers that texels are mixed in.
+    #[inline(always)]
+    fn values<S: Simd>(&self, simd: S, texels: u32x8<S>) -> [F32<S>; 3] {
+        let codes = each!(shift in [0, 8, 16] => (texels >> shift) & 255);
+        match self.space {
+            ColorSpace::Bytes => {
+                each!(c in [0, 1, 2] => codes[c].bitcast::<i32x8<S>>().to_float::<F32<S>>() * (1.0 / 255.0))
+            }
+            ColorSpace::Linear => {
+                let table = &Tables::get().linear_of_code;
+                each!(channel in [0, 1, 2] => {
+                    let codes = codes[channel].to_array();
+                    let mut values = [0.0; LANES];
+                    for lane in 0..LANES {
+                        values[lane] = table[usize::from(codes[lane] as u8)];
+                    }
+                    F32::load_array(simd, values)
+                })
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn bring_into_unit<S: Simd>(simd: S, u: F32<S>, address: Address) -> F64<S> {
+    let unit = match address {
+        Address::Clamp => return widen(simd, u.max(0.0).min(1.0)),
+        Address::Repeat => widen(simd, u) - widen(simd, u.floor()),
+        Address::Mirror => {
+            let period = widen(simd, u) - widen(simd, (u * 0.5).floor()) * 2.0;
+            period.simd_gt(1.0).select(F64::splat(simd, 2.0) - period, period)
+        }
+    };
+    unit.is_nan().select(F64::splat(simd, 0.0), unit)
+}
+
+#[inline(always)]
+fn nearest<S: Simd>(simd: S, unit: F64<S>, size: u32) -> i32x8<S> {
+    let place = (unit * f64::from(size)).trunc().min(f64::from(size - 1));
+    narrow(simd, place).to_int()
+}
+
+#[inline(always)]
+fn neighbours<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> Neighbours<S> {
+    let (below, weight) = if address == Address::Repeat
+        && size.is_power_of_two()
+        && (u.simd_ge(0.0) & u.simd_lt(ALL_INTEGERS)).to_bitmask() == 0xFF
+    {
+        below_exact(u, size)
+    } else {
+        let position = bring_into_unit(simd, u, address) * f64::from(size) - 0.5;
+        let below = position.floor();
+        (narrow(simd, below), narrow(simd, position - below))
+    };
+    let below: i32x8<S> = below.to_int();
+    let (first, second) = (below, below + 1);
+    let last = size as i32 - 1;
+    let (before, after) = match address {
+        Address::Repeat => (last, 0),
+        Address::Clamp | Address::Mirror => (0, last),
+    };
+    Neighbours {
+        first: first.simd_lt(0).select(i32x8::splat(simd, before), first),
+        second: second.simd_gt(last).select(i32x8::splat(simd, after), second),
+        weight,
+    }
+}
+
+/// From here on every float is a whole number.
+const ALL_INTEGERS: f32 = 8_388_608.0;
+
+/// The texel centre at or before a repeated coordinate, and the way from it, for coordinates that are not negative and a
+/// size that is a power of two: then every step is exact in f32 but the last sum, which rounds what f64 rounds at its end.
+#[inline(always)]
+fn below_exact<S: Simd>(u: F32<S>, size: u32) -> (F32<S>, F32<S>) {
+    let position = (u - u.floor()) * size as f32;
+    let texel = position.floor();
+    let within = position - texel;
+    let second_half = within.simd_ge(0.5);
+    (second_half.select(texel, texel - 1.0), second_half.select(within - 0.5, within + 0.5))
+}

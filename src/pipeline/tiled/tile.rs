@@ -1,0 +1,497 @@
+//! One tile of the picture while its triangles are drawn: which triangle is seen at each sample, and how deep it lies.
+//!
+//! Samples stand in blocks of 8 × 8. A block that one triangle covers whole, in front of everything that was there, is *plain*:
+//! its samples are neither written nor cleared, the block holds the triangle's key alone. Samples are written out when a
+//! triangle first covers a plain block in part. Of every block the least and greatest stored depth are known, so that a
+//! triangle that lies behind all of it is not looked at there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
+//! SIGGRAPH 1993).
+
+use super::bins::Key;
+use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
+use super::setup::Setup;
+use crate::math::lanes::*;
+use crate::pipeline::depth::{Comparison, DepthEncoding};
+
+/// From one row of samples to the next in memory: rows may be read and written eight samples beyond the last block.
+pub(super) const STRIDE: usize = TILE + LANES;
+
+/// How depths are stored and compared in all tiles of a frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DepthRules {
+    pub(super) comparison: Comparison,
+    pub(super) encoding: DepthEncoding,
+    /// Depth is linear in space rather than on the screen.
+    pub(super) linear_in_space: bool,
+    /// What samples hold before anything is drawn.
+    pub(super) clear: f32,
+    /// Depths are computed and kept at all.
+    pub(super) stored: bool,
+}
+
+/// How much work a tile was.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TileCounts {
+    /// Samples that were tested.
+    pub(super) visited: u64,
+    /// Samples of blocks that were taken as a whole.
+    pub(super) plain: u64,
+}
+
+/// A tile. Memory is kept from tile to tile.
+#[derive(Clone, Debug)]
+pub(super) struct Tile {
+    /// Keys by row and column.
+    ids: Vec<u32>,
+    /// Stored depths.
+    depths: Vec<f32>,
+    /// The triangle of each plain block.
+    owners: [Key; BLOCKS * BLOCKS],
+    /// Bounds of the stored depths of each block.
+    least: [f32; BLOCKS * BLOCKS],
+    greatest: [f32; BLOCKS * BLOCKS],
+    /// A bit for each plain block.
+    plain: u64,
+    /// Bounds are kept. They cost more than they save where triangles are as small as blocks.
+    bounded: bool,
+    pub(super) counts: TileCounts,
+}
+
+impl Tile {
+    pub(super) fn new() -> Self {
+        Self {
+            ids: vec![Key::NONE.0; STRIDE * TILE],
+            depths: vec![0.0; STRIDE * TILE],
+            owners: [Key::NONE; BLOCKS * BLOCKS],
+            least: [0.0; BLOCKS * BLOCKS],
+            greatest: [0.0; BLOCKS * BLOCKS],
+            plain: u64::MAX,
+            bounded: true,
+            counts: TileCounts::default(),
+        }
+    }
+
+    /// Bytes of one tile.
+    pub(super) fn bytes(&self) -> usize {
+        self.ids.capacity() * size_of::<u32>() + self.depths.capacity() * size_of::<f32>() + size_of::<Self>()
+    }
+
+    /// Forgets everything. With `bounded` false all samples are cleared at once and no bounds are kept.
+    pub(super) fn clear(&mut self, rules: &DepthRules, bounded: bool) {
+        self.bounded = bounded;
+        self.counts = TileCounts::default();
+        if bounded {
+            self.plain = u64::MAX;
+            self.owners = [Key::NONE; BLOCKS * BLOCKS];
+            self.least = [rules.clear; BLOCKS * BLOCKS];
+            self.greatest = [rules.clear; BLOCKS * BLOCKS];
+        } else {
+            self.plain = 0;
+            self.ids.fill(Key::NONE.0);
+            if rules.stored {
+                self.depths.fill(rules.clear);
+            }
+            self.least = [f32::NEG_INFINITY; BLOCKS * BLOCKS];
+            self.greatest = [f32::INFINITY; BLOCKS * BLOCKS];
+        }
+    }
+
+    /// The triangle of a plain block.
+    #[inline(always)]
+    pub(super) fn owner(&self, block: usize) -> Option<Key> {
+        (self.plain >> block & 1 != 0).then(|| self.owners[block])
+    }
+
+    /// The plain blocks that wait for their samples to be written.
+    pub(super) fn plain_blocks(&self) -> impl Iterator<Item = (usize, Key)> + use<> {
+        let (plain, owners) = (self.plain, self.owners);
+        (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, owners[block]))
+    }
+
+    /// Eight keys of a row; the samples must have been written.
+    #[inline(always)]
+    pub(super) fn keys(&self, column: usize, row: usize) -> &[u32] {
+        &self.ids[row * STRIDE + column..][..LANES]
+    }
+
+    /// Stored depths of a row.
+    pub(super) fn depths(&self, row: usize) -> &[f32] {
+        &self.depths[row * STRIDE..][..TILE]
+    }
+
+    /// Draws a triangle. `owner` sets up the triangle of a plain block that is no longer plain.
+    #[inline(always)]
+    pub(super) fn draw<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        lattice: &Lattice,
+        rules: &DepthRules,
+        owner: impl Fn(Key) -> Option<Setup>,
+    ) {
+        let [first, last] = triangle.columns;
+        let start = first & !1;
+        if last < start + LANES && triangle.rows[1] < triangle.rows[0] + 2 * BLOCK {
+            self.draw_small(simd, triangle, start, lattice, rules, owner);
+        } else {
+            self.draw_large(simd, triangle, lattice, rules, owner);
+        }
+    }
+
+    /// A triangle at most eight samples wide: each of its rows at once.
+    #[inline(never)]
+    fn draw_small<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        start: usize,
+        lattice: &Lattice,
+        rules: &DepthRules,
+        owner: impl Fn(Key) -> Option<Setup>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let [top, bottom] = triangle.rows;
+                if self.bounded {
+                    let columns = [start / BLOCK, triangle.columns[1] / BLOCK];
+                    let mut in_sight = false;
+                    for by in top / BLOCK..=bottom / BLOCK {
+                        for bx in columns[0]..=columns[1].min(BLOCKS - 1) {
+                            in_sight |= self.may_show(triangle, by * BLOCKS + bx, rules);
+                        }
+                    }
+                    if !in_sight {
+                        return;
+                    }
+                    // A row of eight may reach into one more block than the triangle does.
+                    for by in top / BLOCK..=bottom / BLOCK {
+                        for bx in columns[0]..=((start + LANES - 1) / BLOCK).min(BLOCKS - 1) {
+                            let block = by * BLOCKS + bx;
+                            self.write_out(simd, block, lattice, rules, &owner);
+                            self.widen_bounds(triangle, block, rules);
+                        }
+                    }
+                }
+                let Setup { edges, .. } = triangle;
+                let x = F64::load_array(simd, lattice.lanes) + lattice.column(start);
+                let along = each!(i in [0, 1, 2] => x * edges.a[i] + edges.c[i]);
+                for row in top..=bottom {
+                    let y = row as f64 * lattice.row_step;
+                    let shift = lattice.shift(row);
+                    let e = each!(i in [0, 1, 2] => along[i] + (edges.b[i] * y + edges.a[i] * shift));
+                    let covered = inside(simd, triangle, e);
+                    if covered != 0 {
+                        self.write(simd, triangle, e, covered, (start, row), rules);
+                    }
+                }
+                self.counts.visited += ((bottom - top + 1) * LANES) as u64;
+            },
+        )
+    }
+
+    /// A larger triangle: block by block.
+    #[inline(never)]
+    fn draw_large<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        lattice: &Lattice,
+        rules: &DepthRules,
+        owner: impl Fn(Key) -> Option<Setup>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let Setup { edges, columns, rows, .. } = triangle;
+                let (width, height) = (lattice.block_width, lattice.block_height);
+                let reach = each!(i in [0, 1, 2] => {
+                    let (a, b) = (edges.a[i], edges.b[i]);
+                    [a.min(0.0) * width + b.min(0.0) * height, a.max(0.0) * width + b.max(0.0) * height]
+                });
+                let touched = (u64::MAX >> (63 - columns[1] / BLOCK)) & (u64::MAX << (columns[0] / BLOCK));
+                let blocks = F64::load_array(simd, lattice.blocks);
+                let along = each!(i in [0, 1, 2] => blocks * edges.a[i] + edges.c[i]);
+                for by in rows[0] / BLOCK..=rows[1] / BLOCK {
+                    let y = (by * BLOCK) as f64 * lattice.row_step;
+                    let first = each!(i in [0, 1, 2] => along[i] + edges.b[i] * y);
+                    let (mut candidates, mut accepted) = (touched, touched);
+                    for i in 0..3 {
+                        candidates &= (first[i] + reach[i][1]).simd_ge(triangle.inside[i]).to_bitmask();
+                        accepted &= (first[i] + reach[i][0]).simd_ge(triangle.inside[i]).to_bitmask();
+                    }
+                    if candidates == 0 {
+                        continue;
+                    }
+                    let here = by * BLOCKS..(by + 1) * BLOCKS;
+                    let [low, high] = block_depths(simd, triangle, first, lattice, rules);
+                    let stored = [
+                        F32::from_slice(simd, &self.least[here.clone()]),
+                        F32::from_slice(simd, &self.greatest[here.clone()]),
+                    ];
+                    let (hidden, in_front) = match rules.comparison {
+                        Comparison::Always => (0, 0xFF),
+                        Comparison::Less => (low.simd_ge(stored[1]).to_bitmask(), high.simd_lt(stored[0]).to_bitmask()),
+                        Comparison::LessEqual => {
+                            (low.simd_gt(stored[1]).to_bitmask(), high.simd_le(stored[0]).to_bitmask())
+                        }
+                        Comparison::Greater => {
+                            (high.simd_le(stored[0]).to_bitmask(), low.simd_gt(stored[1]).to_bitmask())
+                        }
+                        Comparison::GreaterEqual => {
+                            (high.simd_lt(stored[0]).to_bitmask(), low.simd_ge(stored[1]).to_bitmask())
+                        }
+                    };
+                    candidates &= !hidden;
+                    let whole = if self.bounded { candidates & accepted & in_front } else { 0 };
+                    if whole != 0 {
+                        let mask = mask32x8::from_bitmask(simd, whole);
+                        mask.select(low, stored[0]).store_slice(&mut self.least[here.clone()]);
+                        mask.select(high, stored[1]).store_slice(&mut self.greatest[here.clone()]);
+                        for (bx, owner) in self.owners[here].iter_mut().enumerate() {
+                            if whole >> bx & 1 != 0 {
+                                *owner = triangle.key;
+                            }
+                        }
+                        self.plain |= whole << (by * BLOCKS);
+                        self.counts.plain += u64::from(whole.count_ones()) * (BLOCK * BLOCK) as u64;
+                    }
+                    let mut partial = candidates & !whole;
+                    while partial != 0 {
+                        let bx = partial.trailing_zeros() as usize;
+                        partial &= partial - 1;
+                        self.write_out(simd, by * BLOCKS + bx, lattice, rules, &owner);
+                        self.draw_block(simd, triangle, (bx, by), lattice, rules);
+                    }
+                }
+            },
+        )
+    }
+
+    /// The samples of one block.
+    #[inline(always)]
+    fn draw_block<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        (bx, by): (usize, usize),
+        lattice: &Lattice,
+        rules: &DepthRules,
+    ) {
+        let Setup { edges, .. } = triangle;
+        let x = F64::load_array(simd, lattice.lanes) + bx as f64 * lattice.block_step;
+        let along = each!(i in [0, 1, 2] => x * edges.a[i] + edges.c[i]);
+        for row in by * BLOCK..(by + 1) * BLOCK {
+            let y = row as f64 * lattice.row_step;
+            let shift = lattice.shift(row);
+            let e = each!(i in [0, 1, 2] => along[i] + (edges.b[i] * y + edges.a[i] * shift));
+            let covered = inside(simd, triangle, e);
+            if covered != 0 {
+                self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
+            }
+        }
+        self.counts.visited += (BLOCK * BLOCK) as u64;
+        if self.bounded && rules.stored {
+            self.measure_bounds(simd, (bx, by));
+        }
+    }
+
+    /// Tests the covered samples of eight in a row, and stores those that pass.
+    #[inline(always)]
+    fn write<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        e: [F64<S>; 3],
+        covered: u64,
+        (column, row): (usize, usize),
+        rules: &DepthRules,
+    ) {
+        let at = row * STRIDE + column;
+        let ids = &mut self.ids[at..at + LANES];
+        let mut passed = covered;
+        if rules.stored {
+            let depths = &mut self.depths[at..at + LANES];
+            let new = depth(simd, triangle, e, rules);
+            let stored = F32::from_slice(simd, depths);
+            passed &= match rules.comparison {
+                Comparison::Always => 0xFF,
+                Comparison::Less => new.simd_lt(stored).to_bitmask(),
+                Comparison::LessEqual => new.simd_le(stored).to_bitmask(),
+                Comparison::Greater => new.simd_gt(stored).to_bitmask(),
+                Comparison::GreaterEqual => new.simd_ge(stored).to_bitmask(),
+            };
+            if passed == 0 {
+                return;
+            }
+            mask32x8::from_bitmask(simd, passed).select(new, stored).store_slice(depths);
+        }
+        let key = u32x8::splat(simd, triangle.key.0);
+        mask32x8::from_bitmask(simd, passed).select(key, u32x8::from_slice(simd, ids)).store_slice(ids);
+    }
+
+    /// Writes the samples of a plain block.
+    #[inline(never)]
+    pub(super) fn write_out<S: Simd>(
+        &mut self,
+        simd: S,
+        block: usize,
+        lattice: &Lattice,
+        rules: &DepthRules,
+        owner: &impl Fn(Key) -> Option<Setup>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if self.plain >> block & 1 == 0 {
+                    return;
+                }
+                self.plain &= !(1 << block);
+                let (bx, by) = (block % BLOCKS, block / BLOCKS);
+                let key = self.owners[block];
+                let triangle = if key == Key::NONE || !rules.stored { None } else { owner(key) };
+                for row in by * BLOCK..(by + 1) * BLOCK {
+                    let at = row * STRIDE + bx * BLOCK;
+                    self.ids[at..at + LANES].fill(key.0);
+                    if rules.stored {
+                        let depths = &mut self.depths[at..at + LANES];
+                        match &triangle {
+                            None => depths.fill(rules.clear),
+                            Some(triangle) => {
+                                let e = edge_values(simd, triangle, (bx * BLOCK, row), lattice);
+                                depth(simd, triangle, e, rules).store_slice(depths);
+                            }
+                        }
+                    }
+                }
+            },
+        )
+    }
+
+    /// Whether a triangle may pass the depth test anywhere in a block.
+    #[inline(always)]
+    fn may_show(&self, triangle: &Setup, block: usize, rules: &DepthRules) -> bool {
+        let [low, high] = whole_depths(triangle, rules);
+        match rules.comparison {
+            Comparison::Always => true,
+            Comparison::Less => low < self.greatest[block],
+            Comparison::LessEqual => low <= self.greatest[block],
+            Comparison::Greater => high > self.least[block],
+            Comparison::GreaterEqual => high >= self.least[block],
+        }
+    }
+
+    /// Lets the bounds of a block hold after a triangle was drawn into it.
+    #[inline(always)]
+    fn widen_bounds(&mut self, triangle: &Setup, block: usize, rules: &DepthRules) {
+        let [low, high] = whole_depths(triangle, rules);
+        match rules.comparison {
+            Comparison::Less | Comparison::LessEqual => self.least[block] = self.least[block].min(low),
+            Comparison::Greater | Comparison::GreaterEqual => self.greatest[block] = self.greatest[block].max(high),
+            Comparison::Always => {}
+        }
+    }
+
+    /// The bounds of a block from its samples.
+    #[inline(always)]
+    fn measure_bounds<S: Simd>(&mut self, simd: S, (bx, by): (usize, usize)) {
+        let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
+        for row in by * BLOCK..(by + 1) * BLOCK {
+            let depths = F32::from_slice(simd, &self.depths[row * STRIDE + bx * BLOCK..][..LANES]);
+            (least, greatest) = (least.min(depths), greatest.max(depths));
+        }
+        let block = by * BLOCKS + bx;
+        (self.least[block], self.greatest[block]) = (least.reduce_min(), greatest.reduce_max());
+    }
+}
+
+/// Edge values at eight samples of a row.
+#[inline(always)]
+pub(super) fn edge_values<S: Simd>(
+    simd: S,
+    triangle: &Setup,
+    (column, row): (usize, usize),
+    lattice: &Lattice,
+) -> [F64<S>; 3] {
+    let Setup { edges, .. } = triangle;
+    let x = F64::load_array(simd, lattice.lanes) + (lattice.column(column) + lattice.shift(row));
+    let y = row as f64 * lattice.row_step;
+    each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y))
+}
+
+/// Bits of the samples that are inside all edges.
+#[inline(always)]
+fn inside<S: Simd>(_: S, triangle: &Setup, e: [F64<S>; 3]) -> u64 {
+    let Setup { inside, .. } = triangle;
+    let all = e[0].simd_ge(inside[0]) & e[1].simd_ge(inside[1]) & e[2].simd_ge(inside[2]);
+    all.to_bitmask()
+}
+
+/// Depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples.
+#[inline(always)]
+fn depth<S: Simd>(simd: S, triangle: &Setup, e: [F64<S>; 3], rules: &DepthRules) -> F32<S> {
+    let Setup { rises, inv_w, least, .. } = triangle;
+    let rise = if rules.linear_in_space {
+        let weights = each!(i in [0, 1, 2] => e[i].max(0.0) * inv_w[i]);
+        let sum = weights[0] + weights[1] + weights[2];
+        let zero = F64::splat(simd, 0.0);
+        sum.simd_gt(0.0).select(weighted(weights, rises) / sum, zero)
+    } else {
+        weighted(e, rises)
+    };
+    quantize(simd, clamp_f64(rise + *least, 0.0, 1.0), rules.encoding)
+}
+
+#[inline(always)]
+fn weighted<S: Simd>(v: [F64<S>; 3], rises: &[f64; 3]) -> F64<S> {
+    v[0] * rises[0] + v[1] * rises[1] + v[2] * rises[2]
+}
+
+/// [`DepthEncoding::quantize`] for eight depths.
+#[inline(always)]
+fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> {
+    match encoding.largest_code() {
+        None => narrow(simd, depth),
+        Some(largest) => {
+            let largest = f64::from(largest);
+            narrow(simd, (depth * largest + 0.5).trunc() / largest)
+        }
+    }
+}
+
+/// Rounding errors of a depth relative to the sum of the magnitudes that it is the sum of: some ten operations of 2⁻⁵³ each.
+const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
+
+/// Bounds of the stored depths of a triangle in each block of a row, from its edge values at the blocks' first samples.
+#[inline(always)]
+fn block_depths<S: Simd>(
+    simd: S,
+    triangle: &Setup,
+    first: [F64<S>; 3],
+    lattice: &Lattice,
+    rules: &DepthRules,
+) -> [F32<S>; 2] {
+    let Setup { edges, rises, least, greatest, .. } = triangle;
+    let (low, high) = (F64::splat(simd, *least), F64::splat(simd, *greatest));
+    let slack = ROUNDING * greatest;
+    if rules.linear_in_space {
+        return each!(d in [low - slack, high + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding));
+    }
+    let terms = each!(i in [0, 1, 2] => first[i] * rises[i]);
+    let across = edges.a[0] * rises[0] + edges.a[1] * rises[1] + edges.a[2] * rises[2];
+    let down = edges.b[0] * rises[0] + edges.b[1] * rises[1] + edges.b[2] * rises[2];
+    let (width, height) = (lattice.block_width, lattice.block_height);
+    let steepest = each!(i in [0, 1, 2] => (edges.a[i].abs() * width + edges.b[i].abs() * height) * rises[i]);
+    let slack = (terms[0].abs() + terms[1].abs() + terms[2].abs()) * ROUNDING
+        + (slack + (steepest[0] + steepest[1] + steepest[2]) * ROUNDING);
+    let at_first = terms[0] + terms[1] + terms[2] + *least;
+    let nearest = at_first + (across.min(0.0) * width + down.min(0.0) * height);
+    let farthest = at_first + (across.max(0.0) * width + down.max(0.0) * height);
+    each!(d in [nearest.max(low) - slack, farthest.min(high) + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding))
+}
+
+/// Bounds of the stored depths of a triangle anywhere.
+#[inline(always)]
+fn whole_depths(triangle: &Setup, rules: &DepthRules) -> [f32; 2] {
+    let slack = ROUNDING * triangle.greatest;
+    each!(d in [triangle.least - slack, triangle.greatest + slack] => rules.encoding.quantize(d.clamp(0.0, 1.0)))
+}
