@@ -9,8 +9,8 @@ use glam::Vec3;
 pub struct Tables {
     /// Linear light of each code.
     pub linear_of_code: [f32; 256],
-    /// Value in [0, 1] of each code, without decoding.
-    pub value_of_code: [f32; 256],
+    /// Each code as a float.
+    pub code: [f32; 256],
     /// For each code the least linear value that rounds to it, and an unreachable one at the end.
     thresholds: [f32; 257],
     /// The code of the least linear value in each bucket of [`bucket`].
@@ -34,7 +34,7 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     let thresholds: [f32; 257] = std::array::from_fn(threshold);
     Tables {
         linear_of_code: std::array::from_fn(|code| decode(code as f32 / 255.0)),
-        value_of_code: std::array::from_fn(|code| code as f32 * (1.0 / 255.0)),
+        code: std::array::from_fn(|code| code as f32),
         thresholds,
         first_code: std::array::from_fn(|bucket| {
             let least = f32::from_bits(LEAST_BITS + ((bucket as u32) << BUCKET_SHIFT));

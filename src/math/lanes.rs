@@ -5,7 +5,7 @@
 //! a product and a sum into one rounding, so both give the same bits.
 
 pub use fearless_simd::prelude::*;
-pub use fearless_simd::{Level, Simd, f32x8, f64x8, i32x8, mask32x8, mask64x8, u32x8};
+pub use fearless_simd::{Level, Simd, f32x4, f32x8, f64x8, i32x8, mask32x8, mask64x8, u8x32, u32x4, u32x8, u64x4};
 
 use fearless_simd::Fallback;
 

@@ -32,19 +32,22 @@ pub struct Sampler {
     pub filter: Filter,
     /// Outside of [0, 1].
     pub address: Address,
-    /// The number that each code of a texel stands for.
-    value_of_code: &'static [f32; 256],
+    /// The number that each code of a texel is mixed as.
+    number_of_code: &'static [f32; 256],
+    /// What brings the mixed number into [0, 1].
+    pub(super) scale: f32,
 }
 
 impl Sampler {
     /// Mixes texels in the numbers of `color_space`.
     pub fn new(filter: Filter, address: Address, color_space: ColorSpace) -> Self {
         let tables = Tables::get();
-        let value_of_code = match color_space {
-            ColorSpace::Linear => &tables.linear_of_code,
-            ColorSpace::Bytes => &tables.value_of_code,
+        // Codes themselves are mixed exactly but for the weights; dividing each by 255 first would round every one.
+        let (number_of_code, scale) = match color_space {
+            ColorSpace::Linear => (&tables.linear_of_code, 1.0),
+            ColorSpace::Bytes => (&tables.code, 1.0 / 255.0),
         };
-        Self { filter, address, value_of_code }
+        Self { filter, address, number_of_code, scale }
     }
 
     /// Colour at `uv` (v down): linear light or sRGB values by the sampler's colour space, in [0, 1].
@@ -56,7 +59,7 @@ impl Sampler {
             Filter::Point => weighted(&taps[0]),
             Filter::Bilinear => weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3]),
         };
-        sum.truncate()
+        sum.truncate() * self.scale
     }
 
     /// The texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
@@ -85,7 +88,7 @@ impl Sampler {
     /// A texel in the numbers that are mixed; four lanes, of which the last is idle, mix in one register.
     #[inline]
     fn texel(self, texture: &Image<Rgba8>, tap: &TexelTap) -> Vec4 {
-        let [r, g, b, _] = texture.at(tap.x, tap.y).map(|code| self.value_of_code[code as usize]);
+        let [r, g, b, _] = texture.at(tap.x, tap.y).map(|code| self.number_of_code[code as usize]);
         Vec4::new(r, g, b, 0.0)
     }
 }

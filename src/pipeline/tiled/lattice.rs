@@ -19,6 +19,8 @@ pub(super) struct Lattice {
     grid: SampleGrid,
     /// Of the eight samples of a block's row, from the first.
     pub(super) lanes: [f64; LANES],
+    /// Of four samples of a row and the four below: columns, rows.
+    pub(super) two_rows: [[f64; LANES]; 2],
     /// Of the first samples of the blocks of a row.
     pub(super) blocks: [f64; BLOCKS],
     /// From one block to the next in a row.
@@ -44,12 +46,22 @@ impl Lattice {
         Self {
             grid,
             lanes: std::array::from_fn(|lane| column(lane as u32)),
+            two_rows: [
+                std::array::from_fn(|lane| column(lane as u32 % 4)),
+                std::array::from_fn(|lane| row(lane as u32 / 4)),
+            ],
             blocks: std::array::from_fn(|block| column((block * BLOCK) as u32)),
             block_step: column(BLOCK as u32),
             row_step: row(1),
             block_width: column(last) + shift,
             block_height: row(last),
         }
+    }
+
+    /// Whether samples stand below each other.
+    #[inline(always)]
+    pub(super) fn is_straight(&self) -> bool {
+        matches!(self.grid, SampleGrid::Block { .. })
     }
 
     /// Position of a tile's first sample, in grid steps.

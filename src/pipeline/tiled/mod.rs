@@ -315,24 +315,20 @@ impl Frame<'_> {
         let crowd = self.chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>();
         tile.clear(&self.rules, crowd < CROWDED);
         let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
-        let set_up = |key: Key, draw: usize| {
-            let corners = self.corners(key, draw);
-            Setup::new(key, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
-        };
         let mut draw = 0;
         for chunk in self.chunks {
             for key in chunk.keys(number) {
                 if !self.is_of_draw(*key, draw) {
                     draw = self.draw_of(*key);
                 }
-                if let Some(triangle) = set_up(*key, draw) {
-                    let owner = |key: Key| set_up(key, self.draw_of(key));
+                if let Some(triangle) = self.set_up(*key, draw, origin) {
+                    let owner = |key: Key| self.set_up(key, self.draw_of(key), origin);
                     tile.draw(simd, &triangle, &self.lattice, &self.rules, owner);
                 }
             }
         }
         if let Some(depths) = depths {
-            let owner = |key: Key| set_up(key, self.draw_of(key));
+            let owner = |key: Key| self.set_up(key, self.draw_of(key), origin);
             for (block, _) in tile.plain_blocks() {
                 tile.write_out(simd, block, &self.lattice, &self.rules, &owner);
             }
@@ -351,6 +347,13 @@ impl Frame<'_> {
         work.plain.fetch_add(tile.counts.plain, Ordering::Relaxed);
         work.shaded.fetch_add(shaded.samples, Ordering::Relaxed);
         work.texels.fetch_add(shaded.texels, Ordering::Relaxed);
+    }
+
+    /// A triangle as the tile at `origin` sees it.
+    #[inline(always)]
+    fn set_up(&self, key: Key, draw: usize, origin: ([f64; 2], [f32; 2])) -> Option<Setup> {
+        let corners = self.corners(key, draw);
+        Setup::new(key, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
     }
 
     /// The triangle of the scene that a key stands for.

@@ -218,10 +218,11 @@ fn shade_uniform<S: Simd>(simd: S, frame: &Frame<'_>, triangle: &Uniform<S>, pat
             let lattice = &frame.lattice;
             let Edges { a, b, c, .. } = triangle.edges;
             let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
+            let along = each!(i in [0, 1, 2] => columns * a[i]);
             for row in patch.first..patch.end {
-                let x = columns + lattice.shift(row);
                 let y = row as f64 * lattice.row_step;
-                let e = each!(i in [0, 1, 2] => x * a[i] + (c[i] + b[i] * y));
+                let shift = lattice.shift(row);
+                let e = each!(i in [0, 1, 2] => along[i] + (c[i] + b[i] * y + a[i] * shift));
                 let out = band.row(patch, row);
                 if let Some(whole) = &triangle.whole {
                     let edges = each!(i in [0, 1, 2] => e[i].to_array());
@@ -229,8 +230,8 @@ fn shade_uniform<S: Simd>(simd: S, frame: &Frame<'_>, triangle: &Uniform<S>, pat
                     continue;
                 }
                 let weights = weights(simd, e, triangle.relative_inv_w);
-                let values = triangle.base.at(weights, &triangle.deltas, shader.attributes);
-                store(shade(simd, shader, &values), out);
+                let fragments = Interpolant { base: &triangle.base, deltas: &triangle.deltas, weights };
+                store(shade(simd, shader, &fragments), out);
             }
         },
     );
@@ -316,8 +317,8 @@ fn shade_mixed<S: Simd>(
                     let relative_inv_w = relative_inv_w(simd, [a.inv_w, b.inv_w, c.inv_w], shader.divides_by_w);
                     let weights = weights(simd, e, relative_inv_w);
                     let deltas = [b.values.less(a.values), c.values.less(a.values)];
-                    let values = a.values.at(weights, &deltas, shader.attributes);
-                    let colors = shade(simd, shader, &values).to_array();
+                    let fragments = Interpolant { base: &a.values, deltas: &deltas, weights };
+                    let colors = shade(simd, shader, &fragments).to_array();
                     for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| mine >> lane & 1 != 0) {
                         *pixel = colors[lane].to_le_bytes();
                     }
@@ -404,25 +405,43 @@ impl<S: Simd> Values<S> {
             color: each!(axis in [0, 1, 2] => self.color[axis] - base.color[axis]),
         }
     }
+}
 
-    /// Interpolates with the weights of the second and third corner.
+/// The attributes of a triangle, each interpolated where it is read.
+struct Interpolant<'a, S: Simd> {
+    base: &'a Values<S>,
+    deltas: &'a [Values<S>; 2],
+    weights: [F32<S>; 2],
+}
+
+impl<S: Simd> Interpolant<'_, S> {
     #[inline(always)]
-    fn at(&self, [p1, p2]: [F32<S>; 2], deltas: &[Self; 2], attributes: Attributes) -> Self {
-        let mut values = *self;
-        let [d1, d2] = deltas;
-        if attributes.uv {
-            values.uv = each!(axis in [0, 1] => self.uv[axis] + d1.uv[axis] * p1 + d2.uv[axis] * p2);
-        }
-        if attributes.light {
-            values.light = self.light + d1.light * p1 + d2.light * p2;
-        }
-        if attributes.normal {
-            values.normal = each!(axis in [0, 1, 2] => self.normal[axis] + d1.normal[axis] * p1 + d2.normal[axis] * p2);
-        }
-        if attributes.color {
-            values.color = each!(axis in [0, 1, 2] => self.color[axis] + d1.color[axis] * p1 + d2.color[axis] * p2);
-        }
-        values
+    fn mix(&self, base: F32<S>, first: F32<S>, second: F32<S>) -> F32<S> {
+        base + first * self.weights[0] + second * self.weights[1]
+    }
+
+    #[inline(always)]
+    fn uv(&self) -> [F32<S>; 2] {
+        let [a, b] = self.deltas;
+        each!(axis in [0, 1] => self.mix(self.base.uv[axis], a.uv[axis], b.uv[axis]))
+    }
+
+    #[inline(always)]
+    fn light(&self) -> F32<S> {
+        let [a, b] = self.deltas;
+        self.mix(self.base.light, a.light, b.light)
+    }
+
+    #[inline(always)]
+    fn normal(&self) -> [F32<S>; 3] {
+        let [a, b] = self.deltas;
+        each!(axis in [0, 1, 2] => self.mix(self.base.normal[axis], a.normal[axis], b.normal[axis]))
+    }
+
+    #[inline(always)]
+    fn color(&self) -> [F32<S>; 3] {
+        let [a, b] = self.deltas;
+        each!(channel in [0, 1, 2] => self.mix(self.base.color[channel], a.color[channel], b.color[channel]))
     }
 }
 
@@ -436,21 +455,26 @@ fn weights<S: Simd>(simd: S, e: [F64<S>; 3], relative_inv_w: [F32<S>; 3]) -> [F3
 
 /// Colours of eight fragments, packed.
 #[inline(always)]
-fn shade<S: Simd>(simd: S, shader: &DrawShader<'_>, values: &Values<S>) -> u32x8<S> {
+fn shade<S: Simd>(simd: S, shader: &DrawShader<'_>, fragments: &Interpolant<'_, S>) -> u32x8<S> {
     let settings = shader.shader.settings;
     let diffuse = shader.shader.diffuse.to_array();
     let mut color = each!(channel in [0, 1, 2] => F32::splat(simd, diffuse[channel]));
     if shader.attributes.color {
-        color = each!(channel in [0, 1, 2] => color[channel] * values.color[channel]);
+        let vertex_color = fragments.color();
+        color = each!(channel in [0, 1, 2] => color[channel] * vertex_color[channel]);
     }
     if let Some(texture) = &shader.texture {
-        let texel = texture.sample(simd, values.uv[0], values.uv[1]);
+        let [u, v] = fragments.uv();
+        let texel = texture.sample(simd, u, v);
         color = each!(channel in [0, 1, 2] => color[channel] * texel[channel]);
     }
     match settings.shading {
-        Shading::Gouraud => color = each!(channel in [0, 1, 2] => color[channel] * values.light),
+        Shading::Gouraud => {
+            let light = fragments.light();
+            color = each!(channel in [0, 1, 2] => color[channel] * light);
+        }
         Shading::Lambert => {
-            let light = lambert(simd, values.normal, shader.shader.light_direction, settings.light.ambient);
+            let light = lambert(simd, fragments.normal(), shader.shader.light_direction, settings.light.ambient);
             color = each!(channel in [0, 1, 2] => color[channel] * light);
         }
         _ => {}
@@ -491,14 +515,12 @@ fn lambert<S: Simd>(simd: S, normal: [F32<S>; 3], direction: Vec3, ambient: f32)
 
 #[inline(always)]
 fn store<S: Simd>(colors: u32x8<S>, out: &mut [Rgba8]) {
-    let colors = colors.to_array();
-    if let Some(eight) = out.first_chunk_mut::<LANES>() {
-        for (pixel, color) in eight.iter_mut().zip(colors) {
-            *pixel = color.to_le_bytes();
-        }
+    let out = out.as_flattened_mut();
+    if out.len() == 4 * LANES {
+        colors.bitcast::<u8x32<S>>().store_slice(out);
     } else {
-        for (pixel, color) in out.iter_mut().zip(colors) {
-            *pixel = color.to_le_bytes();
-        }
+        let colors = colors.bitcast::<u8x32<S>>().to_array();
+        let len = out.len();
+        out.copy_from_slice(&colors[..len]);
     }
 }

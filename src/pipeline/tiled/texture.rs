@@ -18,8 +18,8 @@ struct Neighbours<S: Simd> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
     texels: &'a [Rgba8],
-    /// Rows that go on with their first texel once more, so that neighbours of a repeated texture stand together.
-    wrapped: &'a [u32],
+    /// Texels with their right neighbours, where that is how they are read; else empty.
+    pairs: &'a [u64],
     size: (u32, u32),
     sampler: Sampler,
     space: ColorSpace,
@@ -29,8 +29,8 @@ impl<'a> TextureReader<'a> {
     pub(super) fn new(texture: &'a Texture, sampler: Sampler, space: ColorSpace) -> Self {
         let image = texture.image();
         let pairs = sampler.filter == Filter::Bilinear && sampler.address == Address::Repeat;
-        let wrapped = if pairs { texture.wrapped() } else { &[] };
-        Self { texels: image.pixels(), wrapped, size: image.size(), sampler, space }
+        let pairs = if pairs { texture.pairs() } else { &[] };
+        Self { texels: image.pixels(), pairs, size: image.size(), sampler, space }
     }
 
     /// Red, green and blue at eight places (v down), in the numbers of the colour space.
@@ -42,7 +42,8 @@ impl<'a> TextureReader<'a> {
                 let x = nearest(simd, bring_into_unit(simd, u, self.sampler.address), width);
                 let y = nearest(simd, bring_into_unit(simd, v, self.sampler.address), height);
                 // The weight is one.
-                self.values(simd, self.fetch(simd, x, y))
+                let values = self.values(simd, self.fetch(simd, x, y));
+                each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale)
             }
             Filter::Bilinear => {
                 let x = neighbours(simd, u, width, self.sampler.address);
@@ -50,7 +51,7 @@ impl<'a> TextureReader<'a> {
                 let one = F32::splat(simd, 1.0);
                 let (left, top) = (one - x.weight, one - y.weight);
                 let weights = [left * top, x.weight * top, left * y.weight, x.weight * y.weight];
-                let texels = if self.wrapped.is_empty() {
+                let texels = if self.pairs.is_empty() {
                     let (first, second) = (y.first, y.second);
                     [
                         self.fetch(simd, x.first, first),
@@ -65,10 +66,11 @@ impl<'a> TextureReader<'a> {
                 };
                 let values = each!(tap in [0, 1, 2, 3] => self.values(simd, texels[tap]));
                 each!(channel in [0, 1, 2] => {
-                    values[0][channel] * weights[0]
-                        + values[1][channel] * weights[1]
-                        + values[2][channel] * weights[2]
-                        + values[3][channel] * weights[3]
+                let sum = values[0][channel] * weights[0]
+                + values[1][channel] * weights[1]
+                + values[2][channel] * weights[2]
+                + values[3][channel] * weights[3];
+                sum * self.sampler.scale
                 })
             }
         }
@@ -77,21 +79,25 @@ impl<'a> TextureReader<'a> {
     /// Eight texels and their neighbours to the right in a repeated texture.
     #[inline(always)]
     fn fetch_pairs<S: Simd>(&self, simd: S, x: i32x8<S>, y: i32x8<S>) -> (u32x8<S>, u32x8<S>) {
-        let index = (y * (self.size.0 as i32 + 1) + x).to_array();
-        let mut pairs = [0_u32; 2 * LANES];
+        let index = self.index(simd, x, y);
+        let mut pairs = [0_u64; LANES];
         for lane in 0..LANES {
-            let at = index[lane] as usize;
-            let pair = &self.wrapped[at..at + 2];
-            [pairs[2 * lane], pairs[2 * lane + 1]] = [pair[0], pair[1]];
+            pairs[lane] = self.pairs[index[lane] as usize];
         }
-        let (low, high) = pairs.split_at(LANES);
-        u32x8::from_slice(simd, low).deinterleave(u32x8::from_slice(simd, high))
+        let (low, high) = pairs.split_at(LANES / 2);
+        let low = u64x4::from_slice(simd, low).bitcast::<u32x8<S>>();
+        low.deinterleave(u64x4::from_slice(simd, high).bitcast::<u32x8<S>>())
+    }
+
+    #[inline(always)]
+    fn index<S: Simd>(&self, _: S, x: i32x8<S>, y: i32x8<S>) -> [u32; LANES] {
+        (y * self.size.0 as i32 + x).bitcast::<u32x8<S>>().to_array()
     }
 
     /// Eight texels, each packed into one number.
     #[inline(always)]
     fn fetch<S: Simd>(&self, simd: S, x: i32x8<S>, y: i32x8<S>) -> u32x8<S> {
-        let index = (y * self.size.0 as i32 + x).to_array();
+        let index = self.index(simd, x, y);
         let mut texels = [0; LANES];
         for lane in 0..LANES {
             texels[lane] = u32::from_le_bytes(self.texels[index[lane] as usize]);
@@ -105,7 +111,7 @@ impl<'a> TextureReader<'a> {
         let codes = each!(shift in [0, 8, 16] => (texels >> shift) & 255);
         match self.space {
             ColorSpace::Bytes => {
-                each!(c in [0, 1, 2] => codes[c].bitcast::<i32x8<S>>().to_float::<F32<S>>() * (1.0 / 255.0))
+                each!(c in [0, 1, 2] => codes[c].bitcast::<i32x8<S>>().to_float::<F32<S>>())
             }
             ColorSpace::Linear => {
                 let table = &Tables::get().linear_of_code;

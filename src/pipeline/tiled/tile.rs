@@ -8,12 +8,15 @@
 
 use super::bins::Key;
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
-use super::setup::Setup;
+use super::setup::{Edges, Setup};
 use crate::math::lanes::*;
 use crate::pipeline::depth::{Comparison, DepthEncoding};
 
 /// From one row of samples to the next in memory: rows may be read and written eight samples beyond the last block.
 pub(super) const STRIDE: usize = TILE + LANES;
+
+/// Rows of samples in memory: narrow triangles are drawn two rows at a time, the second of which may be one too many.
+const ROWS: usize = TILE + 1;
 
 /// How depths are stored and compared in all tiles of a frame.
 #[derive(Clone, Copy, Debug)]
@@ -59,8 +62,8 @@ pub(super) struct Tile {
 impl Tile {
     pub(super) fn new() -> Self {
         Self {
-            ids: vec![Key::NONE.0; STRIDE * TILE],
-            depths: vec![0.0; STRIDE * TILE],
+            ids: vec![Key::NONE.0; STRIDE * ROWS],
+            depths: vec![0.0; STRIDE * ROWS],
             owners: [Key::NONE; BLOCKS * BLOCKS],
             least: [0.0; BLOCKS * BLOCKS],
             greatest: [0.0; BLOCKS * BLOCKS],
@@ -173,6 +176,10 @@ impl Tile {
                     }
                 }
                 let Setup { edges, .. } = triangle;
+                if lattice.is_straight() && triangle.columns[1] < start + LANES / 2 {
+                    self.draw_narrow(simd, triangle, start, lattice, rules);
+                    return;
+                }
                 let x = F64::load_array(simd, lattice.lanes) + lattice.column(start);
                 let along = each!(i in [0, 1, 2] => x * edges.a[i] + edges.c[i]);
                 for row in top..=bottom {
@@ -187,6 +194,60 @@ impl Tile {
                 self.counts.visited += ((bottom - top + 1) * LANES) as u64;
             },
         )
+    }
+
+    /// A triangle at most four samples wide: two of its rows at once.
+    #[inline(always)]
+    fn draw_narrow<S: Simd>(&mut self, simd: S, triangle: &Setup, start: usize, lattice: &Lattice, rules: &DepthRules) {
+        let Setup { edges: Edges { a, b, c, .. }, rows: [top, bottom], .. } = triangle;
+        let x = F64::load_array(simd, lattice.two_rows[0]) + lattice.column(start);
+        let y = F64::load_array(simd, lattice.two_rows[1]) + *top as f64 * lattice.row_step;
+        let mut e = each!(i in [0, 1, 2] => x * a[i] + c[i] + y * b[i]);
+        let step = 2.0 * lattice.row_step;
+        for row in (*top..=*bottom).step_by(2) {
+            let covered = inside(simd, triangle, e);
+            if covered != 0 {
+                self.write_two(simd, triangle, e, covered, (start, row), rules);
+            }
+            e = each!(i in [0, 1, 2] => e[i] + b[i] * step);
+            self.counts.visited += LANES as u64;
+        }
+    }
+
+    /// Tests the covered samples of four in a row and of the four below, and stores those that pass.
+    #[inline(always)]
+    fn write_two<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        e: [F64<S>; 3],
+        covered: u64,
+        (column, row): (usize, usize),
+        rules: &DepthRules,
+    ) {
+        const HALF: usize = LANES / 2;
+        let upper = row * STRIDE + column;
+        let lower = upper + STRIDE;
+        let mut passed = covered;
+        if rules.stored {
+            let depths = &mut self.depths[upper..lower + HALF];
+            let new = depth(simd, triangle, e, rules);
+            let low = f32x4::from_slice(simd, &depths[..HALF]);
+            let stored = low.combine(f32x4::from_slice(simd, &depths[STRIDE..]));
+            passed &= passes(new, stored, rules.comparison);
+            if passed == 0 {
+                return;
+            }
+            let (low, high) = mask32x8::from_bitmask(simd, passed).select(new, stored).split();
+            low.store_slice(&mut depths[..HALF]);
+            high.store_slice(&mut depths[STRIDE..]);
+        }
+        let ids = &mut self.ids[upper..lower + HALF];
+        let key = u32x8::splat(simd, triangle.key.0);
+        let stored = u32x4::from_slice(simd, &ids[..HALF]).combine(u32x4::from_slice(simd, &ids[STRIDE..]));
+        let (low, high) = mask32x8::from_bitmask(simd, passed).select(key, stored).split();
+        low.store_slice(&mut ids[..HALF]);
+        high.store_slice(&mut ids[STRIDE..]);
     }
 
     /// A larger triangle: block by block.
@@ -313,13 +374,7 @@ impl Tile {
             let depths = &mut self.depths[at..at + LANES];
             let new = depth(simd, triangle, e, rules);
             let stored = F32::from_slice(simd, depths);
-            passed &= match rules.comparison {
-                Comparison::Always => 0xFF,
-                Comparison::Less => new.simd_lt(stored).to_bitmask(),
-                Comparison::LessEqual => new.simd_le(stored).to_bitmask(),
-                Comparison::Greater => new.simd_gt(stored).to_bitmask(),
-                Comparison::GreaterEqual => new.simd_ge(stored).to_bitmask(),
-            };
+            passed &= passes(new, stored, rules.comparison);
             if passed == 0 {
                 return;
             }
@@ -401,6 +456,18 @@ impl Tile {
         }
         let block = by * BLOCKS + bx;
         (self.least[block], self.greatest[block]) = (least.reduce_min(), greatest.reduce_max());
+    }
+}
+
+/// Bits of the depths that pass.
+#[inline(always)]
+fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> u64 {
+    match comparison {
+        Comparison::Always => 0xFF,
+        Comparison::Less => new.simd_lt(stored).to_bitmask(),
+        Comparison::LessEqual => new.simd_le(stored).to_bitmask(),
+        Comparison::Greater => new.simd_gt(stored).to_bitmask(),
+        Comparison::GreaterEqual => new.simd_ge(stored).to_bitmask(),
     }
 }
 
