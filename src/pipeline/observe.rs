@@ -77,7 +77,13 @@ pub trait Observer {
     /// A covered sample was compared with the depth buffer.
     fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, _outcome: DepthOutcome) {}
 
-    /// A fragment was shaded and written.
+    /// The depth of a sample was stored.
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {}
+
+    /// A fragment of a cut-out surface is not there, though its depth passed.
+    fn cut_out(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment) {}
+
+    /// A fragment was shaded and written, blended or not.
     fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {}
 }
 
