@@ -139,7 +139,7 @@ pub(crate) fn noise_texture(rng: &mut fastrand::Rng) -> Image<Rgba8> {
 }
 
 /// The same with alpha, of `codes` alone.
-pub(crate) fn with_alpha(rng: &mut fastrand::Rng, image: Image<Rgba8>, codes: &[u8]) -> Image<Rgba8> {
+pub(crate) fn with_alpha(rng: &mut fastrand::Rng, image: &Image<Rgba8>, codes: &[u8]) -> Image<Rgba8> {
     image.map(|[r, g, b, _]| [r, g, b, codes[rng.usize(..codes.len())]])
 }
 
@@ -229,7 +229,7 @@ pub(crate) fn see_through_scene() -> Scene {
     let mut textures = |codes: &[u8]| {
         Some([(); 2].map(|()| {
             let image = noise_texture(&mut rng);
-            with_alpha(&mut rng, image, codes)
+            with_alpha(&mut rng, &image, codes)
         }))
     };
     let at = |z: f32, turn: f32| Mat4::from_translation(Vec3::Z * z) * Mat4::from_rotation_y(turn);

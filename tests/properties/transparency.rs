@@ -4,7 +4,7 @@
 use glam::{Mat4, Vec3};
 use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::pipeline::plan::{Part, Step};
+use rasterscope::pipeline::plan::{DrawPlan, Part, Step};
 use rasterscope::pipeline::settings::{Choice as _, ColorSpace, DepthFormat, Filter, Shading};
 use rasterscope::pipeline::viewport::ScreenTriangle;
 use rasterscope::scene::{Instance, Material, Mesh, MeshData, Scene, Texture, Transparency};
@@ -163,7 +163,7 @@ fn a_cut_out_surface_is_there_where_its_alpha_drawn_as_a_colour_is_at_least_one_
     let (mut there, mut gone) = (0, 0);
     for_seeds(20, |rng| {
         let image = noise_texture(rng);
-        let image = with_alpha(rng, image, &[0, 255]);
+        let image = with_alpha(rng, &image, &[0, 255]);
         let [cut_out, opaque] = [image.clone(), image.map(|[r, g, b, _]| [r, g, b, 255])].map(leaning);
         let alpha = leaning(image.map(|[_, _, _, a]| [a, a, a, 255]));
         let behind = panes([Pane { z: -1.0, color: Vec3::X, opacity: 1.0 }]);
@@ -213,7 +213,7 @@ fn shadings_that_show_no_material_are_opaque_and_say_why() {
         let mut recipe = Recipe::default();
         recipe.pipeline.shading = *shading;
         let frame = render(&scene, &recipe, SIZE);
-        let kinds: Vec<_> = frame.geometry.plans.iter().map(|plan| plan.transparency()).collect();
+        let kinds: Vec<_> = frame.geometry.plans.iter().map(DrawPlan::transparency).collect();
         for (plan, kind) in frame.geometry.plans.iter().zip(&kinds) {
             assert_eq!(plan.runs(Part::Blending), *kind == Transparency::Blended);
             assert_eq!(plan.runs(Part::CutOut), *kind == Transparency::CutOut);
