@@ -147,9 +147,14 @@ impl FrameArgs {
         self.size
     }
 
+    /// Reads everything that the frame is drawn from.
+    pub(crate) fn view(&self) -> Result<View, Failure> {
+        self.scene.view()
+    }
+
     /// Draws the frame.
     pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
-        let View { scene, recipe, camera, .. } = self.scene.view()?;
+        let View { scene, recipe, camera, .. } = self.view()?;
         let frame = run(&scene, &camera, &recipe, self.size, &mut ());
         Ok(Drawn { scene, camera, recipe, frame })
     }
