@@ -1,8 +1,8 @@
 //! Watching the pipeline without slowing it down.
 //!
 //! Stages are generic over an [`Observer`] whose hooks do nothing by default; `()` is the one that watches nothing, and
-//! its hooks vanish when the stage is compiled for it: with the hooks and with their calls deleted, `draw` came out as the
-//! same 1,136 instructions in the same order (x86-64, rustc 1.95). Nothing in a loop asks whether anybody is watching.
+//! its hooks vanish when the stage is compiled for it: with the hooks and with their calls deleted, the loops over samples of
+//! all four arithmetics came out as the same 4,290 instructions in the same order (x86-64, rustc 1.95). Nothing in a loop asks whether anybody is watching.
 //! What can be had by calling a stage again (matrices, clipped polygons) has no hook: the inspector calls the stage.
 
 use serde::Serialize;

@@ -71,7 +71,7 @@ impl Sampler {
     }
 
     /// What texels stand for at `uv`, mixed by their weights.
-    #[inline]
+    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
     fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
         self,
         texture: &Image<Rgba8>,
@@ -87,7 +87,7 @@ impl Sampler {
     }
 
     /// The texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
-    #[inline]
+    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
     pub fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
         let (u, v) = (bring_into_unit(uv.x, self.address), bring_into_unit(uv.y, self.address));
         let mut taps = [TexelTap::default(); 4];

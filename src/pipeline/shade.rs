@@ -192,7 +192,7 @@ impl<'a> Shader<'a> {
         self.cosine(fragment) > CEL_THRESHOLD
     }
 
-    #[inline]
+    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
     fn encode(&self, color: Vec3) -> Rgba8 {
         match self.settings.color_space {
             ColorSpace::Linear => {
