@@ -468,7 +468,8 @@ fn finish<'a>(
 }
 
 /// Draws the triangles of a frame once more into a framebuffer of their own, as far as `until` says. `recipe` may differ
-/// from the frame's own in what concerns samples only: depth test and shading, not geometry.
+/// from the frame's own in what concerns samples only: depth test and shading, not geometry. What the frame cuts out
+/// stays cut out, and what it blends comes last and leaves no depth.
 pub fn redraw<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,

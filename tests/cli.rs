@@ -14,7 +14,7 @@ use rasterscope::scene::builtin;
 use rasterscope::upscale;
 use tempfile::TempDir;
 
-const COMMANDS_WITH_SETTINGS: [&[&str]; 5] = [&[], &["render"], &["pixel"], &["screenshot"], &["window"]];
+const COMMANDS_WITH_SETTINGS: [&[&str]; 6] = [&[], &["render"], &["pixel"], &["plan"], &["screenshot"], &["window"]];
 
 /// The program, to be run in a folder of its own and with no display in reach.
 fn program(folder: &TempDir, args: &[&str]) -> Command {
@@ -252,6 +252,53 @@ fn the_story_of_a_pixel_is_told_in_words() {
     for part in ["Won by", "fragment 1 of 2", "fragment 2 of 2", "overwritten", "visible", "λ′", "edges"] {
         assert!(text.contains(part), "no `{part}` in:\n{text}");
     }
+}
+
+#[test]
+fn the_plan_tells_what_draws_leave_out_and_why_the_same_in_words_and_as_json() {
+    let folder = folder();
+    let camera = r#"{"eye": [0, 0, 40], "target": [0, 0, 0], "fov_y_degrees": 60, "near": 0.1, "far": 100}"#;
+    fs::write(folder.path().join("camera.json"), camera).unwrap();
+    let args = ["plan", "cubes", "--size", "64x48", "--camera", "camera.json", "--set", "shading=texture"];
+    let output = run(&folder, &args);
+    assert_success(&output);
+    let text = stdout(&output);
+    assert!(text.starts_with("128 cubes, 64 × 48 px\n\n128 draws: "), "{text}");
+    let told = |part: &str| text.lines().find_map(|line| line.trim().strip_prefix(part)).map(str::trim);
+    assert_eq!(told("Vertices"), Some("run"));
+    assert_eq!(told("Clipping"), Some("left out: the whole object is inside the view"));
+    assert_eq!(told("Normals"), Some("left out: this shading reads no normal"));
+
+    let output = run(&folder, &[&args[..], &["--json"]].concat());
+    assert_success(&output);
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&json["size"], json["groups"].as_array().unwrap().len()), (&serde_json::json!([64, 48]), 1));
+    let group = &json["groups"][0];
+    assert_eq!((group["draws"].as_u64(), group["names"].as_array().unwrap().len()), (Some(128), 128));
+    assert_eq!(group["transparency"], "opaque");
+    let lines: Vec<_> = text.lines().skip(3).collect();
+    let parts = group["parts"].as_array().unwrap();
+    assert_eq!(parts.len(), lines.len());
+    for (part, line) in parts.iter().zip(lines) {
+        assert_eq!(part["runs"].as_bool(), Some(line.ends_with(" run")), "{line}");
+        assert!(part["reason"].as_str().is_none_or(|reason| line.ends_with(reason)), "{line}");
+        assert_ne!(part["runs"].as_bool(), Some(part["reason"].is_string()), "{line}");
+    }
+}
+
+#[test]
+fn draws_of_several_kinds_are_planned_apart() {
+    let output = run(&folder(), &["plan", "stained-glass", "--size", "64x48"]);
+    assert_success(&output);
+    let text = stdout(&output);
+    for part in [
+        "22 draws: leaf 0, leaf 1, leaf 2, … leaf 21\n",
+        "draws: blue pane, green pane, red pane\n",
+        "1 draw: bottle\n",
+    ] {
+        assert!(text.contains(part), "no `{part}` in:\n{text}");
+    }
+    assert_failure(&run(&folder(), &["plan", "nowhere.obj"]), 2, "nowhere.obj");
 }
 
 /// A class of few cases, in the configurations that a report takes least time for.
@@ -651,4 +698,26 @@ mod workbench {
             assert_failure(&run(&folder(), &["screenshot", "-o", "out.png", option, value]), 2, value);
         }
     }
+}
+
+#[test]
+fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
+    let size = ["bench", "cubes", "--size", "64x48", "--frames", "3"];
+    let table = run(&folder(), &size);
+    assert_success(&table);
+    for word in ["whole frame", "cull and bin", "triangles kept", "ns per pixel"] {
+        assert!(stdout(&table).contains(word), "{word} in {}", stdout(&table));
+    }
+    for (execution, stage) in [("tiled", "shade"), ("classic", "pixels")] {
+        let set = format!("execution={execution}");
+        let options = ["--threads", "1", "--lanes", "scalar", "--json", "--set", set.as_str()];
+        let output = run(&folder(), &[&size[..], &options[..]].concat());
+        assert_success(&output);
+        let report: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+        assert_eq!((report["execution"].as_str(), report["threads"].as_u64()), (Some(execution), Some(1)));
+        assert!(report["frame_ms"]["median"].as_f64().unwrap() > 0.0);
+        let stages = report["stages"].as_array().unwrap();
+        assert!(stages.iter().any(|s| s["stage"] == stage), "{stages:?}");
+    }
+    assert_failure(&run(&folder(), &["bench", "--threads", "0"]), 2, "--threads");
 }

@@ -67,6 +67,9 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("interpenetrating", "shading=triangle-id"),
         ("interpenetrating", "depth-test=off"),
         ("near-plane", "shading=checker"),
+        ("stained-glass", "filter=point"),
+        ("stained-glass", "color-space=bytes"),
+        ("stained-glass", "depth-test=off"),
     ]
     .into_iter()
     .map(|(id, switch)| (format!("{id}.{}", switch.replace('=', "-")), image(&scene(id), &recipe(&[switch]))))

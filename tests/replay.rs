@@ -9,12 +9,12 @@ use std::thread;
 use common::{render, scenes};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
-use rasterscope::inspect::{PixelReport, capture, inspect};
+use rasterscope::inspect::{FragmentRecord, PixelReport, capture, inspect};
 use rasterscope::pipeline::settings::{
     Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation,
     Rasterizer, Shading,
 };
-use rasterscope::scene::{Scene, TriangleId, builtin};
+use rasterscope::scene::{Scene, Transparency, TriangleId, builtin};
 use rasterscope::upscale::Upscaling;
 
 /// Odd on purpose: blocks and squares do not divide it.
@@ -129,12 +129,16 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
             let bits = |weights: [f32; 3]| weights.map(f32::to_bits);
             assert_eq!(bits(visible.attribute_weights), bits(buffers.perspective_lambda.at(column, row)));
             assert_eq!(visible.shading.as_ref().map(|s| s.color), Some(frame.drawn.color.at(column, row)));
-            assert!(stored.is_none_or(|d| d == visible.depth.value));
             assert_eq!(frame.geometry.triangles[visible.submission].id, visible.triangle);
         }
     }
+    // What is blended leaves no depth.
+    let stores = |f: &&FragmentRecord| f.outcome.is_written() && f.transparency != Transparency::Blended;
+    let last = report.fragments.iter().rfind(stores).map_or(frame.drawn.clear_depth, |f| f.depth.value);
+    assert!(stored.is_none_or(|d| d == last));
+    assert_eq!(buffers.depth_stored.at(column, row), stored.is_some() && report.fragments.iter().any(|f| stores(&f)));
     let submissions = report.fragments.iter().map(|f| f.submission);
-    assert!(submissions.clone().zip(submissions.skip(1)).all(|(a, b)| a < b), "in submission order, each once");
+    assert!(submissions.clone().zip(submissions.skip(1)).all(|(a, b)| a < b), "in drawing order, each once");
     let weight: f32 = report.sources.iter().map(|s| s.tap.weight).sum();
     assert!((weight - 1.0).abs() < 1e-5, "weights of the sources sum to {weight}");
 }

@@ -10,6 +10,7 @@ mod output;
 mod parse;
 mod pixel;
 mod pixel_text;
+mod plan;
 mod render;
 mod scene_args;
 mod scenes;
@@ -57,6 +58,9 @@ enum Command {
     /// Tell why a pixel looks as it does: every fragment there, who won and why, down to the texels
     #[command(after_help = EXIT_CODES)]
     Pixel(pixel::PixelArgs),
+    /// Tell what each draw runs and leaves out, and why
+    #[command(after_help = EXIT_CODES)]
+    Plan(plan::PlanArgs),
     /// Draw the whole workbench into a PNG, without a window
     #[command(after_help = EXIT_CODES)]
     Screenshot(screenshot::ScreenshotArgs),
@@ -95,6 +99,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Window(args)) => window::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Pixel(args)) => pixel::run(args),
+        Some(Command::Plan(args)) => plan::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
         Some(Command::Bench(args)) => bench::run(args),
         Some(Command::Case(args)) => case::run(args),

@@ -42,9 +42,11 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         ("λ′", format!("{} for attributes, 1/w {}", numbers(&fragment.attribute_weights), numbers(&fragment.inv_w))),
         ("depth", format!("{} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
     ];
+    let alpha = fragment.alpha.map(|alpha| ("alpha", format!("{alpha:?}")));
     let step = fragment.stored_depth.map(|_| ("", one_step(fragment.depth)));
     rows.into_iter()
         .chain(step)
+        .chain(alpha)
         .chain(fragment.shading.iter().flat_map(shading_rows))
         .map(|(name, text)| format!("{name:<9} {text}"))
 }
@@ -72,7 +74,8 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
         let tap = texel.tap;
         ("texel", format!("({}, {}) × {:?}: {}", tap.x, tap.y, tap.weight, color(texel.color)))
     }));
-    rows.push(("colour", color(shading.color)));
+    let over = shading.below.map_or(String::new(), |below| format!(", blended with {}", color(below)));
+    rows.push(("colour", color(shading.color) + &over));
     rows
 }
 
@@ -91,7 +94,9 @@ fn outcome(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Visible => "visible",
         Outcome::Overwritten => "overwritten",
+        Outcome::BlendedOver => "seen through what is blended over it",
         Outcome::DepthRejected => "rejected by the depth test",
+        Outcome::CutOut => "not there",
     }
 }
 

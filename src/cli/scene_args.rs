@@ -147,7 +147,7 @@ impl FrameArgs {
         self.size
     }
 
-    /// Reads scene, view and recipe.
+    /// Reads everything that the frame is drawn from.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         self.scene.view()
     }

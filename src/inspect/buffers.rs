@@ -30,12 +30,14 @@ choice! {
 /// All quantities of one frame, packed as its framebuffer is.
 #[derive(Clone, Debug)]
 pub struct Buffers {
-    /// Winner of each sample, or [`TriangleId::NONE`].
+    /// Winner of each sample, the nearest one where some are blended, or [`TriangleId::NONE`].
     pub triangle: Image<TriangleId>,
     /// Screen-space weights of the winner.
     pub lambda: Image<[f32; 3]>,
     /// Attribute weights of the winner.
     pub perspective_lambda: Image<[f32; 3]>,
+    /// Where anything left its depth; blended triangles leave none.
+    pub depth_stored: Image<bool>,
     /// Triangles that cover each sample.
     pub overdraw: Image<u32>,
     /// How often each sample was shaded.
@@ -51,6 +53,7 @@ pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Buffers {
         triangle: Image::filled(width, height, TriangleId::NONE),
         lambda: Image::filled(width, height, [0.0; 3]),
         perspective_lambda: Image::filled(width, height, [0.0; 3]),
+        depth_stored: Image::filled(width, height, false),
         overdraw: Image::filled(width, height, 0),
         shaded: Image::filled(width, height, 0),
         hits: None,
@@ -73,6 +76,10 @@ impl Observer for Buffers {
     fn covered(&mut self, _triangle: &ScreenTriangle, sample: &Sample) {
         let count = self.overdraw.at(sample.column, sample.row);
         self.overdraw.set(sample.column, sample.row, count + 1);
+    }
+
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, sample: &Sample) {
+        self.depth_stored.set(sample.column, sample.row, true);
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {

@@ -19,7 +19,8 @@ use crate::pipeline::settings::{Arithmetic, Interpolation};
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw, wireframe};
-use crate::scene::{Scene, TriangleId};
+use crate::scene::material::CUT_OUT_BELOW;
+use crate::scene::{Scene, Transparency, TriangleId};
 use crate::upscale::Tap;
 
 /// What became of a fragment.
@@ -28,10 +29,21 @@ use crate::upscale::Tap;
 pub enum Outcome {
     /// It is what the pixel shows.
     Visible,
-    /// It was written, and a later fragment replaced it.
+    /// It was written, and a later fragment covered it.
     Overwritten,
+    /// It was written, and is seen through what was blended over it.
+    BlendedOver,
     /// It lost the depth test.
     DepthRejected,
+    /// The alpha of its texture says that it is not there.
+    CutOut,
+}
+
+impl Outcome {
+    /// Whether the fragment was written, seen in the end or not.
+    pub fn is_written(self) -> bool {
+        matches!(self, Self::Visible | Self::Overwritten | Self::BlendedOver)
+    }
 }
 
 /// One fragment: a triangle that covers the sample.
@@ -43,6 +55,8 @@ pub struct FragmentRecord {
     pub instance: String,
     /// Position in the list of rasterized triangles.
     pub submission: usize,
+    /// How its surface meets what was drawn before.
+    pub transparency: Transparency,
     /// What became of it.
     pub outcome: Outcome,
     /// Why, in one sentence with the numbers that decided.
@@ -67,8 +81,18 @@ pub struct FragmentRecord {
     pub depth: DepthRecord,
     /// What the depth buffer held before; `None` without a depth test.
     pub stored_depth: Option<DepthRecord>,
+    /// The alpha that decided, of opacity and texture: whether a cut-out surface is there, or how much of what lies behind
+    /// a blended one covers. `None` for opaque surfaces, and where it did not come to that.
+    pub alpha: Option<f32>,
     /// Shading, if it came to that.
     pub shading: Option<ShadingRecord>,
+}
+
+impl FragmentRecord {
+    /// Whether nothing that was drawn before is seen through it, if it is written.
+    pub fn covers_all(&self) -> bool {
+        self.transparency != Transparency::Blended || self.alpha.is_some_and(|alpha| alpha >= 1.0)
+    }
 }
 
 /// How a fragment got its colour. What its draw leaves out is `None`.
@@ -84,6 +108,8 @@ pub struct ShadingRecord {
     pub light: Option<f32>,
     /// Texels read, with their weights.
     pub texels: Vec<TexelRecord>,
+    /// The colour that it was blended with.
+    pub below: Option<Rgba8>,
     /// The colour that was written.
     pub color: Rgba8,
 }
@@ -121,7 +147,7 @@ pub struct PixelReport {
     pub color: Rgba8,
     /// The pixel whose fragments are listed: this one if it was drawn, else the drawn one with the largest share.
     pub drawn_at: [u32; 2],
-    /// Every fragment there, in submission order.
+    /// Every fragment there, in drawing order.
     pub fragments: Vec<FragmentRecord>,
     /// What the depth buffer holds in the end.
     pub final_depth: Option<DepthRecord>,
@@ -134,7 +160,7 @@ pub struct PixelReport {
 }
 
 impl PixelReport {
-    /// The fragment that the pixel shows.
+    /// The fragment that the pixel shows; if it is blended, the nearest of those that it shows.
     pub fn visible(&self) -> Option<&FragmentRecord> {
         self.fragments.iter().find(|f| f.outcome == Outcome::Visible)
     }
@@ -215,11 +241,14 @@ struct Recorder<'a> {
     arithmetic: Arithmetic,
     interpolation: Interpolation,
     records: Vec<FragmentRecord>,
+    /// What has been drawn so far.
+    color: Rgba8,
 }
 
 impl<'a> Recorder<'a> {
     fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
         let shaders = scene.instances.iter().zip(&frame.plans);
+        let [r, g, b] = scene.background;
         Self {
             scene,
             shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
@@ -228,18 +257,25 @@ impl<'a> Recorder<'a> {
             arithmetic: recipe.pipeline.arithmetic,
             interpolation: recipe.pipeline.interpolation,
             records: Vec::new(),
+            color: [r, g, b, 255],
         }
     }
 
-    /// The fragments with their outcomes: of those that were written, the last one is visible.
+    /// The fragments with their outcomes: of those that were written, the last one is visible, and those before it are seen
+    /// through it down to the first that covers all.
     fn finish(mut self) -> Vec<FragmentRecord> {
-        let written: Vec<usize> =
-            (0..self.records.len()).filter(|i| self.records[*i].outcome != Outcome::DepthRejected).collect();
-        for pair in written.windows(2) {
-            let winner = (self.records[pair[1]].triangle, self.records[pair[1]].depth);
-            let loser = &mut self.records[pair[0]];
-            loser.outcome = Outcome::Overwritten;
-            loser.reason = format!("written, then replaced by triangle {} at depth {}", winner.0.0, winner.1);
+        let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
+        let mut is_covered = false;
+        for pair in written.windows(2).rev() {
+            let next = &self.records[pair[1]];
+            is_covered |= next.covers_all();
+            let ending = match next.alpha.filter(|_| next.transparency == Transparency::Blended) {
+                Some(alpha) => format!("blended over by triangle {} with alpha {alpha}", next.triangle.0),
+                None => format!("replaced by triangle {} at depth {}", next.triangle.0, next.depth),
+            };
+            let previous = &mut self.records[pair[0]];
+            previous.outcome = if is_covered { Outcome::Overwritten } else { Outcome::BlendedOver };
+            previous.reason = format!("{}, then {ending}", verb(previous.transparency));
         }
         self.records
     }
@@ -247,23 +283,19 @@ impl<'a> Recorder<'a> {
     fn depth(&self, stored: f32) -> DepthRecord {
         DepthRecord::new(stored, self.frame.depth_scale())
     }
-
-    fn submission(&self, triangle: &ScreenTriangle) -> usize {
-        let all = &self.frame.geometry.triangles;
-        let first = all.partition_point(|t| t.id < triangle.id);
-        all[first..].iter().position(|t| t == triangle).map_or(first, |offset| first + offset)
-    }
 }
 
 impl Observer for Recorder<'_> {
     fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
-        let submission = self.submission(triangle);
+        let submission = self.frame.geometry.place_of(triangle);
+        let transparency = self.frame.plans[triangle.instance as usize].transparency();
         self.records.push(FragmentRecord {
             triangle: triangle.id,
             instance: self.scene.instances[triangle.instance as usize].name.clone(),
             submission,
+            transparency,
             outcome: Outcome::Visible,
-            reason: "written: there is no depth test".to_owned(),
+            reason: format!("{}: there is no depth test", verb(transparency)),
             arithmetic: self.arithmetic,
             corners_px: match self.arithmetic {
                 Arithmetic::Fixed => triangle.snapped_px(),
@@ -277,6 +309,7 @@ impl Observer for Recorder<'_> {
             corner_depths: triangle.vertices.each_ref().map(|v| v.depth as f32),
             depth: self.depth(depth_at(triangle, sample)),
             stored_depth: None,
+            alpha: None,
             shading: None,
         });
     }
@@ -285,11 +318,11 @@ impl Observer for Recorder<'_> {
         let [new, stored] = [outcome.new, outcome.stored].map(|depth| self.depth(depth));
         let Some(record) = self.records.last_mut() else { return };
         record.stored_depth = Some(stored);
-        let symbol = self.comparison.symbol();
+        let (symbol, verb) = (self.comparison.symbol(), verb(record.transparency));
         if outcome.passed {
             record.reason = match self.comparison {
-                Comparison::Always => format!("written: the test lets everything pass ({new} over {stored})"),
-                _ => format!("written: {new} {symbol} {stored}"),
+                Comparison::Always => format!("{verb}: the test lets everything pass ({new} over {stored})"),
+                _ => format!("{verb}: {new} {symbol} {stored}"),
             };
         } else {
             record.outcome = Outcome::DepthRejected;
@@ -297,13 +330,29 @@ impl Observer for Recorder<'_> {
         }
     }
 
+    fn cut_out(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) {
+        let alpha = self.shaders[triangle.instance as usize].alpha(fragment);
+        let Some(record) = self.records.last_mut() else { return };
+        record.alpha = Some(alpha);
+        record.outcome = Outcome::CutOut;
+        record.reason = format!("cut out: alpha {alpha} < {CUT_OUT_BELOW}");
+    }
+
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
         let instance = triangle.instance as usize;
         let (shader, plan) = (&self.shaders[instance], &self.frame.plans[instance]);
-        if let Some(record) = self.records.last_mut() {
-            record.shading = Some(shading_record(shader, plan, fragment, color));
-        }
+        let below = std::mem::replace(&mut self.color, color);
+        let Some(record) = self.records.last_mut() else { return };
+        let mut shading = shading_record(shader, plan, fragment, color);
+        record.alpha = (record.transparency != Transparency::Opaque).then(|| shader.alpha(fragment));
+        shading.below = (record.transparency == Transparency::Blended).then_some(below);
+        record.shading = Some(shading);
     }
+}
+
+/// What is done with a fragment that passes.
+fn verb(transparency: Transparency) -> &'static str {
+    if transparency == Transparency::Blended { "blended" } else { "written" }
 }
 
 fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
@@ -318,6 +367,7 @@ fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, col
         cosine: lit.then(|| shader.cosine(fragment)),
         light: lit.then(|| shader.light(fragment)),
         texels,
+        below: None,
         color,
     }
 }

@@ -9,10 +9,10 @@ use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::pipeline::cull::cull;
-use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
-use crate::pipeline::raster::doubled_area;
-use crate::pipeline::settings::{Choice, Culling, DepthTest, Settings, Shading, choice};
+use crate::pipeline::raster::{Sample, doubled_area};
+use crate::pipeline::settings::{Choice, Culling, Settings, Shading, choice};
+use crate::pipeline::shade::id_color;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Until, prepare, wireframe};
 use crate::scene::{Camera, Scene, TriangleId};
@@ -25,8 +25,8 @@ choice! {
         Clip = "clip", "Clip", "What lies wholly outside is gone; the pieces of triangles cut at the near plane, the far plane or the guard band in orange.";
         Project = "project", "Project", "Divided by w, scaled to pixels, snapped to 1/256 px: edges and snapped corners.";
         Cull = "cull", "Cull", "What is left to rasterize in white; what was dropped for its facing in red. Triangles without area are not shown.";
-        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there; no depth yet. Pixels left to the upscaler are dark.";
-        Depth = "depth", "Depth", "The depth test decides who stays: the colour of the winning triangle.";
+        Rasterize = "rasterize", "Rasterize", "Every covered pixel in the colour of the last triangle drawn there; no depth yet, nothing cut out. Pixels left to the upscaler are dark.";
+        Depth = "depth", "Depth", "The depth test decides who stays: the colour of the winning triangle. What is cut out is gone.";
         Interpolate = "interpolate", "Interpolate", "The weights of the winner's three corners as red, green and blue.";
         Shade = "shade", "Shade", "The pixels that are really drawn, shaded; those left to the upscaler are dark.";
         Upscale = "upscale", "Upscale", "The finished picture.";
@@ -43,11 +43,10 @@ pub const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 
 /// The picture after `stage` of the frame that `recipe` gives.
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
-    let redrawn = |shading, depth_test| {
-        let recipe = Recipe { pipeline: Settings { shading, depth_test, ..recipe.pipeline }, ..*recipe };
-        spread(&redraw(scene, &recipe, frame, Until::Shade, &mut ()), frame.viewport)
+    let redrawn = |shading| {
+        let recipe = Recipe { pipeline: Settings { shading, ..recipe.pipeline }, ..*recipe };
+        spread(&redraw(scene, &recipe, frame, Until::Shade, &mut ()).color, frame)
     };
-    let depth_test = recipe.pipeline.depth_test;
     match stage {
         Stage::Assemble => Wires::of(scene, camera, recipe, frame.viewport).corners(),
         Stage::Transform => Wires::of(scene, camera, recipe, frame.viewport).edges(|_| KEPT),
@@ -69,18 +68,34 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
             }
             image
         }
-        Stage::Rasterize => redrawn(Shading::TriangleId, DepthTest::Off),
-        Stage::Depth => redrawn(Shading::TriangleId, depth_test),
-        Stage::Interpolate => redrawn(Shading::Barycentric, depth_test),
-        Stage::Shade => spread(&frame.drawn, frame.viewport),
+        Stage::Rasterize => {
+            let (width, height) = frame.drawn.color.size();
+            let [r, g, b] = scene.background;
+            let mut covered = LastCovered(Image::filled(width, height, [r, g, b, 255]));
+            redraw(scene, recipe, frame, Until::Coverage, &mut covered);
+            spread(&covered.0, frame)
+        }
+        Stage::Depth => redrawn(Shading::TriangleId),
+        Stage::Interpolate => redrawn(Shading::Barycentric),
+        Stage::Shade => spread(&frame.drawn.color, frame),
         Stage::Upscale => frame.image().clone(),
     }
 }
 
+/// Each sample in the colour of the last triangle that covers it.
+struct LastCovered(Image<Rgba8>);
+
+impl Observer for LastCovered {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        self.0.set(sample.column, sample.row, id_color(triangle.id));
+    }
+}
+
 /// The drawn pixels at their places in the full picture.
-fn spread(drawn: &Framebuffer, Viewport { width, height }: Viewport) -> Image<Rgba8> {
+fn spread(packed: &Image<Rgba8>, frame: &Frame) -> Image<Rgba8> {
+    let Viewport { width, height } = frame.viewport;
     Image::from_fn(width, height, |x, y| {
-        drawn.grid.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| drawn.color.at(column, row))
+        frame.drawn.grid.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| packed.at(column, row))
     })
 }
 
@@ -160,8 +175,7 @@ fn plot(triangle: &ScreenTriangle, color: Rgba8, image: &mut Image<Rgba8>) {
 mod tests {
     use super::*;
     use crate::chain::run;
-    use crate::pipeline::shade::id_color;
-    use crate::scene::builtin;
+    use crate::scene::{Transparency, builtin};
     use crate::upscale::Upscaling;
 
     const VIEW: Viewport = Viewport { width: 80, height: 60 };
@@ -201,6 +215,21 @@ mod tests {
             let of_it = image.pixels().iter().filter(|p| **p == only).count();
             assert!(of_it > 0 && of_it == covered(&scene, &image), "{stage:?}");
         }
+    }
+
+    #[test]
+    fn what_is_cut_out_is_there_when_rasterized_and_gone_with_depth() {
+        let scene = builtin::by_id("stained-glass").unwrap().build();
+        let recipe = Recipe::default();
+        let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        let cut_out =
+            |t: &&ScreenTriangle| frame.geometry.plans[t.instance as usize].transparency() == Transparency::CutOut;
+        let colors: Vec<_> = frame.geometry.triangles.iter().filter(cut_out).map(|t| id_color(t.id)).collect();
+        let [rasterized, tested] = [Stage::Rasterize, Stage::Depth].map(|stage| {
+            let image = picture(&scene, &scene.home, &recipe, &frame, stage);
+            image.pixels().iter().filter(|p| colors.contains(p)).count()
+        });
+        assert!(rasterized > tested && tested > 0, "{rasterized} {tested}");
     }
 
     #[test]

@@ -24,20 +24,21 @@ pub(super) fn verdict(report: &PixelReport, grid: SampleGrid, comparison: Compar
     format!("Not drawn: {made_of}. The weightiest, ({x}, {y}): {story}")
 }
 
-/// Pieces of one triangle count as one; they are no rivals of each other.
+/// Pieces of one triangle count as one; they are no rivals of each other. Nor is what is cut out.
 fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> String {
-    let triangles = fragments.iter().map(|f| f.triangle).collect::<BTreeSet<_>>().len();
     let Some(winner) = fragments.iter().find(|f| f.outcome == Outcome::Visible) else {
-        return match triangles {
-            0 => "Background: no triangle covers this pixel's centre.".to_owned(),
-            1 => "Background: the one triangle here lost the depth test.".to_owned(),
-            n => format!("Background: all {n} triangles here lost the depth test."),
-        };
+        return background_verdict(fragments);
     };
-    let name = format!("triangle {} of “{}”", winner.triangle.0, winner.instance);
-    let rivals = fragments.iter().filter(|f| f.triangle != winner.triangle);
+    if !winner.covers_all() {
+        return blended_verdict(fragments, winner);
+    }
+    let name = name(winner);
+    let there = || fragments.iter().filter(|f| f.outcome != Outcome::CutOut);
+    let triangles = count_triangles(there());
+    let rivals = there().filter(|f| f.triangle != winner.triangle);
     let Some(closest) = rivals.map(|f| f.depth.steps_from(&winner.depth)).min() else {
-        return format!("Won by {name}, the only one here.");
+        let others = if there().count() < fragments.len() { " that is not cut out" } else { "" };
+        return format!("Won by {name}, the only one here{others}.");
     };
     match (winner.stored_depth, comparison, closest) {
         (None, _, _) => format!("Won by {name}, drawn last of {triangles} (no depth test)."),
@@ -54,6 +55,41 @@ fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> Str
         _ if triangles == 2 => format!("Won by {name} against one other."),
         _ => format!("Won by {name} against {} others.", triangles - 1),
     }
+}
+
+fn name(fragment: &FragmentRecord) -> String {
+    format!("triangle {} of “{}”", fragment.triangle.0, fragment.instance)
+}
+
+fn count_triangles<'a>(fragments: impl Iterator<Item = &'a FragmentRecord>) -> usize {
+    fragments.map(|f| f.triangle).collect::<BTreeSet<_>>().len()
+}
+
+/// Why none of the fragments is to be seen.
+fn background_verdict(fragments: &[FragmentRecord]) -> String {
+    let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
+    match (with(Outcome::DepthRejected), with(Outcome::CutOut)) {
+        (0, 0) => "Background: no triangle covers this pixel's centre.".to_owned(),
+        (1, 0) => "Background: the one triangle here lost the depth test.".to_owned(),
+        (lost, 0) => format!("Background: all {lost} triangles here lost the depth test."),
+        (0, 1) => "Background: the one triangle here is cut out.".to_owned(),
+        (0, gone) => format!("Background: all {gone} triangles here are cut out."),
+        (lost, gone) => {
+            format!("Background: of the triangles here {lost} lost the depth test, and {gone} by alpha are not there.")
+        }
+    }
+}
+
+/// What a pixel whose nearest fragment is blended shows.
+fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> String {
+    let seen_through = || fragments.iter().rev().filter(|f| f.outcome == Outcome::BlendedOver);
+    let behind = seen_through().find(|f| f.covers_all()).map_or("the background".to_owned(), name);
+    let between = match seen_through().filter(|f| !f.covers_all()).count() {
+        0 => String::new(),
+        count => format!("{count} more and "),
+    };
+    let alpha = nearest.alpha.unwrap_or(1.0);
+    format!("Blended: {} with alpha {alpha} over {between}{behind}.", name(nearest))
 }
 
 /// What is wrong at a sample along a shared edge, and why, in one sentence.
@@ -119,7 +155,7 @@ mod tests {
     use crate::inspect::DepthRecord;
     use crate::pipeline::depth::{DepthEncoding, DepthScale};
     use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
-    use crate::scene::{DepthMapping, TriangleId};
+    use crate::scene::{DepthMapping, Transparency, TriangleId};
 
     /// The last of `fragments` (triangle, depth) is visible.
     fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: Comparison) -> String {
@@ -132,12 +168,17 @@ mod tests {
         stored: Option<f32>,
         comparison: Comparison,
     ) -> String {
+        fragment_verdict(&records(encoding, fragments, stored), comparison)
+    }
+
+    fn records(encoding: DepthEncoding, fragments: &[(u32, f32)], stored: Option<f32>) -> Vec<FragmentRecord> {
         let scale = DepthScale::perspective(DepthMapping::Standard, encoding, 1.0, 2.0);
         let depth = |depth: f32| DepthRecord::new(encoding.quantize(depth.into()), &scale);
         let record = |(place, (id, value)): (usize, &(u32, f32))| FragmentRecord {
             triangle: TriangleId(*id),
             instance: "cube".into(),
             submission: place,
+            transparency: Transparency::Opaque,
             outcome: if place + 1 == fragments.len() { Outcome::Visible } else { Outcome::Overwritten },
             reason: String::new(),
             corners_px: [[0.0; 2]; 3],
@@ -150,9 +191,10 @@ mod tests {
             corner_depths: [*value; 3],
             depth: depth(*value),
             stored_depth: stored.map(depth),
+            alpha: None,
             shading: None,
         };
-        fragment_verdict(&fragments.iter().enumerate().map(record).collect::<Vec<_>>(), comparison)
+        fragments.iter().enumerate().map(record).collect()
     }
 
     #[test]
@@ -185,6 +227,42 @@ mod tests {
             "A crack: 1 instead of 2 triangles cover this pixel, triangle 5 is missing; it shares an edge here with \
              triangle 6 and the rasterizer is “Scanline (as published)”."
         );
+    }
+
+    #[test]
+    fn what_is_seen_through_what_is_told() {
+        let mut records = records(DepthEncoding::F32, &[(3, 0.9), (5, 0.6), (4, 0.5), (6, 0.4)], Some(0.9));
+        for record in &mut records[1..] {
+            (record.transparency, record.alpha) = (Transparency::Blended, Some(0.25));
+        }
+        let story = |records: &[FragmentRecord]| fragment_verdict(records, Comparison::Less);
+        for record in &mut records[..3] {
+            record.outcome = Outcome::BlendedOver;
+        }
+        assert_eq!(
+            story(&records),
+            "Blended: triangle 6 of “cube” with alpha 0.25 over 2 more and triangle 3 of “cube”."
+        );
+        assert_eq!(
+            story(&records[2..]),
+            "Blended: triangle 6 of “cube” with alpha 0.25 over 1 more and the background."
+        );
+        assert!(story(&records[3..]).ends_with("over the background."));
+    }
+
+    #[test]
+    fn what_is_cut_out_is_no_rival_but_told_where_nothing_else_is() {
+        let mut records = records(DepthEncoding::F32, &[(3, 0.5), (4, 0.5)], Some(0.9));
+        let story = |records: &[FragmentRecord]| fragment_verdict(records, Comparison::Less);
+        (records[0].transparency, records[0].outcome) = (Transparency::CutOut, Outcome::CutOut);
+        assert_eq!(story(&records), "Won by triangle 4 of “cube”, the only one here that is not cut out.");
+        assert_eq!(story(&records[..1]), "Background: the one triangle here is cut out.");
+        records[1].outcome = Outcome::DepthRejected;
+        assert!(
+            story(&records).ends_with("of the triangles here 1 lost the depth test, and 1 by alpha are not there.")
+        );
+        records[1].outcome = Outcome::CutOut;
+        assert_eq!(story(&records), "Background: all 2 triangles here are cut out.");
     }
 
     #[test]

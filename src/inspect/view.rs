@@ -108,12 +108,12 @@ pub fn absence(buffer: Buffer, frame: &Frame) -> Option<&'static str> {
     (buffer == Buffer::Depth && frame.drawn.depth.is_none()).then_some("no depth buffer: the depth test is off")
 }
 
-/// Stored depth of a sample, if anything was drawn there. Without `buffers` that is told by the depth itself, and a
+/// Stored depth of a sample, if anything left its depth there. Without `buffers` that is told by the depth itself, and a
 /// fragment at exactly the depth that the buffer starts from counts as nothing.
 fn depth_of(frame: &Frame, buffers: Option<&Buffers>, column: u32, row: u32) -> Option<f32> {
     let stored = frame.drawn.depth.as_ref()?.at(column, row);
     let drawn = match buffers {
-        Some(buffers) => buffers.triangle.at(column, row) != TriangleId::NONE,
+        Some(buffers) => buffers.depth_stored.at(column, row),
         None => stored != frame.drawn.clear_depth,
     };
     drawn.then_some(stored)

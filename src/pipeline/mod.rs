@@ -7,8 +7,11 @@
 //! ```
 //!
 //! [`prepare`] is the left half and gives [`Geometry`]; [`draw`] is the right half and fills a [`Framebuffer`]. This is the
-//! *classic* way to execute: triangle after triangle in submission order, plain scalar code, every stage visible. It is
-//! the reference for every faster way. Equal input gives an equal picture, bit for bit.
+//! *classic* way to execute: triangle after triangle, plain scalar code, every stage visible. It is the reference for
+//! every faster way. Equal input gives an equal picture, bit for bit.
+//!
+//! Triangles that hide what lies behind them come first, in submission order; then those that are blended, from far to
+//! near, each tested against the depths of the first but leaving none itself.
 
 pub mod clip;
 
@@ -30,6 +33,8 @@ pub mod raster;
 
 pub mod sample;
 
+mod samples;
+
 pub mod settings;
 
 pub mod shade;
@@ -42,14 +47,12 @@ pub mod viewport;
 
 pub mod wireframe;
 
-use std::hint::black_box;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
-use depth::{Comparison, DepthScale, depth_at};
+use depth::{Comparison, DepthScale};
 use framebuffer::Framebuffer;
-use interpolate::interpolate;
-use observe::{DepthOutcome, Fate, Observer};
+use observe::{Fate, Observer};
 use plan::{DrawPlan, Part};
 use raster::numbers::Numbers;
 use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
@@ -58,12 +61,13 @@ use shade::Shader;
 use vertex::{ClipVertex, DrawMatrices, containment, transform};
 use viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 
-use crate::scene::{Camera, Instance, Scene, TriangleId};
+use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
 
 /// What the geometry stages hand to the rasterizer.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// Triangles to rasterize, in submission order.
+    /// Triangles to rasterize, in the order in which they are drawn: as they were submitted, but for those that are
+    /// blended, which come last, from far to near.
     pub triangles: Vec<ScreenTriangle>,
     /// What depths of the triangles mean.
     pub depth_scale: DepthScale,
@@ -77,6 +81,50 @@ pub struct Geometry {
     pub triangles_in: usize,
     /// Triangles after clipping.
     pub triangles_clipped: usize,
+}
+
+impl Geometry {
+    /// Where in the list of triangles the blended ones begin.
+    pub fn blended_from(&self) -> usize {
+        self.triangles.partition_point(|triangle| !self.is_blended(triangle))
+    }
+
+    /// Whether a triangle is drawn over what lies behind.
+    pub fn is_blended(&self, triangle: &ScreenTriangle) -> bool {
+        let plan = self.plans.get(triangle.instance as usize);
+        plan.is_some_and(|plan| plan.transparency() == Transparency::Blended)
+    }
+
+    /// Where in the list one of its triangles stands.
+    pub fn place_of(&self, triangle: &ScreenTriangle) -> usize {
+        let (others, blended) = self.triangles.split_at(self.blended_from());
+        // The first that may be it; the pieces of one triangle, and the blended ones at one distance, follow each other.
+        let first = if self.is_blended(triangle) {
+            let distance = self.mean_distance(triangle);
+            others.len() + blended.partition_point(|t| self.mean_distance(t) > distance)
+        } else {
+            others.partition_point(|t| t.id < triangle.id)
+        };
+        self.triangles[first..].iter().position(|t| t == triangle).map_or(first, |offset| first + offset)
+    }
+
+    /// Puts the blended triangles, if there are any, behind the others and sorts them by the mean distance of their corners,
+    /// the farthest first; those at the same distance stay as they were submitted.
+    fn draw_blended_last(&mut self) {
+        if self.plans.iter().all(|plan| plan.transparency() != Transparency::Blended) {
+            return;
+        }
+        let triangles = std::mem::take(&mut self.triangles);
+        let (mut blended, others): (Vec<_>, Vec<_>) = triangles.into_iter().partition(|t| self.is_blended(t));
+        blended.sort_by(|a, b| self.mean_distance(b).total_cmp(&self.mean_distance(a)));
+        self.triangles = others;
+        self.triangles.append(&mut blended);
+    }
+
+    fn mean_distance(&self, triangle: &ScreenTriangle) -> f64 {
+        let [a, b, c] = triangle.vertices.each_ref().map(|corner| self.depth_scale.distance(corner));
+        (a + b + c) / 3.0
+    }
 }
 
 /// Wall-clock time per geometry stage.
@@ -118,6 +166,7 @@ pub fn prepare<O: Observer>(
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
         prepare_draw(scene, camera, settings, viewport, (index, instance, first), &mut geometry, observer);
     }
+    geometry.draw_blended_last();
     geometry
 }
 
@@ -283,7 +332,6 @@ fn draw_in<N: Numbers, O: Observer>(
         .zip(&geometry.plans)
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
-    let Framebuffer { grid, origin, color, depth, .. } = frame;
     let mut spans: Vec<Span> = Vec::new();
     for triangle in &geometry.triangles[extent.triangles.clone()] {
         let shader = &shaders[triangle.instance as usize];
@@ -293,39 +341,9 @@ fn draw_in<N: Numbers, O: Observer>(
         }
         let Some(edges) = Triangle::<N>::new(corners_px, settings.fill_rule) else { continue };
         spans.clear();
-        let area = (*grid, extent.scissor);
+        let area = (frame.grid, extent.scissor);
         let visited = cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans);
-        for (column, row) in spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))) {
-            let sample = edges.sample((column, row), grid.pixel(column, row));
-            observer.covered(triangle, &sample);
-            let (column, row) = (column - origin.0, row - origin.1);
-            if until == Until::Coverage {
-                // A whole sample would have to be stored to be looked at, which costs more than finding it.
-                black_box(sample.column);
-                continue;
-            }
-            if let Some(buffer) = depth {
-                let new = depth_at(triangle, &sample);
-                let stored = buffer.at(column, row);
-                let passed = comparison.passes(new, stored);
-                observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed });
-                if !passed {
-                    continue;
-                }
-                buffer.set(column, row, new);
-            }
-            if until == Until::Depth {
-                continue;
-            }
-            let fragment = interpolate(triangle, sample, shader.attributes());
-            if until == Until::Interpolate {
-                black_box(fragment);
-                continue;
-            }
-            let rgba = shader.shade(&fragment, triangle);
-            color.set(column, row, rgba);
-            observer.shaded(triangle, &fragment, rgba);
-        }
+        samples::draw((triangle, &edges), &spans, shader, (comparison, until), frame, observer);
         observer.visited(visited);
     }
 }

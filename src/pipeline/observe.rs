@@ -1,8 +1,8 @@
 //! Watching the pipeline without slowing it down.
 //!
 //! Stages are generic over an [`Observer`] whose hooks do nothing by default; `()` is the one that watches nothing, and
-//! its hooks vanish when the stage is compiled for it: with the hooks and with their calls deleted, `draw` came out as the
-//! same 1,136 instructions in the same order (x86-64, rustc 1.95). Nothing in a loop asks whether anybody is watching.
+//! its hooks vanish when the stage is compiled for it: with the hooks and with their calls deleted, the loops over samples of
+//! all four arithmetics came out as the same 4,290 instructions in the same order (x86-64, rustc 1.95). Nothing in a loop asks whether anybody is watching.
 //! What can be had by calling a stage again (matrices, clipped polygons) has no hook: the inspector calls the stage.
 
 use serde::Serialize;
@@ -77,7 +77,13 @@ pub trait Observer {
     /// A covered sample was compared with the depth buffer.
     fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, _outcome: DepthOutcome) {}
 
-    /// A fragment was shaded and written.
+    /// The depth of a sample was stored.
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {}
+
+    /// A fragment of a cut-out surface is not there, though its depth passed.
+    fn cut_out(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment) {}
+
+    /// A fragment was shaded and written, blended or not.
     fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {}
 }
 

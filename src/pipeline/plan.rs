@@ -7,7 +7,7 @@
 use serde::Serialize;
 
 use super::settings::{DepthTest, Interpolation, Settings, Shading};
-use crate::scene::{Camera, Instance, Library, Projection};
+use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparency};
 
 /// A part of the work that a draw may not need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -31,13 +31,17 @@ pub enum Part {
     VertexColors,
     /// Reading texels.
     Texels,
+    /// Asking the texture's alpha whether a fragment is there at all.
+    CutOut,
     /// Computing light, at vertices (Gouraud) or per fragment.
     Light,
+    /// Mixing with what is drawn already, from far to near and without storing depth.
+    Blending,
 }
 
 impl Part {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 12] = [
         Self::Vertices,
         Self::Clipping,
         Self::Culling,
@@ -47,7 +51,9 @@ impl Part {
         Self::Normals,
         Self::VertexColors,
         Self::Texels,
+        Self::CutOut,
         Self::Light,
+        Self::Blending,
     ];
 
     /// What a person calls it.
@@ -62,7 +68,9 @@ impl Part {
             Self::Normals => "Normals",
             Self::VertexColors => "Vertex colours",
             Self::Texels => "Texture reads",
+            Self::CutOut => "Alpha cut-out",
             Self::Light => "Light",
+            Self::Blending => "Blending",
         }
     }
 }
@@ -104,6 +112,7 @@ pub enum Containment {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct DrawPlan {
     steps: [Step; Part::ALL.len()],
+    transparency: Transparency,
 }
 
 impl DrawPlan {
@@ -119,7 +128,12 @@ impl DrawPlan {
         let steps = Part::ALL.map(|part| {
             Step::unless(outside.or_else(|| left_out(part, library, instance, camera, settings, containment)))
         });
-        Self { steps }
+        Self { steps, transparency: transparency(library, instance, settings.shading) }
+    }
+
+    /// How the draw meets what was drawn before it. Not a matter of what can be left out: it decides the picture.
+    pub fn transparency(&self) -> Transparency {
+        self.transparency
     }
 
     /// The step of a part.
@@ -143,11 +157,11 @@ fn left_out(
     containment: Containment,
 ) -> Option<&'static str> {
     let mesh = library.mesh(instance.mesh);
-    let material = library.material(instance.material);
     let shading = settings.shading;
-    let reads_albedo = matches!(shading, Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel);
+    let reads_albedo = shading.reads_material();
+    let transparency = transparency(library, instance, shading);
     let lit = matches!(shading, Shading::Gouraud | Shading::Lambert | Shading::Cel);
-    let textured = material.texture.is_some() || (shading == Shading::Cel && material.dark_texture.is_some());
+    let textured = textures_read(library, instance, shading).next().is_some();
     match part {
         Part::Vertices => None,
         Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
@@ -168,6 +182,35 @@ fn left_out(
         Part::VertexColors => {
             (!reads_albedo && shading != Shading::VertexColor).then_some("this shading reads no vertex colour")
         }
+        Part::CutOut | Part::Blending if !reads_albedo => Some("this shading ignores opacity and alpha"),
+        Part::CutOut => match transparency {
+            Transparency::Opaque => Some("no texture that is read has alpha"),
+            Transparency::CutOut => None,
+            Transparency::Blended => Some("it is blended instead"),
+        },
         Part::Light => (!lit).then_some("this shading is unlit"),
+        Part::Blending => match transparency {
+            Transparency::Opaque => Some("material and texture are opaque"),
+            Transparency::CutOut => Some("alpha is all or nothing: cut out instead"),
+            Transparency::Blended => None,
+        },
     }
+}
+
+/// How the instance meets what lies behind under a shading: those that ignore the material are opaque.
+pub(super) fn transparency(library: &Library, instance: &Instance, shading: Shading) -> Transparency {
+    if !shading.reads_material() {
+        return Transparency::Opaque;
+    }
+    let read = textures_read(library, instance, shading);
+    library.material(instance.material).transparency(library, read)
+}
+
+/// The textures that a shading reads somewhere on an instance.
+fn textures_read(library: &Library, instance: &Instance, shading: Shading) -> impl Iterator<Item = TextureId> {
+    let material = library.material(instance.material);
+    let has_coordinates = !library.mesh(instance.mesh).uvs.is_empty();
+    let light = material.texture.filter(|_| has_coordinates && shading.reads_material());
+    let dark = material.dark_texture.filter(|_| has_coordinates && shading == Shading::Cel);
+    light.into_iter().chain(dark)
 }

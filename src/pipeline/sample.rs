@@ -6,7 +6,9 @@
 //! part, and where that falls among the texels, may need twice the digits of f32, and a texel's border is no place for
 //! rounding.
 
-use glam::{Vec2, Vec3, Vec4};
+use std::ops::{Add, Mul};
+
+use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use super::settings::{Address, ColorSpace, Filter};
@@ -53,17 +55,42 @@ impl Sampler {
     /// Colour at `uv` (v down): linear light or sRGB values by the sampler's colour space, in [0, 1].
     #[inline]
     pub fn sample(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec3 {
+        // Four lanes, of which the last is idle, mix in one register.
+        self.mixed(texture, uv, |texel| self.number_of(texel).extend(0.0)).truncate() * self.scale
+    }
+
+    /// Colour at `uv`, the same as [`Sampler::sample`], and alpha by the same texels and weights, both in [0, 1]. The colour
+    /// is straight: not multiplied by alpha.
+    #[inline]
+    pub fn sample_with_alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> (Vec3, f32) {
+        let mixed = self.mixed(texture, uv, |texel| self.number_of(texel).extend(alpha_of(texel)));
+        (mixed.truncate() * self.scale, mixed.w)
+    }
+
+    /// Alpha at `uv`, the same as [`Sampler::sample_with_alpha`].
+    #[inline]
+    pub fn alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> f32 {
+        self.mixed(texture, uv, alpha_of)
+    }
+
+    /// What texels stand for at `uv`, mixed by their weights.
+    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
+    fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
+        self,
+        texture: &Image<Rgba8>,
+        uv: Vec2,
+        value: impl Fn(Rgba8) -> T,
+    ) -> T {
         let (taps, _) = self.taps(texture.size(), uv);
-        let weighted = |tap: &TexelTap| self.texel(texture, tap) * tap.weight;
-        let sum = match self.filter {
+        let weighted = |tap: &TexelTap| value(texture.at(tap.x, tap.y)) * tap.weight;
+        match self.filter {
             Filter::Point => weighted(&taps[0]),
             Filter::Bilinear => weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3]),
-        };
-        sum.truncate() * self.scale
+        }
     }
 
     /// The texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
-    #[inline]
+    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
     pub fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
         let (u, v) = (bring_into_unit(uv.x, self.address), bring_into_unit(uv.y, self.address));
         let mut taps = [TexelTap::default(); 4];
@@ -85,12 +112,24 @@ impl Sampler {
         }
     }
 
-    /// A texel in the numbers that are mixed; four lanes, of which the last is idle, mix in one register.
+    /// A colour of codes as [`Sampler::sample`] gives colours.
     #[inline]
-    fn texel(self, texture: &Image<Rgba8>, tap: &TexelTap) -> Vec4 {
-        let [r, g, b, _] = texture.at(tap.x, tap.y).map(|code| self.number_of_code[code as usize]);
-        Vec4::new(r, g, b, 0.0)
+    pub fn value_of(self, color: Rgba8) -> Vec3 {
+        self.number_of(color) * self.scale
     }
+
+    /// A colour of codes in the numbers that are mixed.
+    #[inline]
+    fn number_of(self, [r, g, b, _]: Rgba8) -> Vec3 {
+        let number = |code: u8| self.number_of_code[code as usize];
+        Vec3::new(number(r), number(g), number(b))
+    }
+}
+
+/// Alpha in [0, 1]; it is no light, so it is never decoded.
+#[inline]
+fn alpha_of([_, _, _, code]: Rgba8) -> f32 {
+    f32::from(code) * (1.0 / 255.0)
 }
 
 /// The coordinate in [0, 1] that means the same under an addressing mode.
@@ -183,6 +222,28 @@ mod tests {
         assert!(f64::from(-0.2_f32) < -0.2);
         assert_eq!([-0.2, 0.8, (-0.2_f32).next_up()].map(read), [3, 4, 4]);
         assert_eq!([-1e-30, 0.0, -3.0, 1e30].map(read), [4, 0, 0, 0]);
+    }
+
+    #[test]
+    fn alpha_is_mixed_as_colour_is_and_leaves_it_as_it_was() {
+        let mut rng = fastrand::Rng::with_seed(5);
+        // Alpha is the red code, so that both must come out the same where codes are mixed as they are.
+        let texture = Image::from_fn(5, 7, |_, _| {
+            let code = rng.u8(..);
+            [code, rng.u8(..), rng.u8(..), code]
+        });
+        for _ in 0..1000 {
+            let uv = Vec2::new(rng.f32() * 4.0 - 2.0, rng.f32() * 4.0 - 2.0);
+            for (filter, address) in Filter::ALL.iter().flat_map(|f| Address::ALL.iter().map(move |a| (*f, *a))) {
+                for space in ColorSpace::ALL {
+                    let sampler = Sampler::new(filter, address, *space);
+                    let (color, alpha) = sampler.sample_with_alpha(&texture, uv);
+                    assert_eq!(color, sampler.sample(&texture, uv));
+                    assert_eq!(alpha, sampler.alpha(&texture, uv));
+                    assert_eq!(alpha, Sampler::new(filter, address, ColorSpace::Bytes).sample(&texture, uv).x);
+                }
+            }
+        }
     }
 
     #[test]

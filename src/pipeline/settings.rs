@@ -172,6 +172,14 @@ choice! {
     }
 }
 
+impl Shading {
+    /// Whether it shows the material's colour and texture, and with them its opacity; the others show something else, and
+    /// are opaque.
+    pub fn reads_material(self) -> bool {
+        matches!(self, Self::Texture | Self::Gouraud | Self::Lambert | Self::Cel)
+    }
+}
+
 choice! {
     /// How a texture is read between texel centres.
     Filter {

@@ -16,7 +16,8 @@ use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
-use crate::scene::{Instance, Library, TriangleId};
+use crate::scene::material::CUT_OUT_BELOW;
+use crate::scene::{Instance, Library, Transparency, TriangleId};
 
 /// N·L above which cel shading takes the light texture.
 pub const CEL_THRESHOLD: f32 = 0.5;
@@ -41,6 +42,9 @@ pub struct Shader<'a> {
     pub(super) diffuse: Vec3,
     pub(super) texture: Option<&'a Image<Rgba8>>,
     dark_texture: Option<&'a Image<Rgba8>>,
+    /// Of the material alone.
+    opacity: f32,
+    transparency: Transparency,
     attributes: Attributes,
 }
 
@@ -58,8 +62,16 @@ impl<'a> Shader<'a> {
             diffuse: to_working_space(material.diffuse * instance.tint, settings.color_space),
             texture: material.texture.filter(|_| reads_texels).map(image),
             dark_texture: material.dark_texture.filter(|_| reads_texels).map(image),
+            opacity: material.opacity,
+            transparency: plan.transparency(),
             attributes: Attributes::read_by(plan, settings),
         }
+    }
+
+    /// How its fragments meet what is drawn already.
+    #[inline]
+    pub fn transparency(&self) -> Transparency {
+        self.transparency
     }
 
     /// What its fragments are made of.
@@ -104,7 +116,32 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// Colour of a fragment of `triangle`; opaque.
+    /// The share in [0, 1] with which a blended fragment covers what lies behind: the material's opacity × the alpha of
+    /// the texture, if one is read.
+    #[inline]
+    pub fn alpha(&self, fragment: &Fragment) -> f32 {
+        self.texture_for(fragment)
+            .map_or(self.opacity, |texture| self.opacity * self.sampler.alpha(texture, fragment.uv))
+    }
+
+    /// Whether a fragment of a cut-out surface is not there.
+    #[inline]
+    pub fn cuts_out(&self, fragment: &Fragment) -> bool {
+        self.alpha(fragment) < CUT_OUT_BELOW
+    }
+
+    /// Colour of a blended fragment of `triangle` over what is drawn there: colour·α + below·(1 − α) in the numbers of the
+    /// colour space, with [`Shader::alpha`]. The views of single quantities cover what is `below`.
+    #[inline]
+    pub fn blend(&self, fragment: &Fragment, triangle: &ScreenTriangle, below: Rgba8) -> Rgba8 {
+        if !self.settings.shading.reads_material() {
+            return self.shade(fragment, triangle);
+        }
+        let (albedo, alpha) = self.albedo_and_alpha(fragment);
+        self.encode(albedo * self.light(fragment) * alpha + self.sampler.value_of(below) * (1.0 - alpha))
+    }
+
+    /// Colour of a fragment of `triangle` as if nothing could be seen through it.
     #[inline]
     pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
@@ -124,13 +161,29 @@ impl<'a> Shader<'a> {
     /// Surface colour without light, in the numbers of the colour space.
     #[inline]
     fn albedo(&self, fragment: &Fragment) -> Vec3 {
-        let mut albedo = self.diffuse;
-        if self.attributes.color {
-            albedo *= fragment.color;
-        }
+        let plain = self.plain_albedo(fragment);
         match self.texture_for(fragment) {
-            Some(texture) => albedo * self.sampler.sample(texture, fragment.uv),
-            None => albedo,
+            Some(texture) => plain * self.sampler.sample(texture, fragment.uv),
+            None => plain,
+        }
+    }
+
+    /// Surface colour without light and texture.
+    #[inline]
+    fn plain_albedo(&self, fragment: &Fragment) -> Vec3 {
+        if self.attributes.color { self.diffuse * fragment.color } else { self.diffuse }
+    }
+
+    /// The same surface colour, and the share with which it covers what lies behind.
+    #[inline]
+    fn albedo_and_alpha(&self, fragment: &Fragment) -> (Vec3, f32) {
+        let plain = self.plain_albedo(fragment);
+        match self.texture_for(fragment) {
+            Some(texture) => {
+                let (color, alpha) = self.sampler.sample_with_alpha(texture, fragment.uv);
+                (plain * color, self.opacity * alpha)
+            }
+            None => (plain, self.opacity),
         }
     }
 
@@ -139,7 +192,7 @@ impl<'a> Shader<'a> {
         self.cosine(fragment) > CEL_THRESHOLD
     }
 
-    #[inline]
+    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
     fn encode(&self, color: Vec3) -> Rgba8 {
         match self.settings.color_space {
             ColorSpace::Linear => {

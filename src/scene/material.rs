@@ -1,8 +1,26 @@
 //! Surface properties.
 
 use glam::Vec3;
+use serde::Serialize;
 
-use super::TextureId;
+use super::texture::Alpha;
+use super::{Library, TextureId};
+
+/// How a surface meets what was drawn before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Transparency {
+    /// It hides what lies behind.
+    #[default]
+    Opaque,
+    /// Its texture says where it is and where not: there it hides what lies behind, here nothing is drawn.
+    CutOut,
+    /// It lets a share of what lies behind show through.
+    Blended,
+}
+
+/// Alpha after filtering below which a cut-out surface is not there.
+pub const CUT_OUT_BELOW: f32 = 0.5;
 
 /// What a surface looks like, as far as this pipeline shades it.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,7 +29,7 @@ pub struct Material {
     pub name: String,
     /// Colour (`Kd`), multiplied with the texture; sRGB values in [0, 1].
     pub diffuse: Vec3,
-    /// 1 is opaque (`d`, or 1 − `Tr`).
+    /// 1 is opaque (`d`, or 1 − `Tr`), 0 is not to be seen; multiplied with the alpha of the texture.
     pub opacity: f32,
     /// Colour texture (`map_Kd`).
     pub texture: Option<TextureId>,
@@ -28,6 +46,19 @@ impl Material {
     /// An opaque white material under a texture.
     pub fn textured(name: impl Into<String>, texture: TextureId) -> Self {
         Self { texture: Some(texture), ..Self::plain(name, Vec3::ONE) }
+    }
+
+    /// How surfaces of this material meet what lies behind, where those of its textures that are `read` are.
+    pub fn transparency(&self, library: &Library, read: impl IntoIterator<Item = TextureId>) -> Transparency {
+        if self.opacity < 1.0 {
+            return Transparency::Blended;
+        }
+        let of_texture = |id| match library.texture(id).alpha() {
+            Alpha::Opaque => Transparency::Opaque,
+            Alpha::AllOrNothing => Transparency::CutOut,
+            Alpha::Graded => Transparency::Blended,
+        };
+        read.into_iter().map(of_texture).max().unwrap_or_default()
     }
 }
 

@@ -26,10 +26,10 @@ pub use camera::{Camera, Projection};
 pub use depth_mapping::DepthMapping;
 pub use error::{SceneError, Warning};
 pub use library::{Library, MaterialId, MeshId, TextureId};
-pub use material::Material;
+pub use material::{Material, Transparency};
 pub use mesh::{Mesh, MeshData};
 pub use source::SceneSource;
-pub use texture::Texture;
+pub use texture::{Alpha, Texture};
 
 use glam::{Mat4, Vec3};
 

@@ -4,18 +4,46 @@ use std::sync::OnceLock;
 
 use crate::image::{Image, Rgba8};
 
+/// Which alpha codes a picture has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Alpha {
+    /// 255 alone.
+    Opaque,
+    /// 0 and 255 alone.
+    AllOrNothing,
+    /// Others, too.
+    Graded,
+}
+
+impl Alpha {
+    fn of(image: &Image<Rgba8>) -> Self {
+        let of_code = |code| match code {
+            u8::MAX => Self::Opaque,
+            0 => Self::AllOrNothing,
+            _ => Self::Graded,
+        };
+        image.pixels().iter().map(|[_, _, _, alpha]| of_code(*alpha)).max().unwrap_or(Self::Opaque)
+    }
+}
+
 /// A texture. Never empty.
 #[derive(Clone, Debug)]
 pub struct Texture {
     name: String,
     image: Image<Rgba8>,
+    alpha: Alpha,
     pairs: OnceLock<Box<[u64]>>,
 }
 
 impl Texture {
     /// Takes a picture; `None` if it has no pixel.
     pub fn new(name: impl Into<String>, image: Image<Rgba8>) -> Option<Self> {
-        (image.width() > 0 && image.height() > 0).then(|| Self { name: name.into(), image, pairs: OnceLock::new() })
+        (image.width() > 0 && image.height() > 0).then(|| Self {
+            name: name.into(),
+            alpha: Alpha::of(&image),
+            image,
+            pairs: OnceLock::new(),
+        })
     }
 
     /// File name, or a given one.
@@ -40,5 +68,29 @@ impl Texture {
     /// Texels, row 0 at the top (v = 0 after the flip on load).
     pub fn image(&self) -> &Image<Rgba8> {
         &self.image
+    }
+
+    /// What alpha its texels have; found out once, when the texture was made.
+    pub fn alpha(&self) -> Alpha {
+        self.alpha
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_texture_knows_which_alpha_it_has() {
+        let alpha = |codes: &[u8]| {
+            let image = Image::from_fn(codes.len() as u32, 1, |x, _| [9, 9, 9, codes[x as usize]]);
+            Texture::new("codes", image).unwrap().alpha()
+        };
+        assert_eq!(alpha(&[255, 255]), Alpha::Opaque);
+        assert_eq!(alpha(&[255, 0, 255]), Alpha::AllOrNothing);
+        assert_eq!(alpha(&[0]), Alpha::AllOrNothing);
+        for graded in [1, 128, 254] {
+            assert_eq!(alpha(&[255, graded, 0]), Alpha::Graded);
+        }
     }
 }

@@ -138,6 +138,11 @@ pub(crate) fn noise_texture(rng: &mut fastrand::Rng) -> Image<Rgba8> {
     Image::from_fn(5, 7, |_, _| [rng.u8(..), rng.u8(..), rng.u8(..), 255])
 }
 
+/// The same with alpha, of `codes` alone.
+pub(crate) fn with_alpha(rng: &mut fastrand::Rng, image: &Image<Rgba8>, codes: &[u8]) -> Image<Rgba8> {
+    image.map(|[r, g, b, _]| [r, g, b, codes[rng.usize(..codes.len())]])
+}
+
 /// Builds a scene piece by piece.
 pub(crate) struct SceneBuilder(pub(crate) Scene);
 
@@ -155,9 +160,20 @@ impl SceneBuilder {
     }
 
     /// Adds an object in a plain white material, or under a texture and a dark one.
-    pub(crate) fn with(mut self, mesh: Mesh, world_from_model: Mat4, textures: Option<[Image<Rgba8>; 2]>) -> Self {
+    pub(crate) fn with(self, mesh: Mesh, world_from_model: Mat4, textures: Option<[Image<Rgba8>; 2]>) -> Self {
+        self.with_opacity(mesh, world_from_model, textures, 1.0)
+    }
+
+    /// The same in a material that may be translucent.
+    pub(crate) fn with_opacity(
+        mut self,
+        mesh: Mesh,
+        world_from_model: Mat4,
+        textures: Option<[Image<Rgba8>; 2]>,
+        opacity: f32,
+    ) -> Self {
         let library = &mut self.0.library;
-        let mut material = Material::plain("material", Vec3::new(0.9, 0.8, 0.7));
+        let mut material = Material { opacity, ..Material::plain("material", Vec3::new(0.9, 0.8, 0.7)) };
         if let Some(images) = textures {
             let mut ids = images.map(|i| library.add_texture(Texture::new("noise", i).expect("not empty"))).into_iter();
             (material.texture, material.dark_texture) = (ids.next(), ids.next());
@@ -205,9 +221,36 @@ pub(crate) fn coplanar_scene() -> Scene {
     scene
 }
 
-/// The three of them.
-pub(crate) fn scenes() -> [(&'static str, Scene); 3] {
-    [("ground and cube", ground_and_cube()), ("soup", soup_scene()), ("coplanar", coplanar_scene())]
+/// Surfaces of every kind through and behind each other: what hides, what is cut out and what shows through, by texture
+/// and by opacity.
+pub(crate) fn see_through_scene() -> Scene {
+    let mut rng = fastrand::Rng::with_seed(4);
+    let soup = soup(&mut rng, 8);
+    let mut textures = |codes: &[u8]| {
+        Some([(); 2].map(|()| {
+            let image = noise_texture(&mut rng);
+            with_alpha(&mut rng, &image, codes)
+        }))
+    };
+    let at = |z: f32, turn: f32| Mat4::from_translation(Vec3::Z * z) * Mat4::from_rotation_y(turn);
+    SceneBuilder::new(Vec3::new(0.3, 0.4, 3.4))
+        .with_opacity(cube(), at(0.5, 0.5) * Mat4::from_scale(Vec3::splat(0.5)), None, 0.4)
+        .with(plane(), at(0.9, -0.2), textures(&[0, 255]))
+        .with(plane(), at(-0.8, 0.1), textures(&[255]))
+        .with(plane(), at(0.1, 0.3), textures(&[0, 90, 200, 255]))
+        .with_opacity(plane(), at(-0.2, -0.4), textures(&[0, 255]), 0.7)
+        .with_opacity(soup, Mat4::from_scale(Vec3::splat(2.0)), None, 0.25)
+        .0
+}
+
+/// All of them.
+pub(crate) fn scenes() -> [(&'static str, Scene); 4] {
+    [
+        ("ground and cube", ground_and_cube()),
+        ("soup", soup_scene()),
+        ("coplanar", coplanar_scene()),
+        ("see-through", see_through_scene()),
+    ]
 }
 
 /// The frame that a scene gives from its home.

@@ -10,3 +10,4 @@ mod hits;
 mod interpolation;
 mod robustness;
 mod switches;
+mod transparency;

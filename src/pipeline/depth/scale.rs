@@ -132,6 +132,16 @@ impl DepthScale {
         self.law == Law::Perspective(DepthMapping::Linear)
     }
 
+    /// How far a corner is: w in perspective; else what follows from its depth.
+    pub(crate) fn distance(&self, corner: &ScreenVertex) -> f64 {
+        let range = self.far - self.near;
+        match self.law {
+            Law::Perspective(_) => 1.0 / f64::from(corner.inv_w),
+            Law::Orthographic { reversed: false } => self.near + corner.depth * range,
+            Law::Orthographic { reversed: true } => self.far - corner.depth * range,
+        }
+    }
+
     /// Depth over the samples of a triangle of this doubled area, in the unit of edge values.
     pub(crate) fn over(&self, corners: &[ScreenVertex; 3], doubled_area: f64) -> DepthFunction {
         self.function(corners.each_ref().map(|v| v.depth), doubled_area)

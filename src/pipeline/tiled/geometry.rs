@@ -362,7 +362,7 @@ impl Job<'_> {
                     *vertex = Vertex::new([x[i], y[i]], depth[i], inv_w[i], 0.0, [0.0; 2]);
                 }
             },
-        )
+        );
     }
 
     /// World-space unit normals.

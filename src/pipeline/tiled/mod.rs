@@ -36,7 +36,7 @@ use super::clip::guard_band_widening;
 use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
-use super::plan::{DrawPlan, Part};
+use super::plan::{DrawPlan, Part, transparency};
 use super::settings::{Arithmetic, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
@@ -44,6 +44,7 @@ use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 use crate::image::Rgba8;
 use crate::math::fixed::to_pixels;
 use crate::math::lanes::{Lanes, Simd, on_lanes};
+use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene, TriangleId};
 
 /// Why a frame cannot be drawn tile by tile, if so.
@@ -56,6 +57,12 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         Some("the published weights are computed one by one")
     } else if scene.triangle_count() > MOST_TRIANGLES {
         Some("there are more triangles than tiles can number")
+    } else if scene
+        .instances
+        .iter()
+        .any(|instance| transparency(&scene.library, instance, settings.shading) != Transparency::Opaque)
+    {
+        Some("what is cut out or blended is drawn one triangle after the other")
     } else {
         None
     }
@@ -169,6 +176,7 @@ pub fn draw(
     let (draws, plans) = plan(scene, camera, settings, viewport);
     let widening = guard_band_widening(viewport.width, viewport.height);
     let Memory { arrays, chunks, tiles } = memory;
+    let tiles: &Mutex<Vec<Tile>> = tiles;
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, arrays);
     let transformed = Instant::now();
 

@@ -193,7 +193,7 @@ impl Tile {
                 }
                 self.counts.visited += ((bottom - top + 1) * LANES) as u64;
             },
-        )
+        );
     }
 
     /// A triangle at most four samples wide: two of its rows at once.
@@ -325,7 +325,7 @@ impl Tile {
                     }
                 }
             },
-        )
+        );
     }
 
     /// The samples of one block.
@@ -419,7 +419,7 @@ impl Tile {
                     }
                 }
             },
-        )
+        );
     }
 
     /// Whether a triangle may pass the depth test anywhere in a block.

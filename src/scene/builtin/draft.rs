@@ -34,7 +34,7 @@ impl Draft {
         self.library.add_texture(Texture::new(name, image).expect("generated pictures have pixels"))
     }
 
-    /// An opaque white material under a texture of its own.
+    /// A white material under a texture of its own, opaque where that is.
     pub(super) fn textured(&mut self, name: &str, image: Image<Rgba8>) -> MaterialId {
         let texture = self.texture(name, image);
         self.library.add_material(Material::textured(name, texture))
@@ -43,6 +43,11 @@ impl Draft {
     /// An opaque material without a texture. `diffuse` in sRGB values.
     pub(super) fn plain(&mut self, name: &str, diffuse: Vec3) -> MaterialId {
         self.library.add_material(Material::plain(name, diffuse))
+    }
+
+    /// An untextured material that shows what lies behind. `diffuse` in sRGB values.
+    pub(super) fn translucent(&mut self, name: &str, diffuse: Vec3, opacity: f32) -> MaterialId {
+        self.library.add_material(Material { opacity, ..Material::plain(name, diffuse) })
     }
 
     /// A material that has one picture for its lit and one for its unlit side.

@@ -10,6 +10,7 @@ mod cel;
 mod chess;
 mod cubes;
 mod draft;
+mod glass;
 mod near_plane;
 mod noise;
 mod revolve;
@@ -45,6 +46,7 @@ pub const ALL: &[Builtin] = &[
     chess::CHESS,
     cubes::CUBES,
     cel::CEL,
+    glass::STAINED_GLASS,
     triangles::TRIANGLE,
     triangles::INTERPENETRATING,
     triangles::SHARED_EDGES,

@@ -126,6 +126,18 @@ pub(super) fn inside_out(mut mesh: MeshData) -> MeshData {
     mesh
 }
 
+/// The surface with both sides to be seen: a second one, inside out, in the same place.
+pub(super) fn two_sided(mut mesh: MeshData) -> MeshData {
+    let back = inside_out(mesh.clone());
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(back.positions);
+    mesh.normals.extend(back.normals);
+    mesh.uvs.extend(back.uvs);
+    mesh.colors.extend(back.colors);
+    mesh.triangles.extend(back.triangles.iter().map(|t| t.map(|corner| first + corner)));
+    mesh
+}
+
 /// The mesh with its texture laid on anew: `uv` of position and normal.
 pub(super) fn mapped(mut mesh: MeshData, uv: impl Fn(Vec3, Vec3) -> Vec2) -> MeshData {
     mesh.uvs = mesh.positions.iter().zip(&mesh.normals).map(|(position, normal)| uv(*position, *normal)).collect();
@@ -198,6 +210,7 @@ pub(super) mod tests {
         solids().iter().for_each(assert_faces_agree);
         assert_faces_agree(&grid(3));
         assert_faces_agree(&inside_out(cube()));
+        assert_faces_agree(&two_sided(grid(2)));
     }
 
     /// Sixfold volume of a closed mesh; positive if its faces look outwards.

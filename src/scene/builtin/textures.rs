@@ -1,11 +1,12 @@
-//! Pictures by formula: chess tiles, marble, a wooden crate, bricks, a test card, and pairs for cel shading.
+//! Pictures by formula: chess tiles, marble, a wooden crate, bricks, a test card, stained glass, a leaf, and pairs for
+//! cel shading.
 //!
 //! Out: sRGB pictures, row 0 at v = 0. All of them tile. A picture is a function from (u, v) in [0, 1) to a colour in
 //! sRGB values, asked at texel centres. Colours are mixed in sRGB values too: these are paints, not light.
 
 use std::f32::consts::TAU;
 
-use glam::{UVec2, Vec2, Vec3};
+use glam::{UVec2, Vec2, Vec3, Vec4};
 
 use super::noise;
 use crate::image::{Image, Rgba8, color};
@@ -24,9 +25,13 @@ pub(super) fn hue(hue: f32) -> Vec3 {
 
 /// An opaque picture of `size`² texels.
 pub(super) fn picture(size: u32, paint: impl Fn(Vec2) -> Vec3) -> Image<Rgba8> {
+    transparent_picture(size, |uv| paint(uv).extend(1.0))
+}
+
+/// A picture of `size`² texels with alpha, straight.
+fn transparent_picture(size: u32, paint: impl Fn(Vec2) -> Vec4) -> Image<Rgba8> {
     Image::from_fn(size, size, |x, y| {
-        let [r, g, b] = paint((UVec2::new(x, y).as_vec2() + 0.5) / size as f32).to_array().map(color::quantize);
-        [r, g, b, 255]
+        paint((UVec2::new(x, y).as_vec2() + 0.5) / size as f32).to_array().map(color::quantize)
     })
 }
 
@@ -135,6 +140,45 @@ pub(super) fn test_card(size: u32) -> Image<Rgba8> {
     })
 }
 
+/// A window of diamond panes in hues around `middle`, between opaque strips of lead. Glass covers a good half of what lies
+/// behind, by its thickness.
+pub(super) fn stained_glass(size: u32, middle: f32) -> Image<Rgba8> {
+    const PANES: f32 = 5.0;
+    const LEAD: Vec3 = srgb(0x35_38_3E);
+    transparent_picture(size, |uv| {
+        let p = Vec2::new(uv.x + uv.y, uv.x - uv.y) * PANES;
+        let within = p - p.floor();
+        let to_lead = within.min(1.0 - within).min_element() / PANES;
+        let to_frame = uv.min(1.0 - uv).min_element();
+        if to_lead < 0.008 || to_frame < 0.03 {
+            return LEAD.extend(1.0);
+        }
+        let number = (p.x as u32, (p.y + PANES) as u32);
+        let glass = hue(middle + 0.3 * (noise::hash(number.0, number.1, 21) - 0.5)) * 0.7 + 0.25;
+        let thickness = noise::fractal(uv * 8.0, 8, 3, 23);
+        (glass * (0.85 + 0.15 * thickness)).extend(0.45 + 0.25 * thickness)
+    })
+}
+
+/// A leaf of five lobes with its stalk downwards; around it there is nothing.
+pub(super) fn leaf(size: u32) -> Image<Rgba8> {
+    const BLADE: Vec3 = srgb(0x4E_8F_3C);
+    const VEIN: Vec3 = srgb(0xA9_CB_7A);
+    transparent_picture(size, |uv| {
+        let p = uv - Vec2::new(0.5, 0.55);
+        // Around the middle from the tip, which points up, in fifths of a turn: a lobe each.
+        let lobes = p.x.atan2(-p.y) / TAU * 5.0;
+        let from_lobe = (lobes - lobes.round()).abs() * 2.0;
+        let tip = if lobes.abs() < 0.5 { 0.5 } else { 0.42 };
+        let reach = 0.2 + (tip - 0.2) * (1.0 - from_lobe).powf(0.8);
+        let stalk = p.y > 0.0 && p.x.abs() < 0.022;
+        let vein = 1.0 - smoothstep(0.012, 0.03, from_lobe * p.length());
+        let blade = BLADE * (0.8 + 0.4 * noise::fractal(uv * 8.0, 8, 3, 31));
+        let color = if stalk { VEIN * 0.8 } else { blade.lerp(VEIN, 0.7 * vein) };
+        color.extend(if stalk || p.length() < reach { 1.0 } else { 0.0 })
+    })
+}
+
 /// A picture for the lit side and the same one, cooler and darker, for the unlit side.
 pub(super) fn cel_pair(size: u32, paint: impl Fn(Vec2) -> Vec3) -> [Image<Rgba8>; 2] {
     /// Shade takes more of the red than of the blue, as under an open sky.
@@ -151,6 +195,7 @@ fn smoothstep(from: f32, to: f32, x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Alpha, Texture};
 
     #[test]
     fn chess_tiles_alternate() {
@@ -170,6 +215,16 @@ mod tests {
             Image::from_fn(64, 64, |x, y| card.at(y, x)),
         ];
         assert_eq!(flips.iter().position(|flip| *flip == card), None);
+    }
+
+    #[test]
+    fn glass_is_graded_and_leaves_are_all_or_nothing() {
+        let alpha = |image| Texture::new("picture", image).unwrap().alpha();
+        assert_eq!(alpha(stained_glass(64, 0.5)), Alpha::Graded);
+        let leaf = leaf(64);
+        let drawn = leaf.pixels().iter().filter(|p| p[3] == 255).count();
+        assert!((64 * 64 / 4..64 * 64 * 3 / 4).contains(&drawn), "{drawn}");
+        assert_eq!(alpha(leaf), Alpha::AllOrNothing);
     }
 
     #[test]

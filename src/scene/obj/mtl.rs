@@ -2,8 +2,8 @@
 //!
 //! As for geometry, the text is first checked line by line and rewritten: `newmtl`, `Kd`, `d`, `Tr` and `map_Kd`
 //! alone, with complete and finite numbers, names replaced by numbers, texture options taken out of the file name.
-//! What the pipeline does not shade (`Ks`, `illum`, bump maps …) is left out silently; only of opacity below 1 one is
-//! told, as it hides what should be seen. A colour with one number is grey, as the format's description has it; `d`
+//! What the pipeline does not shade (`Ks`, `illum`, bump maps …) is left out silently; of opacity 0 one is told, as some
+//! programs write it where they mean 1. A colour with one number is grey, as the format's description has it; `d`
 //! wins over `Tr`, its reverse.
 
 use std::collections::{BTreeMap, HashMap};
@@ -52,9 +52,9 @@ pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warning
             for (number, (name, material)) in rewritten.names.into_iter().zip(materials).enumerate() {
                 let line = rewritten.picture_lines.get(&number).copied().unwrap_or(0);
                 let description = describe(material, library, line);
-                if description.opacity < 1.0 {
+                if description.opacity == 0.0 {
                     let line = rewritten.opacity_lines.get(&number).copied();
-                    warnings.add(library, line, "opacity below 1: drawn opaque, as there is no transparency");
+                    warnings.add(library, line, "opacity 0: what is made of it is not to be seen");
                 }
                 known.insert(name, description);
             }
@@ -197,13 +197,13 @@ mod tests {
     }
 
     #[test]
-    fn of_transparent_materials_one_is_told_once() {
-        let told = remarks("newmtl a\nd 1\nTr 0.5\nnewmtl b\nKd 1 1 1\nTr 0.25\nnewmtl c\nd 0\n");
-        assert_eq!(told, ["a.mtl:6: opacity below 1: drawn opaque, as there is no transparency (2 times, here first)"]);
+    fn of_invisible_materials_one_is_told_once() {
+        let told = remarks("newmtl a\nd 1\nTr 1\nnewmtl b\nKd 1 1 1\nTr 1\nnewmtl c\nd 0\n");
+        assert_eq!(told, ["a.mtl:6: opacity 0: what is made of it is not to be seen (2 times, here first)"]);
     }
 
     #[test]
-    fn opaque_materials_are_read_silently() {
-        assert!(remarks("newmtl a\nd 1.0\nTr 0.0\nnewmtl b\nTr 0\nnewmtl c\nillum 4\n").is_empty());
+    fn opaque_and_transparent_materials_are_read_silently() {
+        assert!(remarks("newmtl a\nd 1.0\nTr 0.0\nnewmtl b\nTr 0.9\nnewmtl c\nillum 4\nd 0.01\n").is_empty());
     }
 }

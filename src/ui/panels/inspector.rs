@@ -8,6 +8,7 @@ use crate::inspect::pixel::{ShadingRecord, sample_position_px};
 use crate::inspect::view::{Value, value};
 use crate::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
 use crate::pipeline::settings::Arithmetic;
+use crate::scene::Transparency;
 use crate::ui::command::Command;
 use crate::ui::engine::Shown;
 use crate::ui::format;
@@ -222,7 +223,9 @@ fn fragment_row(ui: &mut Ui, fragment: &FragmentRecord, chosen: bool) -> bool {
     let (status, word) = match fragment.outcome {
         Outcome::Visible => (Status::Passed, "visible"),
         Outcome::Overwritten => (Status::Neutral, "overwritten"),
+        Outcome::BlendedOver => (Status::Passed, "seen through"),
         Outcome::DepthRejected => (Status::Rejected, "rejected"),
+        Outcome::CutOut => (Status::Rejected, "cut out"),
     };
     let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
     let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
@@ -307,6 +310,15 @@ fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
         &(fragment.submission + 1).to_string(),
         "Where the triangle slider must stand for this fragment to be there",
     );
+    if let Some(alpha) = fragment.alpha {
+        let help = if fragment.transparency == Transparency::Blended {
+            "The share with which the fragment covers what lies behind: opacity × alpha of the texture"
+        } else {
+            "Alpha of the texture; below one half the surface is not there"
+        };
+        section_header(ui, "Transparency", |_| {});
+        float_row(ui, "Alpha", alpha, help);
+    }
     if let Some(shading) = &fragment.shading {
         shading_numbers(ui, shading);
     }
@@ -366,6 +378,12 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
             swatch(ui, to_color(texel.color));
             let text = format!("texel {:>4}, {:<4}  {}", texel.tap.x, texel.tap.y, format::f32_full(texel.tap.weight));
             ui.label(RichText::new(text).monospace());
+        });
+    }
+    if let Some(below) = shading.below {
+        ui.horizontal(|ui| {
+            swatch(ui, to_color(below));
+            ui.label(RichText::new(format!("over     {}", codes(below))).monospace());
         });
     }
     ui.horizontal(|ui| {

@@ -7,8 +7,9 @@ use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoints, Points};
 use crate::pipeline::settings::Choice as _;
 use crate::report::stability::catalogue::Family;
 use crate::report::stability::column::Column;
-use crate::report::stability::metric::{LEVELS, Metric};
+use crate::report::stability::metric::LEVELS;
 use crate::report::stability::sweep::{Cell, ClassReport, Report};
+use crate::report::stability::tradeoff;
 use crate::ui::command::Command;
 use crate::ui::session::{Session, StabilityView};
 use crate::ui::theme::{Icon, font_size, tokens};
@@ -184,15 +185,15 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &Cell, commands: &mut Vec<C
     });
 }
 
-/// Share of wrong pixels over all classes of triangles on the screen, against the middle of the times per pixel. Colours
-/// stand for rasterizers, marks for arithmetics.
+/// Share of wrong pixels against time per pixel, over all classes of triangles on the screen. Colours stand for
+/// rasterizers, marks for arithmetics.
 fn scatter(ui: &mut Ui, report: &Report) {
     /// Width of the key in points.
     const KEY: f32 = 190.0;
-    let points = configurations(report);
+    let points = tradeoff::coverage(report);
     let colors = tokens(ui).series;
     let words = |word: fn(Column) -> Option<&'static str>| {
-        let mut all: Vec<_> = points.iter().filter_map(|(column, ..)| word(*column)).collect();
+        let mut all: Vec<_> = points.iter().filter_map(|point| word(point.column)).collect();
         let mut seen = std::collections::HashSet::new();
         all.retain(|word| seen.insert(*word));
         all
@@ -217,11 +218,11 @@ fn scatter(ui: &mut Ui, report: &Report) {
                 HoverPosition::Elsewhere { .. } => None,
             });
         plot.show(ui, |plot| {
-            for (column, ns, share) in &points {
-                let color = colors[place(&methods, Some(column.method_name())) % colors.len()];
-                let (shape, _) = MARKS[place(&arithmetics, column.arithmetic()) % MARKS.len()];
-                let at = PlotPoints::from(vec![[ns.log10(), share.max(NO_ERROR).log10()]]);
-                plot.points(Points::new(column.label(), at).color(color).shape(shape).radius(5.0));
+            for point in &points {
+                let color = colors[place(&methods, Some(point.column.method_name())) % colors.len()];
+                let (shape, _) = MARKS[place(&arithmetics, point.column.arithmetic()) % MARKS.len()];
+                let at = PlotPoints::from(vec![[point.ns.median.log10(), point.error.max(NO_ERROR).log10()]]);
+                plot.points(Points::new(point.column.label(), at).color(color).shape(shape).radius(5.0));
             }
         });
         ScrollArea::vertical().id_salt("key").show(ui, |ui| {
@@ -238,22 +239,4 @@ fn scatter(ui: &mut Ui, report: &Report) {
             });
         });
     });
-}
-
-/// Every rasterizer in every arithmetic: the middle of its times per pixel over the classes, and its share of pixels that
-/// are wrong against corners as given.
-fn configurations(report: &Report) -> Vec<(Column, f64, f64)> {
-    let classes = || report.classes.iter().filter(|c| matches!(c.class.family, Family::Coverage | Family::Mesh));
-    let Some(first) = classes().next() else { return Vec::new() };
-    let columns = first.cells.iter().map(|cell| cell.column);
-    columns
-        .filter_map(|column| {
-            let cells: Vec<&Cell> = classes().flat_map(|c| &c.cells).filter(|cell| cell.column == column).collect();
-            let sum = |metric| cells.iter().filter_map(|cell| cell.measures.get(metric)).sum::<f64>();
-            let mut times: Vec<f64> = cells.iter().filter_map(|cell| Some(cell.time?.ns_per_pixel?.median)).collect();
-            times.sort_by(f64::total_cmp);
-            let middle = *times.get(times.len() / 2)?;
-            Some((column, middle, sum(Metric::WrongUnsnapped) / sum(Metric::Pixels).max(1.0)))
-        })
-        .collect()
 }

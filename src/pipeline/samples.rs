@@ -1,0 +1,99 @@
+//! What is done with every covered sample of one triangle: depth, cut-out, interpolate, shade, write.
+//!
+//! Compiled once for each way to meet what was drawn before, so that samples of opaque triangles do not ask. A sample of a
+//! cut-out triangle is interpolated twice, for its alpha and for its colour: kept in between it would cost the others.
+
+use std::hint::black_box;
+
+use super::Until;
+use super::depth::{Comparison, depth_at};
+use super::framebuffer::Framebuffer;
+use super::interpolate::interpolate;
+use super::observe::{DepthOutcome, Observer};
+use super::raster::numbers::Numbers;
+use super::raster::{Span, Triangle};
+use super::shade::Shader;
+use super::viewport::ScreenTriangle;
+use crate::image::Image;
+use crate::scene::Transparency;
+
+/// Draws the samples of `spans`, which all lie in `frame`, as far as `until` says.
+pub(super) fn draw<N: Numbers, O: Observer>(
+    (triangle, edges): (&ScreenTriangle, &Triangle<N>),
+    spans: &[Span],
+    shader: &Shader<'_>,
+    (comparison, until): (Comparison, Until),
+    frame: &mut Framebuffer,
+    observer: &mut O,
+) {
+    let (what, how) = ((triangle, edges), (comparison, until));
+    match shader.transparency() {
+        Transparency::Opaque => draw_as::<N, O, false, false>(what, spans, shader, how, frame, observer),
+        Transparency::CutOut => draw_as::<N, O, true, false>(what, spans, shader, how, frame, observer),
+        Transparency::Blended => draw_as::<N, O, false, true>(what, spans, shader, how, frame, observer),
+    }
+}
+
+/// [`draw`], compiled for one way to meet what was drawn before.
+fn draw_as<N: Numbers, O: Observer, const CUT_OUT: bool, const BLENDED: bool>(
+    (triangle, edges): (&ScreenTriangle, &Triangle<N>),
+    spans: &[Span],
+    shader: &Shader<'_>,
+    (comparison, until): (Comparison, Until),
+    frame: &mut Framebuffer,
+    observer: &mut O,
+) {
+    let Framebuffer { grid, origin, color, depth, .. } = frame;
+    // Held as slices: their ends stay in registers, as nothing that is written can be them.
+    let width = color.width() as usize;
+    let (colors, mut depths) = (color.pixels_mut(), depth.as_mut().map(Image::pixels_mut));
+    let attributes = shader.attributes();
+    for (column, row) in spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))) {
+        let sample = edges.sample((column, row), grid.pixel(column, row));
+        observer.covered(triangle, &sample);
+        let place = (row - origin.1) as usize * width + (column - origin.0) as usize;
+        if until == Until::Coverage {
+            // A whole sample would have to be stored to be looked at, which costs more than finding it.
+            black_box(sample.column);
+            continue;
+        }
+        let mut new_depth = None;
+        if let Some(depths) = &mut depths {
+            let new = depth_at(triangle, &sample);
+            let stored = depths[place];
+            let passed = comparison.passes(new, stored);
+            observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed });
+            if !passed {
+                continue;
+            }
+            if !CUT_OUT && !BLENDED {
+                depths[place] = new;
+                observer.depth_stored(triangle, &sample);
+            }
+            new_depth = Some(new);
+        }
+        if CUT_OUT {
+            let fragment = interpolate(triangle, sample, attributes);
+            if shader.cuts_out(&fragment) {
+                observer.cut_out(triangle, &fragment);
+                continue;
+            }
+            if let (Some(depths), Some(new)) = (&mut depths, new_depth) {
+                depths[place] = new;
+                observer.depth_stored(triangle, &sample);
+            }
+        }
+        if until == Until::Depth {
+            continue;
+        }
+        let fragment = interpolate(triangle, sample, attributes);
+        if until == Until::Interpolate {
+            black_box(fragment);
+            continue;
+        }
+        let rgba =
+            if BLENDED { shader.blend(&fragment, triangle, colors[place]) } else { shader.shade(&fragment, triangle) };
+        colors[place] = rgba;
+        observer.shaded(triangle, &fragment, rgba);
+    }
+}

@@ -1,0 +1,117 @@
+//! What the draws of a frame run and leave out, and why: draws whose plans agree are told together.
+
+use serde::Serialize;
+
+use crate::pipeline::plan::{DrawPlan, Part, Step};
+use crate::scene::{Scene, Transparency};
+
+/// One part of the work of some draws.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Entry {
+    /// Which.
+    pub part: Part,
+    /// Whether it runs.
+    pub runs: bool,
+    /// Why it does not, if it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<&'static str>,
+}
+
+/// Draws that have the very same plan.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Group {
+    /// Their number.
+    pub draws: usize,
+    /// Names of their instances, in the order of the scene.
+    pub names: Vec<String>,
+    /// How they meet what was drawn before them.
+    pub transparency: Transparency,
+    /// Every part, in the order of the stages.
+    pub parts: Vec<Entry>,
+}
+
+/// The groups of a scene's draws, `plans` being one per instance; in the order of their first draws.
+pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
+    let mut found: Vec<(DrawPlan, Vec<String>)> = Vec::new();
+    for (instance, plan) in scene.instances.iter().zip(plans) {
+        match found.iter_mut().find(|(known, _)| known == plan) {
+            Some((_, names)) => names.push(instance.name.clone()),
+            None => found.push((*plan, vec![instance.name.clone()])),
+        }
+    }
+    found.into_iter().map(|(plan, names)| group(plan, names)).collect()
+}
+
+fn group(plan: DrawPlan, names: Vec<String>) -> Group {
+    let entry = |part| match plan.step(part) {
+        Step::Run => Entry { part, runs: true, reason: None },
+        Step::LeftOut(reason) => Entry { part, runs: false, reason: Some(reason) },
+    };
+    let parts = Part::ALL.map(entry).into();
+    Group { draws: names.len(), names, transparency: plan.transparency(), parts }
+}
+
+/// Names of a group that are told in words; of more only the first and the last.
+const TOLD_NAMES: usize = 4;
+
+/// A group in words: who, and then a line per part.
+pub fn text(group: &Group) -> String {
+    let draws = if group.draws == 1 { "draw" } else { "draws" };
+    let mut text = format!("{} {draws}: {}\n", group.draws, told_names(&group.names));
+    for Entry { part, reason, .. } in &group.parts {
+        let state = reason.map_or("run".to_owned(), |reason| format!("left out: {reason}"));
+        text.push_str(&format!("  {:21} {state}\n", part.name()));
+    }
+    text
+}
+
+fn told_names(names: &[String]) -> String {
+    match names {
+        [first @ .., last] if names.len() > TOLD_NAMES => {
+            format!("{}, … {last}", first[..TOLD_NAMES - 1].join(", "))
+        }
+        _ => names.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::{Recipe, run};
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    fn of(id: &str) -> Vec<Group> {
+        let scene = builtin::by_id(id).unwrap().build();
+        let frame = run(&scene, &scene.home, &Recipe::default(), Viewport { width: 64, height: 48 }, &mut ());
+        groups(&scene, &frame.geometry.plans)
+    }
+
+    #[test]
+    fn draws_that_agree_are_told_together_and_none_twice() {
+        let groups = of("stained-glass");
+        let names: Vec<_> = groups.iter().flat_map(|g| g.names.iter().map(String::as_str)).collect();
+        assert_eq!(names.len(), builtin::by_id("stained-glass").unwrap().build().instances.len());
+        let of = |name: &str| groups.iter().find(|g| g.names.iter().any(|n| n == name)).unwrap();
+        assert_eq!(of("leaf 0"), of("leaf 21"));
+        assert_eq!(of("red pane"), of("blue pane"));
+        assert_eq!(of("red pane").transparency, Transparency::Blended);
+        assert_ne!(of("red pane"), of("bottle"), "one has a texture");
+        for (i, a) in groups.iter().enumerate() {
+            assert!(groups[..i].iter().all(|b| (&a.parts, a.transparency) != (&b.parts, b.transparency)));
+        }
+    }
+
+    #[test]
+    fn a_group_is_told_with_every_part_and_few_names() {
+        let [all] = &of("slivers")[..] else { panic!("one mesh") };
+        assert!(text(all).starts_with("1 draw: "), "{}", text(all));
+        let cubes = of("cubes");
+        let most = cubes.iter().max_by_key(|g| g.draws).unwrap();
+        let told = text(most);
+        assert!(told.starts_with(&format!("{} draws: ", most.draws)) && told.contains(", … "), "{told}");
+        assert_eq!(told.lines().count(), 1 + Part::ALL.len());
+        assert!(told.contains("  Alpha cut-out         left out: no texture that is read has alpha\n"), "{told}");
+        assert!(told.contains("  Depth buffer          run\n"), "{told}");
+    }
+}

@@ -1,0 +1,241 @@
+//! What shows through, what is cut out, and in which order: against the formula for blending in f64, and against the same
+//! scene with its alpha drawn as a colour.
+
+use glam::{Mat4, Vec3};
+use rasterscope::chain::Recipe;
+use rasterscope::image::{Image, Rgba8};
+use rasterscope::pipeline::plan::{DrawPlan, Part, Step};
+use rasterscope::pipeline::settings::{Choice as _, ColorSpace, DepthFormat, Filter, Shading};
+use rasterscope::pipeline::viewport::ScreenTriangle;
+use rasterscope::scene::{Instance, Material, Mesh, MeshData, Scene, Texture, Transparency};
+
+use crate::common::{
+    SceneBuilder, for_seeds, noise_texture, plane, recipe, render, scenes, see_through_scene, with_alpha,
+};
+
+const SIZE: (u32, u32) = (48, 36);
+
+/// A pane that covers the middle of the picture.
+#[derive(Clone, Copy)]
+struct Pane {
+    z: f32,
+    color: Vec3,
+    opacity: f32,
+}
+
+/// Panes in the order given, seen from z = 4.
+fn panes(list: impl IntoIterator<Item = Pane>) -> Scene {
+    let mut scene = SceneBuilder::new(Vec3::Z * 4.0).0;
+    let uncolored = Mesh::new(MeshData { colors: Vec::new(), ..(*plane()).clone() }).expect("test meshes are sound");
+    let mesh = scene.library.add_mesh(uncolored);
+    for Pane { z, color, opacity } in list {
+        let material = scene.library.add_material(Material { opacity, ..Material::plain("pane", color) });
+        let world_from_model = Mat4::from_translation(Vec3::Z * z);
+        scene.instances.push(Instance { name: format!("at {z}"), mesh, material, world_from_model, tint: Vec3::ONE });
+    }
+    scene
+}
+
+/// Up to five panes of which some may hide what lies behind, from far to near.
+fn random_panes(rng: &mut fastrand::Rng) -> Vec<Pane> {
+    let count = rng.u8(1..=5);
+    let pane = |place| Pane {
+        z: f32::from(place) * 0.3 - 1.0,
+        color: Vec3::new(rng.f32(), rng.f32(), rng.f32()),
+        opacity: if rng.u8(..4) == 0 { 1.0 } else { rng.f32() },
+    };
+    (0..count).map(pane).collect()
+}
+
+/// From a code to the numbers that are mixed and back, in f64 (IEC 61966-2-1).
+fn mixing(space: ColorSpace) -> [fn(f64) -> f64; 2] {
+    fn decode(code: f64) -> f64 {
+        let value = code / 255.0;
+        if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    }
+    fn encode(linear: f64) -> f64 {
+        255.0 * if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    }
+    match space {
+        ColorSpace::Linear => [decode, encode],
+        ColorSpace::Bytes => [|code| code / 255.0, |value| value * 255.0],
+    }
+}
+
+/// The code that `list`, from far to near, leaves of a background; rounded after every pane, as the framebuffer holds codes.
+fn blended(list: &[Pane], background: [u8; 3], space: ColorSpace) -> [f64; 3] {
+    let [numbers, code] = mixing(space);
+    list.iter().fold(background.map(f64::from), |below, pane| {
+        let alpha = f64::from(pane.opacity);
+        std::array::from_fn(|channel| {
+            let own = f64::from(pane.color[channel]) * 255.0;
+            code(numbers(own) * alpha + numbers(below[channel]) * (1.0 - alpha)).round()
+        })
+    })
+}
+
+#[test]
+fn panes_are_blended_from_far_to_near_whatever_order_they_come_in() {
+    for_seeds(40, |rng| {
+        let list = random_panes(rng);
+        let mut shuffled = list.clone();
+        rng.shuffle(&mut shuffled);
+        let mut scene = panes(shuffled);
+        for (space, orthographic) in ColorSpace::ALL.iter().flat_map(|s| [false, true].map(|o| (*s, o))) {
+            let expected = blended(&list, scene.background, space);
+            scene.home = scene.home.with_orthographic(orthographic);
+            for format in DepthFormat::ALL {
+                let mut recipe = recipe(&["shading=texture"]);
+                (recipe.pipeline.color_space, recipe.pipeline.depth_format) = (space, *format);
+                let drawn = render(&scene, &recipe, SIZE).image().at(SIZE.0 / 2, SIZE.1 / 2);
+                for (code, expected) in drawn.into_iter().zip(expected) {
+                    // Where the mixed value lies between two codes, f32 may round the other way.
+                    assert!((f64::from(code) - expected).abs() <= 1.0, "{drawn:?} {expected:?} {space:?} {format:?}");
+                }
+            }
+        }
+    });
+}
+
+#[test]
+fn blended_triangles_come_last_from_far_to_near_and_the_others_as_they_were_submitted() {
+    for orthographic in [false, true] {
+        let mut scene = see_through_scene();
+        scene.home = scene.home.with_orthographic(orthographic);
+        for format in DepthFormat::ALL {
+            let mut recipe = recipe(&["culling=none"]);
+            recipe.pipeline.depth_format = *format;
+            let frame = render(&scene, &recipe, SIZE);
+            let (others, blended) = frame.geometry.triangles.split_at(frame.geometry.blended_from());
+            let is_blended =
+                |t: &ScreenTriangle| frame.geometry.plans[t.instance as usize].transparency() == Transparency::Blended;
+            assert!(blended.len() > 20 && blended.iter().all(is_blended), "{format:?}");
+            assert!(others.len() > 20 && !others.iter().any(is_blended), "{format:?}");
+            assert!(others.windows(2).all(|pair| pair[0].id <= pair[1].id), "{format:?}");
+            // Depths of the corners of a triangle far away are coarse, in 16 bits above all; 1/w is there in every format.
+            let distance = |t: &ScreenTriangle| t.vertices.iter().map(|v| 1.0 / f64::from(v.inv_w)).sum::<f64>();
+            if !orthographic {
+                assert!(blended.windows(2).all(|pair| distance(&pair[0]) >= distance(&pair[1])), "{format:?}");
+            }
+            for (place, triangle) in frame.geometry.triangles.iter().enumerate() {
+                assert_eq!(frame.geometry.place_of(triangle), place);
+            }
+        }
+    }
+}
+
+#[test]
+fn triangles_at_one_distance_stay_as_they_were_submitted() {
+    let pane = |color| Pane { z: 0.0, color, opacity: 0.5 };
+    let scene = panes([pane(Vec3::X), pane(Vec3::Y), pane(Vec3::Z)]);
+    let frame = render(&scene, &Recipe::default(), SIZE);
+    assert_eq!(frame.geometry.blended_from(), 0);
+    // All cells of a pane that stands upright before the eye are at its distance.
+    assert!(frame.geometry.triangles.windows(2).all(|pair| pair[0].id < pair[1].id));
+}
+
+#[test]
+fn what_is_blended_is_hidden_by_depth_but_leaves_none() {
+    let pane = |z, opacity| Pane { z, color: Vec3::ONE, opacity };
+    let wall = [pane(0.0, 1.0)];
+    let depth = |scene: &Scene| render(scene, &Recipe::default(), SIZE).drawn.depth;
+    let image = |scene: &Scene| render(scene, &Recipe::default(), SIZE).image().clone();
+    let (alone, before, behind) =
+        (panes(wall), panes([pane(0.5, 0.5), wall[0]]), panes([pane(-0.5, 0.5), pane(-0.6, 0.5), wall[0]]));
+    assert_eq!([depth(&before), depth(&behind)], [depth(&alone), depth(&alone)]);
+    assert_eq!(image(&behind).at(24, 18), image(&alone).at(24, 18));
+    assert_ne!(image(&before), image(&alone));
+}
+
+/// A leaning pane under a texture, and one behind it.
+fn leaning(texture: Image<Rgba8>) -> Scene {
+    let mut scene = panes([Pane { z: -1.0, color: Vec3::X, opacity: 1.0 }]);
+    let texture = scene.library.add_texture(Texture::new("texture", texture).expect("not empty"));
+    let material = scene.library.add_material(Material::textured("textured", texture));
+    let world_from_model = Mat4::from_rotation_y(0.7) * Mat4::from_rotation_x(0.4);
+    let pane = Instance { name: "leaning".into(), material, world_from_model, ..scene.instances[0].clone() };
+    scene.instances.push(pane);
+    scene
+}
+
+#[test]
+fn a_cut_out_surface_is_there_where_its_alpha_drawn_as_a_colour_is_at_least_one_half() {
+    let (mut there, mut gone) = (0, 0);
+    for_seeds(20, |rng| {
+        let image = noise_texture(rng);
+        let image = with_alpha(rng, &image, &[0, 255]);
+        let [cut_out, opaque] = [image.clone(), image.map(|[r, g, b, _]| [r, g, b, 255])].map(leaning);
+        let alpha = leaning(image.map(|[_, _, _, a]| [a, a, a, 255]));
+        let behind = panes([Pane { z: -1.0, color: Vec3::X, opacity: 1.0 }]);
+        for filter in Filter::ALL {
+            let mut recipe = recipe(&["color-space=bytes", "shading=texture"]);
+            recipe.pipeline.filter = *filter;
+            let [cut_out, opaque, alpha, behind] =
+                [&cut_out, &opaque, &alpha, &behind].map(|s| render(s, &recipe, SIZE));
+            let leaning = |x: u32, y: u32| {
+                opaque.drawn.depth.as_ref().unwrap().at(x, y) != behind.drawn.depth.as_ref().unwrap().at(x, y)
+            };
+            for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))).filter(|(x, y)| leaning(*x, *y)) {
+                let expected = match alpha.image().at(x, y)[0] {
+                    // As a code one half lies between these two.
+                    127 | 128 => continue,
+                    0..127 => &behind,
+                    _ => &opaque,
+                };
+                *(if std::ptr::eq(expected, &behind) { &mut gone } else { &mut there }) += 1;
+                assert_eq!(cut_out.image().at(x, y), expected.image().at(x, y), "{x} {y} {filter:?}");
+                let depth = |frame: &rasterscope::chain::Frame| frame.drawn.depth.as_ref().map(|d| d.at(x, y));
+                assert_eq!(depth(&cut_out), depth(expected), "{x} {y} {filter:?}");
+            }
+        }
+    });
+    assert!(there > 1000 && gone > 1000, "{there} {gone}");
+}
+
+#[test]
+fn the_alpha_of_a_texture_and_opacity_are_multiplied() {
+    let graded = |alpha: u8| Image::filled(2, 2, [200, 100, 50, alpha]);
+    let picture = |texture, opacity| {
+        let mut scene = leaning(texture);
+        let material = scene.library.material(scene.instances[1].material).clone();
+        scene.instances[1].material = scene.library.add_material(Material { opacity, ..material });
+        render(&scene, &recipe(&["shading=texture", "filter=point"]), SIZE).image().clone()
+    };
+    assert_eq!(picture(graded(51), 1.0), picture(graded(255), 0.2), "51 / 255 is the float nearest to 0.2");
+    assert_eq!(picture(graded(204), 0.25), picture(graded(51), 1.0));
+    assert_ne!(picture(graded(51), 1.0), picture(graded(255), 1.0));
+}
+
+#[test]
+fn shadings_that_show_no_material_are_opaque_and_say_why() {
+    let scene = see_through_scene();
+    for shading in Shading::ALL {
+        let mut recipe = Recipe::default();
+        recipe.pipeline.shading = *shading;
+        let frame = render(&scene, &recipe, SIZE);
+        let kinds: Vec<_> = frame.geometry.plans.iter().map(DrawPlan::transparency).collect();
+        for (plan, kind) in frame.geometry.plans.iter().zip(&kinds) {
+            assert_eq!(plan.runs(Part::Blending), *kind == Transparency::Blended);
+            assert_eq!(plan.runs(Part::CutOut), *kind == Transparency::CutOut);
+            if !shading.reads_material() {
+                let Step::LeftOut(reason) = plan.step(Part::Blending) else { panic!("{shading:?} blends") };
+                assert!(reason.contains("ignores opacity"), "{reason}");
+            }
+        }
+        for kind in [Transparency::CutOut, Transparency::Blended] {
+            assert_eq!(kinds.contains(&kind), shading.reads_material(), "{shading:?} {kind:?}");
+        }
+        if !shading.reads_material() {
+            assert!(frame.geometry.triangles.windows(2).all(|pair| pair[0].id <= pair[1].id), "{shading:?}");
+        }
+    }
+}
+
+#[test]
+fn scenes_without_alpha_plan_no_transparency() {
+    for (name, scene) in scenes().into_iter().filter(|(name, _)| *name != "see-through") {
+        let frame = render(&scene, &Recipe::default(), SIZE);
+        assert!(frame.geometry.plans.iter().all(|p| p.transparency() == Transparency::Opaque), "{name}");
+        assert_eq!(frame.geometry.blended_from(), frame.geometry.triangles.len(), "{name}");
+    }
+}
