@@ -710,7 +710,7 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
     }
     for (execution, stage) in [("tiled", "shade"), ("classic", "pixels")] {
         let set = format!("execution={execution}");
-        let options = ["--threads", "1", "--lanes", "scalar", "--json", "--set", set.as_str()];
+        let options = ["--threads", "1", "--lanes", "baseline", "--json", "--set", set.as_str()];
         let output = run(&folder(), &[&size[..], &options[..]].concat());
         assert_success(&output);
         let report: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();

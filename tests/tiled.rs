@@ -1,5 +1,5 @@
 //! Both ways to execute the pipeline give the same picture and the same depths, bit for bit: every scene, every switch, any
-//! number of threads, lanes or plain code.
+//! number of threads, AVX2 or not.
 
 mod common;
 
@@ -73,7 +73,7 @@ fn check(name: &str, scene: &Scene, camera: &Camera, recipe: &Recipe, memory: &m
         return;
     }
     let expected = run(scene, camera, recipe, SIZE, &mut ()).drawn;
-    for lanes in [Lanes::best(), Lanes::scalar()] {
+    for lanes in [Lanes::best(), Lanes::baseline()] {
         let grid = recipe.upscaler.grid();
         // What the framebuffer holds beforehand must not matter.
         let mut frame = Framebuffer::new(grid, SIZE.width, SIZE.height, [1, 2, 3], settings);

@@ -37,8 +37,8 @@ pub(crate) struct BenchArgs {
 enum LanesArg {
     /// The best that there are
     Best,
-    /// Plain code
-    Scalar,
+    /// What every processor of the architecture has
+    Baseline,
 }
 
 /// Draws, and says what it cost.
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let (view, size) = (args.frame.view()?, args.frame.size());
     let lanes = match args.lanes {
         LanesArg::Best => Lanes::best(),
-        LanesArg::Scalar => Lanes::scalar(),
+        LanesArg::Baseline => Lanes::baseline(),
     };
     let threads = args.threads.map_or(0, usize::from);
     let pool =

@@ -1,13 +1,19 @@
 //! Eight numbers at a time, with instructions that the processor is asked for at run time.
 //!
-//! Kernels are written once, generic over [`Simd`], and compiled twice: for AVX2, and as plain scalar code for every other
-//! processor. Additions, products, quotients, square roots and conversions are correctly rounded in both, and neither joins
+//! Kernels are written once, generic over [`Simd`], and compiled twice: for AVX2, and for what every
+//! processor of the architecture has. Additions, products, quotients, square roots and conversions are correctly rounded in both, and neither joins
 //! a product and a sum into one rounding, so both give the same bits.
 
 pub use fearless_simd::prelude::*;
 pub use fearless_simd::{Level, Simd, f32x4, f32x8, f64x8, i32x8, mask32x8, mask64x8, u8x32, u32x4, u32x8, u64x4};
 
-use fearless_simd::Fallback;
+/// What every processor of the architecture has.
+#[cfg(target_arch = "x86_64")]
+type Baseline = fearless_simd::x86::Sse2;
+
+/// What every processor of the architecture has.
+#[cfg(not(target_arch = "x86_64"))]
+type Baseline = fearless_simd::Fallback;
 
 /// How many numbers a kernel takes at a time.
 pub const LANES: usize = 8;
@@ -22,33 +28,40 @@ pub type F64<S> = f64x8<S>;
 #[derive(Clone, Copy, Debug)]
 pub enum Lanes {
     /// AVX2.
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::x86::Avx2),
-    /// Plain code.
-    Scalar(Fallback),
+    /// What every processor of the architecture has: SSE2, or plain code.
+    Baseline(Baseline),
 }
 
 impl Lanes {
     /// The best that this processor has.
     pub fn best() -> Self {
-        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        #[cfg(target_arch = "x86_64")]
         if let Some(avx2) = Level::new().as_avx2() {
             return Self::Avx2(avx2);
         }
-        Self::scalar()
+        Self::baseline()
     }
 
-    /// Plain code, which every processor has.
-    pub fn scalar() -> Self {
-        Self::Scalar(Fallback::new())
+    /// What every processor of the architecture has.
+    #[cfg(target_arch = "x86_64")]
+    pub fn baseline() -> Self {
+        Self::Baseline(Level::new().as_sse2().expect("every x86-64 processor has SSE2"))
+    }
+
+    /// What every processor of the architecture has.
+    #[cfg(not(target_arch = "x86_64"))]
+    pub fn baseline() -> Self {
+        Self::Baseline(Baseline::new())
     }
 
     /// What a person calls it.
     pub fn name(self) -> &'static str {
         match self {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(target_arch = "x86_64")]
             Self::Avx2(_) => "AVX2",
-            Self::Scalar(_) => "scalar",
+            Self::Baseline(_) => "baseline",
         }
     }
 }
@@ -58,13 +71,13 @@ impl Lanes {
 macro_rules! on_lanes {
     ($lanes:expr, $simd:ident => $body:expr) => {
         match $lanes {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            #[cfg(target_arch = "x86_64")]
             $crate::math::lanes::Lanes::Avx2($simd) => $crate::math::lanes::Simd::vectorize(
                 $simd,
                 #[inline(always)]
                 || $body,
             ),
-            $crate::math::lanes::Lanes::Scalar($simd) => $body,
+            $crate::math::lanes::Lanes::Baseline($simd) => $body,
         }
     };
 }

@@ -32,7 +32,7 @@ pub struct Texture {
     name: String,
     image: Image<Rgba8>,
     alpha: Alpha,
-    pairs: OnceLock<Box<[u64]>>,
+    wrapped: OnceLock<Box<[u32]>>,
 }
 
 impl Texture {
@@ -42,7 +42,7 @@ impl Texture {
             name: name.into(),
             alpha: Alpha::of(&image),
             image,
-            pairs: OnceLock::new(),
+            wrapped: OnceLock::new(),
         })
     }
 
@@ -51,17 +51,12 @@ impl Texture {
         &self.name
     }
 
-    /// Each texel with its right neighbour in the repeated texture, as little-endian numbers, the neighbour in the upper half:
-    /// one read gives both. Made when first asked for.
-    pub fn pairs(&self) -> &[u64] {
-        self.pairs.get_or_init(|| {
-            let number = |texel: &Rgba8| u64::from(u32::from_le_bytes(*texel));
-            let pairs_of = |row| {
-                let row: &[Rgba8] = self.image.row(row);
-                let neighbours = row.iter().skip(1).chain(row.first());
-                row.iter().zip(neighbours).map(move |(texel, neighbour)| number(texel) | number(neighbour) << 32)
-            };
-            (0..self.image.height()).flat_map(pairs_of).collect()
+    /// Texels as little-endian numbers, each row followed by its first texel: neighbours along a row of the repeated texture
+    /// are neighbours in memory. Made when first asked for.
+    pub fn wrapped(&self) -> &[u32] {
+        self.wrapped.get_or_init(|| {
+            let rows = (0..self.image.height()).map(|y| self.image.row(y));
+            rows.flat_map(|row| row.iter().chain(row.first()).map(|texel| u32::from_le_bytes(*texel))).collect()
         })
     }
 

@@ -10,7 +10,7 @@ use super::bins::Key;
 use super::geometry::{Surface, Vertex};
 use super::lattice::{BLOCK, BLOCKS, TILE};
 use super::setup::Edges;
-use super::texture::TextureReader;
+use super::texture::{StoredTaps, TextureReader};
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::image::color::Tables;
@@ -70,14 +70,19 @@ struct Corner<S: Simd> {
     values: Values<S>,
 }
 
+/// The attributes of the first corner, and what the second and the third differ by.
+struct Interpolated<S: Simd> {
+    base: Values<S>,
+    deltas: [Values<S>; 2],
+}
+
 /// A triangle that many samples in a row belong to.
 struct Uniform<S: Simd> {
     key: Key,
     draw: usize,
     edges: Edges,
     relative_inv_w: [F32<S>; 3],
-    base: Values<S>,
-    deltas: [Values<S>; 2],
+    values: Interpolated<S>,
     /// For shadings that are not done on lanes.
     whole: Option<Box<ScreenTriangle>>,
 }
@@ -202,9 +207,10 @@ impl<S: Simd> Uniform<S> {
             Corner::new(&vertex, &surface)
         });
         let relative_inv_w = relative_inv_w(simd, [a.inv_w, b.inv_w, c.inv_w], shader.divides_by_w);
-        let (base, deltas) = (a.values, [b.values.less(a.values), c.values.less(a.values)]);
+        let deltas = [b.values.less(a.values), c.values.less(a.values)];
+        let values = Interpolated { base: a.values, deltas };
         let whole = (!shader.on_lanes).then(|| Box::new(frame.screen_triangle(key, draw)));
-        Some(Self { key, draw, edges, relative_inv_w, base, deltas, whole })
+        Some(Self { key, draw, edges, relative_inv_w, values, whole })
     }
 }
 
@@ -219,19 +225,35 @@ fn shade_uniform<S: Simd>(simd: S, frame: &Frame<'_>, triangle: &Uniform<S>, pat
             let Edges { a, b, c, .. } = triangle.edges;
             let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
             let along = each!(i in [0, 1, 2] => columns * a[i]);
+            let Interpolated { base, deltas } = &triangle.values;
+            let mut taps = [StoredTaps::default(); BLOCK];
+            let mut all_weights = [[[0.0; LANES]; 2]; BLOCK];
             for row in patch.first..patch.end {
                 let y = row as f64 * lattice.row_step;
                 let shift = lattice.shift(row);
                 let e = each!(i in [0, 1, 2] => along[i] + (c[i] + b[i] * y + a[i] * shift));
-                let out = band.row(patch, row);
                 if let Some(whole) = &triangle.whole {
                     let edges = each!(i in [0, 1, 2] => e[i].to_array());
-                    one_by_one(frame, shader, whole, patch, row, &edges, out);
+                    one_by_one(frame, shader, whole, patch, row, &edges, band.row(patch, row));
                     continue;
                 }
                 let weights = weights(simd, e, triangle.relative_inv_w);
-                let fragments = Interpolant { base: &triangle.base, deltas: &triangle.deltas, weights };
-                store(shade(simd, shader, &fragments), out);
+                let place = row - patch.first;
+                all_weights[place] = [weights[0].to_array(), weights[1].to_array()];
+                if let Some(texture) = &shader.texture {
+                    let [u, v] = Interpolant { base, deltas, weights }.uv();
+                    texture.locate(simd, u, v).store(&mut taps[place]);
+                }
+            }
+            if triangle.whole.is_some() {
+                return;
+            }
+            for row in patch.first..patch.end {
+                let place = row - patch.first;
+                let [first, second] = &all_weights[place];
+                let weights = [F32::load_array_ref(simd, first), F32::load_array_ref(simd, second)];
+                let fragments = Interpolant { base, deltas, weights };
+                store(shade(simd, shader, &fragments, &taps[place]), band.row(patch, row));
             }
         },
     );
@@ -318,7 +340,12 @@ fn shade_mixed<S: Simd>(
                     let weights = weights(simd, e, relative_inv_w);
                     let deltas = [b.values.less(a.values), c.values.less(a.values)];
                     let fragments = Interpolant { base: &a.values, deltas: &deltas, weights };
-                    let colors = shade(simd, shader, &fragments).to_array();
+                    let mut taps = StoredTaps::default();
+                    if let Some(texture) = &shader.texture {
+                        let [u, v] = fragments.uv();
+                        texture.locate(simd, u, v).store(&mut taps);
+                    }
+                    let colors = shade(simd, shader, &fragments, &taps).to_array();
                     for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| mine >> lane & 1 != 0) {
                         *pixel = colors[lane].to_le_bytes();
                     }
@@ -455,7 +482,7 @@ fn weights<S: Simd>(simd: S, e: [F64<S>; 3], relative_inv_w: [F32<S>; 3]) -> [F3
 
 /// Colours of eight fragments, packed.
 #[inline(always)]
-fn shade<S: Simd>(simd: S, shader: &DrawShader<'_>, fragments: &Interpolant<'_, S>) -> u32x8<S> {
+fn shade<S: Simd>(simd: S, shader: &DrawShader<'_>, fragments: &Interpolant<'_, S>, taps: &StoredTaps) -> u32x8<S> {
     let settings = shader.shader.settings;
     let diffuse = shader.shader.diffuse.to_array();
     let mut color = each!(channel in [0, 1, 2] => F32::splat(simd, diffuse[channel]));
@@ -464,8 +491,7 @@ fn shade<S: Simd>(simd: S, shader: &DrawShader<'_>, fragments: &Interpolant<'_, 
         color = each!(channel in [0, 1, 2] => color[channel] * vertex_color[channel]);
     }
     if let Some(texture) = &shader.texture {
-        let [u, v] = fragments.uv();
-        let texel = texture.sample(simd, u, v);
+        let texel = texture.read(simd, taps);
         color = each!(channel in [0, 1, 2] => color[channel] * texel[channel]);
     }
     match settings.shading {

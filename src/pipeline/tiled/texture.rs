@@ -14,12 +14,40 @@ struct Neighbours<S: Simd> {
     weight: F32<S>,
 }
 
+/// The four texels around each of eight places, and how near the place is to the right and to the lower ones.
+pub(super) struct Taps<S: Simd> {
+    index: [u32x8<S>; 4],
+    right: F32<S>,
+    down: F32<S>,
+}
+
+/// [`Taps`] in memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct StoredTaps {
+    index: [[u32; LANES]; 4],
+    right: [f32; LANES],
+    down: [f32; LANES],
+}
+
+impl<S: Simd> Taps<S> {
+    #[inline(always)]
+    pub(super) fn store(self, out: &mut StoredTaps) {
+        for tap in 0..4 {
+            self.index[tap].store_array(&mut out.index[tap]);
+        }
+        self.right.store_array(&mut out.right);
+        self.down.store_array(&mut out.down);
+    }
+}
+
 /// A texture with how it is read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
     texels: &'a [Rgba8],
-    /// Texels with their right neighbours, where that is how they are read; else empty.
-    pairs: &'a [u64],
+    /// Rows that go on with their first texel once more, where that is how they are read; else empty.
+    wrapped: &'a [u32],
+    /// Numbers from one row to the next in what is read.
+    stride: i32,
     size: (u32, u32),
     sampler: Sampler,
     space: ColorSpace,
@@ -29,75 +57,86 @@ impl<'a> TextureReader<'a> {
     pub(super) fn new(texture: &'a Texture, sampler: Sampler, space: ColorSpace) -> Self {
         let image = texture.image();
         let pairs = sampler.filter == Filter::Bilinear && sampler.address == Address::Repeat;
-        let pairs = if pairs { texture.pairs() } else { &[] };
-        Self { texels: image.pixels(), pairs, size: image.size(), sampler, space }
+        let (wrapped, stride) = if pairs { (texture.wrapped(), image.width() + 1) } else { (&[][..], image.width()) };
+        Self { texels: image.pixels(), wrapped, stride: stride as i32, size: image.size(), sampler, space }
     }
 
-    /// Red, green and blue at eight places (v down), in the numbers of the colour space.
+    /// Which texels are read at eight places (v down). Told apart from reading them, so that many reads can be under way.
     #[inline(always)]
-    pub(super) fn sample<S: Simd>(&self, simd: S, u: F32<S>, v: F32<S>) -> [F32<S>; 3] {
+    pub(super) fn locate<S: Simd>(&self, simd: S, u: F32<S>, v: F32<S>) -> Taps<S> {
         let (width, height) = self.size;
-        match self.sampler.filter {
+        let Sampler { filter, address, .. } = self.sampler;
+        match filter {
             Filter::Point => {
-                let x = nearest(simd, bring_into_unit(simd, u, self.sampler.address), width);
-                let y = nearest(simd, bring_into_unit(simd, v, self.sampler.address), height);
-                // The weight is one.
-                let values = self.values(simd, self.fetch(simd, x, y));
-                each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale)
+                let x = nearest(simd, bring_into_unit(simd, u, address), width);
+                let y = nearest(simd, bring_into_unit(simd, v, address), height);
+                let only = self.index(x, y);
+                let zero = F32::splat(simd, 0.0);
+                Taps { index: [only; 4], right: zero, down: zero }
             }
             Filter::Bilinear => {
-                let x = neighbours(simd, u, width, self.sampler.address);
-                let y = neighbours(simd, v, height, self.sampler.address);
-                let one = F32::splat(simd, 1.0);
-                let (left, top) = (one - x.weight, one - y.weight);
-                let weights = [left * top, x.weight * top, left * y.weight, x.weight * y.weight];
-                let texels = if self.pairs.is_empty() {
-                    let (first, second) = (y.first, y.second);
-                    [
-                        self.fetch(simd, x.first, first),
-                        self.fetch(simd, x.second, first),
-                        self.fetch(simd, x.first, second),
-                        self.fetch(simd, x.second, second),
-                    ]
-                } else {
-                    let (a, b) = self.fetch_pairs(simd, x.first, y.first);
-                    let (c, d) = self.fetch_pairs(simd, x.first, y.second);
-                    [a, b, c, d]
-                };
-                let values = each!(tap in [0, 1, 2, 3] => self.values(simd, texels[tap]));
-                each!(channel in [0, 1, 2] => {
-                let sum = values[0][channel] * weights[0]
+                let x = neighbours(simd, u, width, address);
+                let y = neighbours(simd, v, height, address);
+                let index = each!((x, y) in [
+                    (x.first, y.first),
+                    (x.second, y.first),
+                    (x.first, y.second),
+                    (x.second, y.second),
+                ] => self.index(x, y));
+                Taps { index, right: x.weight, down: y.weight }
+            }
+        }
+    }
+
+    /// Red, green and blue from texels, in the numbers of the colour space.
+    #[inline(always)]
+    pub(super) fn read<S: Simd>(&self, simd: S, taps: &StoredTaps) -> [F32<S>; 3] {
+        if self.sampler.filter == Filter::Point {
+            let values = self.values(simd, self.fetch(simd, &taps.index[0]));
+            return each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale);
+        }
+        let (right, down) = (F32::load_array(simd, taps.right), F32::load_array(simd, taps.down));
+        let one = F32::splat(simd, 1.0);
+        let (left, up) = (one - right, one - down);
+        let weights = [left * up, right * up, left * down, right * down];
+        let texels = if self.wrapped.is_empty() {
+            each!(tap in [0, 1, 2, 3] => self.fetch(simd, &taps.index[tap]))
+        } else {
+            let (a, b) = self.fetch_pairs(simd, &taps.index[0]);
+            let (c, d) = self.fetch_pairs(simd, &taps.index[2]);
+            [a, b, c, d]
+        };
+        let values = each!(tap in [0, 1, 2, 3] => self.values(simd, texels[tap]));
+        each!(channel in [0, 1, 2] => {
+            let sum = values[0][channel] * weights[0]
                 + values[1][channel] * weights[1]
                 + values[2][channel] * weights[2]
                 + values[3][channel] * weights[3];
-                sum * self.sampler.scale
-                })
-            }
-        }
+            sum * self.sampler.scale
+        })
     }
 
     /// Eight texels and their neighbours to the right in a repeated texture.
     #[inline(always)]
-    fn fetch_pairs<S: Simd>(&self, simd: S, x: i32x8<S>, y: i32x8<S>) -> (u32x8<S>, u32x8<S>) {
-        let index = self.index(simd, x, y);
-        let mut pairs = [0_u64; LANES];
+    fn fetch_pairs<S: Simd>(&self, simd: S, index: &[u32; LANES]) -> (u32x8<S>, u32x8<S>) {
+        let mut pairs = [0_u32; 2 * LANES];
         for lane in 0..LANES {
-            pairs[lane] = self.pairs[index[lane] as usize];
+            let pair = self.wrapped.get(index[lane] as usize..).and_then(<[u32]>::first_chunk::<2>);
+            // Every texel has a neighbour in memory.
+            [pairs[2 * lane], pairs[2 * lane + 1]] = *pair.unwrap_or(&[0; 2]);
         }
-        let (low, high) = pairs.split_at(LANES / 2);
-        let low = u64x4::from_slice(simd, low).bitcast::<u32x8<S>>();
-        low.deinterleave(u64x4::from_slice(simd, high).bitcast::<u32x8<S>>())
+        let (low, high) = pairs.split_at(LANES);
+        u32x8::from_slice(simd, low).deinterleave(u32x8::from_slice(simd, high))
     }
 
     #[inline(always)]
-    fn index<S: Simd>(&self, _: S, x: i32x8<S>, y: i32x8<S>) -> [u32; LANES] {
-        (y * self.size.0 as i32 + x).bitcast::<u32x8<S>>().to_array()
+    fn index<S: Simd>(&self, x: i32x8<S>, y: i32x8<S>) -> u32x8<S> {
+        (y * self.stride + x).bitcast()
     }
 
     /// Eight texels, each packed into one number.
     #[inline(always)]
-    fn fetch<S: Simd>(&self, simd: S, x: i32x8<S>, y: i32x8<S>) -> u32x8<S> {
-        let index = self.index(simd, x, y);
+    fn fetch<S: Simd>(&self, simd: S, index: &[u32; LANES]) -> u32x8<S> {
         let mut texels = [0; LANES];
         for lane in 0..LANES {
             texels[lane] = u32::from_le_bytes(self.texels[index[lane] as usize]);
