@@ -57,7 +57,7 @@ use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmet
 use settings::Settings;
 use shade::Shader;
 use vertex::{ClipVertex, DrawMatrices, containment, transform};
-use viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use viewport::{ScreenTriangle, ScreenVertex, Viewport};
 
 use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
 
@@ -269,14 +269,11 @@ fn set_up<O: Observer>(
             // A piece without area says nothing about which side the triangle shows.
             Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
             Some(facing) => rejected = Some((*id, facing)),
-            None => out.push(ScreenTriangle {
-                id: *id,
-                instance: draw.instance,
-                doubled_area: (area * scale).abs(),
-                depth: depth_scale.over(corners, (area * scale).abs()),
-                relative_inv_w: if draw.divides_by_w { relative_inv_w(corners) } else { [1.0; 3] },
-                vertices: *corners,
-            }),
+            None => {
+                let area = (area * scale).abs();
+                let owner = (*id, draw.instance);
+                out.push(ScreenTriangle::new(owner, *corners, area, depth_scale, draw.divides_by_w));
+            }
         }
     }
     if let Some((id, fate)) = rejected.filter(|_| out.len() == kept_before) {

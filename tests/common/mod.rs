@@ -9,7 +9,7 @@ use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::observe::Observer;
-use rasterscope::pipeline::raster::{Sample, cover, edge_values};
+use rasterscope::pipeline::raster::{AnyTriangle, Sample, cover};
 use rasterscope::pipeline::settings::{Arithmetic, Choice, Culling, FillRule, Rasterizer, Settings};
 use rasterscope::pipeline::vertex::{ClipVertex, Varyings};
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -81,7 +81,8 @@ pub(crate) fn covered(
     let corners_px = triangle.corners_px();
     let spans = cover(rasterizer, Arithmetic::Fixed, corners_px, rule, viewport);
     let pixels = spans.into_iter().flat_map(|span| (span.left..span.right).map(move |x| (x, span.row)));
-    pixels.filter_map(|pixel| Some(edge_values(Arithmetic::Fixed, corners_px, pixel)?.0)).collect()
+    let triangle = AnyTriangle::new(Arithmetic::Fixed, corners_px, rule);
+    triangle.map_or_else(Vec::new, |triangle| pixels.map(|pixel| triangle.sample(pixel)).collect())
 }
 
 /// Position only, as [`ClipVertex`].

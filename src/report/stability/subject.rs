@@ -6,14 +6,13 @@ use glam::{Mat4, Vec3, Vec4};
 use serde::Serialize;
 
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
-use crate::math::fixed::snap;
 use crate::pipeline::clip::{clip, guard_band_widening};
 use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
-use crate::pipeline::raster::{self, Exact, Fixed, Floating, Sample, Span, Triangle, doubled_area};
+use crate::pipeline::raster::{self, AnyTriangle, Span};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
 use crate::pipeline::vertex::{ClipVertex, Varyings};
-use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
 use crate::scene::TriangleId;
 
 /// The rule that decides about centres on edges where a case does not say.
@@ -94,82 +93,41 @@ impl Sampled {
     }
 }
 
-/// The edges of a triangle in some arithmetic.
-#[derive(Clone, Copy, Debug)]
-enum Edges {
-    Fixed(Triangle<Fixed>),
-    F32(Triangle<Floating<f32>>),
-    F64(Triangle<Floating<f64>>),
-    Exact(Triangle<Exact>),
-}
-
-impl Edges {
-    fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3]) -> Option<Self> {
-        Some(match arithmetic {
-            Arithmetic::Fixed => Self::Fixed(Triangle::new(corners_px, RULE)?),
-            Arithmetic::F32 => Self::F32(Triangle::new(corners_px, RULE)?),
-            Arithmetic::F64 => Self::F64(Triangle::new(corners_px, RULE)?),
-            Arithmetic::Exact => Self::Exact(Triangle::new(corners_px, RULE)?),
-        })
-    }
-
-    fn sample(&self, column: u32, row: u32) -> Sample {
-        let pixel = (column, row);
-        match self {
-            Self::Fixed(triangle) => triangle.sample(pixel, pixel),
-            Self::F32(triangle) => triangle.sample(pixel, pixel),
-            Self::F64(triangle) => triangle.sample(pixel, pixel),
-            Self::Exact(triangle) => triangle.sample(pixel, pixel),
-        }
-    }
-}
-
 /// A triangle to be asked at many pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolator {
     triangle: ScreenTriangle,
-    edges: Edges,
+    edges: AnyTriangle,
     interpolation: Interpolation,
 }
 
 impl Interpolator {
     /// From its corners on the screen; `None` if the engine sees no area.
     pub fn new(by: Weighting, corners: &[ScreenCorner; 3]) -> Option<Self> {
-        let vertices = corners.map(|c| ScreenVertex {
-            position_px: [c.x, c.y],
-            x: snap(c.x) as i32,
-            y: snap(c.y) as i32,
-            depth: c.z.into(),
-            inv_w: 1.0 / c.w,
-            varyings: Varyings { uv: c.uv.into(), ..Varyings::default() },
+        let vertices = corners.map(|c| {
+            let varyings = Varyings { uv: c.uv.into(), ..Varyings::default() };
+            ScreenVertex::at([c.x, c.y], c.z.into(), 1.0 / c.w, varyings)
         });
         Self::of_projected(vertices, by)
     }
 
     /// From corners as projection gives them.
     fn of_projected(vertices: [ScreenVertex; 3], by: Weighting) -> Option<Self> {
-        let corners_px = vertices.map(|v| v.position_px);
-        let (area, scale) = doubled_area(by.arithmetic, corners_px);
+        let edges = AnyTriangle::new(by.arithmetic, vertices.map(|v| v.position_px), RULE)?;
         let in_space = by.interpolation == Interpolation::Perspective;
-        let triangle = ScreenTriangle {
-            id: TriangleId(0),
-            instance: 0,
-            doubled_area: (area * scale).abs(),
-            depth: DepthScale::default().over(&vertices, (area * scale).abs()),
-            relative_inv_w: if in_space { relative_inv_w(&vertices) } else { [1.0; 3] },
-            vertices,
-        };
-        Some(Self { triangle, edges: Edges::new(by.arithmetic, corners_px)?, interpolation: by.interpolation })
+        let scale = DepthScale::default();
+        let triangle = ScreenTriangle::new((TriangleId(0), 0), vertices, edges.doubled_area(), &scale, in_space);
+        Some(Self { triangle, edges, interpolation: by.interpolation })
     }
 
     /// The weights for attributes at the centre of a pixel: what is timed.
     pub fn weights(&self, column: u32, row: u32) -> [f32; 3] {
-        attribute_weights(&self.triangle, &self.edges.sample(column, row), self.interpolation)
+        attribute_weights(&self.triangle, &self.edges.sample((column, row)), self.interpolation)
     }
 
     /// What the engine has at the centre of a pixel.
     pub fn at(&self, column: u32, row: u32) -> Sampled {
-        let sample = self.edges.sample(column, row);
+        let sample = self.edges.sample((column, row));
         let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
         Sampled {
             affine: affine_weights(&self.triangle, &sample).map(f64::from),
@@ -210,7 +168,7 @@ pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Ve
 
 impl Interpolator {
     fn clip_fragment(&self, column: u32, row: u32) -> ClipFragment {
-        let sample = self.edges.sample(column, row);
+        let sample = self.edges.sample((column, row));
         let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
         ClipFragment {
             pixel: [column, row],
