@@ -2,12 +2,12 @@
 //!
 //! Answers are numbers of the report's own kinds. Whether they are right is decided elsewhere.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec3};
 use serde::Serialize;
 
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
-use crate::pipeline::clip::{clip, guard_band_widening};
 use crate::pipeline::depth::{DepthScale, depth_at};
+use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
 use crate::pipeline::raster::{self, AnyTriangle, Span};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
@@ -108,11 +108,6 @@ impl Interpolator {
             let varyings = Varyings { uv: c.uv.into(), ..Varyings::default() };
             ScreenVertex::at([c.x, c.y], c.z.into(), 1.0 / c.w, varyings)
         });
-        Self::of_projected(vertices, by)
-    }
-
-    /// From corners as projection gives them.
-    fn of_projected(vertices: [ScreenVertex; 3], by: Weighting) -> Option<Self> {
         let edges = AnyTriangle::new(by.arithmetic, vertices.map(|v| v.position_px), RULE)?;
         let in_space = by.interpolation == Interpolation::Perspective;
         let scale = DepthScale::default();
@@ -151,15 +146,13 @@ pub struct ClipFragment {
 
 /// Clips, projects and rasterizes a triangle in clip space, and interpolates at every pixel covered.
 pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Vec<ClipFragment> {
-    let vertex = |c| ClipVertex { position: Vec4::from_array(c), cut_at: None, varyings: Varyings::default() };
-    let vertices = corners.map(vertex);
-    let scale = DepthScale::default();
-    let widening = guard_band_widening(viewport.width, viewport.height);
-    let weighting = Weighting { interpolation: Interpolation::Perspective, arithmetic: by.arithmetic };
+    let vertices = corners.map(|position| ClipVertex::at(position.into()));
+    let interpolation = Interpolation::Perspective;
     let mut fragments = Vec::new();
-    for piece in clip(&vertices, &[[0, 1, 2]], TriangleId(0), true, widening, &mut ()) {
-        let Some(drawn) = Interpolator::of_projected(viewport.project(&piece, &scale), weighting) else { continue };
-        for span in cover(by, drawn.triangle.corners_px(), RULE, viewport) {
+    for piece in from_clip_space(&vertices, &[[0, 1, 2]], by.arithmetic, viewport, &mut ()) {
+        let Some(edges) = AnyTriangle::new(by.arithmetic, piece.corners_px(), RULE) else { continue };
+        let drawn = Interpolator { triangle: piece, edges, interpolation };
+        for span in cover(by, piece.corners_px(), RULE, viewport) {
             fragments.extend((span.left..span.right).map(|column| drawn.clip_fragment(column, span.row)));
         }
     }
