@@ -1,17 +1,15 @@
 //! `clip_tri`: triangles in clip space (0 ≤ z ≤ w), which may reach behind the eye, all the way to covered samples.
 
-use glam::{Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Covered, Exactly, Options, Real, check_picture};
 use crate::pipeline::depth::depth_at;
+use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{Attributes, interpolate};
-use crate::pipeline::raster::{Span, cover, edge_values};
-use crate::pipeline::settings::{Arithmetic, Culling, FillRule, Interpolation, Settings};
-use crate::pipeline::vertex::{ClipVertex, Varyings};
+use crate::pipeline::raster::{AnyTriangle, Span, cover};
+use crate::pipeline::settings::{FillRule, Interpolation};
+use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
-use crate::scene::TriangleId;
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -41,38 +39,23 @@ impl ClipTri {
     pub(super) fn answer(&self, options: Options) -> ClipTriAnswer {
         let mut answer = ClipTriAnswer { triangles: Vec::new(), attr: Vec::new() };
         for (number, corners) in (0..self.triangles.len()).filter_map(|n| Some((n, self.corners(n)?))) {
-            let vertices = corners.map(|position| ClipVertex {
-                position: Vec4::from_array(position),
-                cut_at: None,
-                varyings: Varyings::default(),
-            });
+            let vertices = corners.map(|position| ClipVertex::at(position.into()));
             let mut spans = Vec::new();
-            for piece in self.pieces(&vertices, options) {
+            for piece in from_clip_space(&vertices, &[[0, 1, 2]], options.arithmetic, self.viewport(), &mut ()) {
                 let covered = self.cover(&piece, options);
-                answer.attr.extend(covered.iter().flat_map(|span| pixels(*span)).filter_map(|(x, y)| {
-                    let (p, z) = at(&piece, options.arithmetic, (x, y))?;
-                    Some((number, x, y, p.x.into(), p.y.into(), p.z.into(), z.into()))
+                let edges = AnyTriangle::new(options.arithmetic, piece.corners_px(), FillRule::TopLeft);
+                let samples =
+                    covered.iter().flat_map(|span| pixels(*span)).filter_map(|pixel| Some(edges?.sample(pixel)));
+                answer.attr.extend(samples.map(|sample| {
+                    let p = interpolate(&piece, sample, Attributes::all(Interpolation::Perspective)).source_weights;
+                    let z = depth_at(&piece, &sample);
+                    (number, sample.x, sample.y, p.x.into(), p.y.into(), p.z.into(), z.into())
                 }));
                 spans.extend(covered);
             }
             answer.triangles.push(Covered::new(&spans));
         }
         answer
-    }
-
-    fn pieces(&self, vertices: &[ClipVertex; 3], options: Options) -> Vec<ScreenTriangle> {
-        let draw = ClipSpaceDraw {
-            instance: 0,
-            vertices,
-            triangles: &[[0, 1, 2]],
-            first: TriangleId(0),
-            may_cross: true,
-            divides_by_w: true,
-        };
-        let settings = Settings { culling: Culling::None, arithmetic: options.arithmetic, ..Settings::default() };
-        let mut geometry = Geometry::default();
-        finish_draw(&draw, &settings, self.viewport(), &mut geometry, &mut ());
-        geometry.triangles
     }
 
     fn cover(&self, piece: &ScreenTriangle, options: Options) -> Vec<Span> {
@@ -86,13 +69,6 @@ impl ClipTri {
 
 fn pixels(span: Span) -> impl Iterator<Item = (u32, u32)> {
     (span.left..span.right).map(move |x| (x, span.row))
-}
-
-/// Weights of the corners before clipping, and depth, at a pixel.
-fn at(piece: &ScreenTriangle, arithmetic: Arithmetic, pixel: (u32, u32)) -> Option<(Vec3, f32)> {
-    let (sample, _) = edge_values(arithmetic, piece.corners_px(), pixel)?;
-    let fragment = interpolate(piece, sample, Attributes::all(Interpolation::Perspective));
-    Some((fragment.source_weights, depth_at(piece, &sample)))
 }
 
 /// The answer.

@@ -4,13 +4,12 @@ use glam::Vec2;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::{Check, Exactly, Real, Refusal};
-use crate::math::fixed::snap;
 use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
-use crate::pipeline::raster::{doubled_area, edge_values};
-use crate::pipeline::settings::{Arithmetic, Interpolation};
+use crate::pipeline::raster::AnyTriangle;
+use crate::pipeline::settings::{Arithmetic, FillRule, Interpolation};
 use crate::pipeline::vertex::Varyings;
-use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex, relative_inv_w};
+use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex};
 use crate::scene::TriangleId;
 
 /// The case.
@@ -56,21 +55,14 @@ impl TriAttr {
     pub(super) fn answer(&self, arithmetic: Arithmetic) -> Result<TriAttrAnswer, Refusal> {
         let vertices = self.vertices.0.map(Vertex::on_screen);
         let corners_px = vertices.map(|v| v.position_px);
-        let has_area = |arithmetic: &Arithmetic| doubled_area(*arithmetic, corners_px).0 != 0.0;
-        let arithmetic = [arithmetic, Arithmetic::Exact].into_iter().find(has_area);
-        let arithmetic = arithmetic.ok_or_else(|| Refusal("a triangle without area has no weights".to_owned()))?;
-        let (area, scale) = doubled_area(arithmetic, corners_px);
-        let triangle = ScreenTriangle {
-            id: TriangleId(0),
-            instance: 0,
-            doubled_area: (area * scale).abs(),
-            depth: DepthScale::default().over(&vertices, (area * scale).abs()),
-            relative_inv_w: relative_inv_w(&vertices),
-            vertices,
-        };
+        let in_arithmetic = |arithmetic| AnyTriangle::new(arithmetic, corners_px, FillRule::TopLeft);
+        let edges = in_arithmetic(arithmetic).or_else(|| in_arithmetic(Arithmetic::Exact));
+        let edges = edges.ok_or_else(|| Refusal("a triangle without area has no weights".to_owned()))?;
+        let nobody = (TriangleId(0), 0);
+        let triangle = ScreenTriangle::new(nobody, vertices, edges.doubled_area(), &DepthScale::default(), true);
         let pixels = self.eval.iter().filter_map(|Exactly([x, y])| {
             let pixel = (u32::try_from(*x).ok()?, u32::try_from(*y).ok()?);
-            let (sample, _) = edge_values(arithmetic, corners_px, pixel)?;
+            let sample = edges.sample(pixel);
             let fragment = interpolate(&triangle, sample, Attributes::all(Interpolation::Perspective));
             Some(SampleAttributes {
                 pixel: [*x, *y],
@@ -87,14 +79,8 @@ impl TriAttr {
 impl Vertex {
     fn on_screen(self) -> ScreenVertex {
         let [x, y, z, w, u, v] = [self.x, self.y, self.z, self.w, self.u, self.v].map(|number| number.0 as f32);
-        ScreenVertex {
-            position_px: [x, y],
-            x: snap(x) as i32,
-            y: snap(y) as i32,
-            depth: z.into(),
-            inv_w: 1.0 / w,
-            varyings: Varyings { uv: Vec2::new(u, v), ..Varyings::default() },
-        }
+        let varyings = Varyings { uv: Vec2::new(u, v), ..Varyings::default() };
+        ScreenVertex::at([x, y], z.into(), 1.0 / w, varyings)
     }
 }
 
@@ -131,6 +117,21 @@ impl Serialize for SampleAttributes {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn weights_are_those_of_the_corners_beyond_the_reach_of_fixed_point_too() {
+        let vertex =
+            |x: f64, y: f64| Vertex { x: Real(x), y: Real(y), z: Real(0.5), w: Real(1.0), u: Real(0.0), v: Real(0.0) };
+        // The pixel is in the middle, as seen from so far.
+        let vertices = Exactly([vertex(-1e30, -1e30), vertex(1e30, -1e30), vertex(0.0, 2e30)]);
+        let case = TriAttr { vertices, eval: vec![Exactly([3, 4])] };
+        for arithmetic in [Arithmetic::Fixed, Arithmetic::Exact] {
+            let [sample] = &case.answer(arithmetic).unwrap().pixels[..] else { panic!("one pixel") };
+            for weight in sample.affine_weights.into_iter().chain(sample.perspective_weights) {
+                assert!((weight - 1.0 / 3.0).abs() < 1e-6, "{arithmetic:?}: {sample:?}");
+            }
+        }
+    }
 
     #[test]
     fn a_sample_is_written_as_one_list() {

@@ -228,10 +228,9 @@ fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pipeline::vertex::Varyings;
 
     fn vertex(x: f32, y: f32, z: f32, w: f32) -> ClipVertex {
-        ClipVertex { position: Vec4::new(x, y, z, w), cut_at: None, varyings: Varyings::default() }
+        ClipVertex::at(Vec4::new(x, y, z, w))
     }
 
     fn clip_one(triangle: [ClipVertex; 3]) -> (Result<Cut, Fate>, Vec<ClipVertex>) {

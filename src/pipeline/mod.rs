@@ -56,10 +56,10 @@ use observe::{Fate, Observer};
 use plan::{DrawPlan, Part};
 use raster::numbers::Numbers;
 use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
-use settings::Settings;
+use settings::{Arithmetic, Culling, Settings};
 use shade::Shader;
 use vertex::{ClipVertex, DrawMatrices, containment, transform};
-use viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use viewport::{ScreenTriangle, ScreenVertex, Viewport};
 
 use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
 
@@ -210,23 +210,23 @@ fn prepare_draw<O: Observer>(
 
 /// The triangles of one draw after the transform.
 #[derive(Clone, Copy, Debug)]
-pub struct ClipSpaceDraw<'a> {
+struct ClipSpaceDraw<'a> {
     /// Its number in the scene.
-    pub instance: u32,
+    instance: u32,
     /// Vertices in clip space.
-    pub vertices: &'a [ClipVertex],
+    vertices: &'a [ClipVertex],
     /// Triangles by their vertices.
-    pub triangles: &'a [[u32; 3]],
+    triangles: &'a [[u32; 3]],
     /// Identifier of the first triangle.
-    pub first: TriangleId,
+    first: TriangleId,
     /// Whether a triangle may cross a plane of the frustum; else nothing is tested.
-    pub may_cross: bool,
+    may_cross: bool,
     /// Whether attributes follow perspective.
-    pub divides_by_w: bool,
+    divides_by_w: bool,
 }
 
-/// The geometry stages from clipping to culling. Also the way in for triangles that no camera made.
-pub fn finish_draw<O: Observer>(
+/// The geometry stages from clipping to culling.
+fn finish_draw<O: Observer>(
     draw: &ClipSpaceDraw<'_>,
     settings: &Settings,
     viewport: Viewport,
@@ -253,6 +253,22 @@ pub fn finish_draw<O: Observer>(
     out.times.cull += projected_at.elapsed();
 }
 
+/// Triangles of vertices that no camera made, on the screen: clipped, projected and set up, whichever side they show.
+pub fn from_clip_space<O: Observer>(
+    vertices: &[ClipVertex],
+    triangles: &[[u32; 3]],
+    arithmetic: Arithmetic,
+    viewport: Viewport,
+    observer: &mut O,
+) -> Vec<ScreenTriangle> {
+    let draw =
+        ClipSpaceDraw { instance: 0, vertices, triangles, first: TriangleId(0), may_cross: true, divides_by_w: true };
+    let settings = Settings { culling: Culling::None, arithmetic, ..Settings::default() };
+    let mut geometry = Geometry::default();
+    finish_draw(&draw, &settings, viewport, &mut geometry, observer);
+    geometry.triangles
+}
+
 /// Culls the pieces of one triangle and sets up the edges of those that stay; if none does, the triangle has one fate.
 fn set_up<O: Observer>(
     pieces: &[(TriangleId, [ScreenVertex; 3])],
@@ -271,14 +287,11 @@ fn set_up<O: Observer>(
             // A piece without area says nothing about which side the triangle shows.
             Some(Fate::ZeroArea) => rejected = rejected.or(Some((*id, Fate::ZeroArea))),
             Some(facing) => rejected = Some((*id, facing)),
-            None => out.push(ScreenTriangle {
-                id: *id,
-                instance: draw.instance,
-                doubled_area: (area * scale).abs(),
-                depth: depth_scale.over(corners, (area * scale).abs()),
-                relative_inv_w: if draw.divides_by_w { relative_inv_w(corners) } else { [1.0; 3] },
-                vertices: *corners,
-            }),
+            None => {
+                let area = (area * scale).abs();
+                let owner = (*id, draw.instance);
+                out.push(ScreenTriangle::new(owner, *corners, area, depth_scale, draw.divides_by_w));
+            }
         }
     }
     if let Some((id, fate)) = rejected.filter(|_| out.len() == kept_before) {

@@ -52,6 +52,13 @@ pub struct ClipVertex {
     pub varyings: Varyings,
 }
 
+impl ClipVertex {
+    /// A vertex that was not cut and brings nothing along.
+    pub fn at(position: Vec4) -> Self {
+        Self { position, cut_at: None, varyings: Varyings::default() }
+    }
+}
+
 /// The matrices of one draw.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawMatrices {

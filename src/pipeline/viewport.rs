@@ -27,6 +27,14 @@ pub struct ScreenVertex {
     pub varyings: Varyings,
 }
 
+impl ScreenVertex {
+    /// A corner at a position, which is snapped, too. `inv_w` is 1/w > 0.
+    #[inline]
+    pub fn at([x, y]: [f32; 2], depth: f64, inv_w: f32, varyings: Varyings) -> Self {
+        Self { position_px: [x, y], x: snap(x) as i32, y: snap(y) as i32, depth, inv_w, varyings }
+    }
+}
+
 /// A triangle on the screen, ready to be rasterized.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenTriangle {
@@ -45,6 +53,20 @@ pub struct ScreenTriangle {
 }
 
 impl ScreenTriangle {
+    /// Sets up depth and weights. `doubled_area` is positive and in the unit of edge values; without division by w
+    /// attributes are affine on the screen.
+    pub fn new(
+        (id, instance): (TriangleId, u32),
+        vertices: [ScreenVertex; 3],
+        doubled_area: f64,
+        scale: &DepthScale,
+        divides_by_w: bool,
+    ) -> Self {
+        let depth = scale.over(&vertices, doubled_area);
+        let relative_inv_w = if divides_by_w { relative_inv_w(&vertices) } else { [1.0; 3] };
+        Self { id, instance, vertices, doubled_area, depth, relative_inv_w }
+    }
+
     /// The corners in px, before snapping.
     pub fn corners_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| v.position_px)
@@ -104,15 +126,8 @@ impl Viewport {
     #[inline]
     fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
         let inv_w = 1.0 / vertex.position.w;
-        let (x, y) = self.pixels_from_ndc(vertex.position.truncate() * inv_w);
-        ScreenVertex {
-            position_px: [x, y],
-            x: snap(x) as i32,
-            y: snap(y) as i32,
-            depth: scale.of_vertex(vertex),
-            inv_w,
-            varyings: vertex.varyings,
-        }
+        let position_px = self.pixels_from_ndc(vertex.position.truncate() * inv_w);
+        ScreenVertex::at(position_px.into(), scale.of_vertex(vertex), inv_w, vertex.varyings)
     }
 }
 
@@ -130,16 +145,7 @@ mod tests {
 
     #[test]
     fn relative_inv_w_is_one_at_equal_w_and_never_zero() {
-        let at_w = |w: [f32; 3]| {
-            w.map(|w| ScreenVertex {
-                position_px: [0.0; 2],
-                x: 0,
-                y: 0,
-                depth: 0.0,
-                inv_w: 1.0 / w,
-                varyings: Varyings::default(),
-            })
-        };
+        let at_w = |w: [f32; 3]| w.map(|w| ScreenVertex::at([0.0; 2], 0.0, 1.0 / w, Varyings::default()));
         assert_eq!(relative_inv_w(&at_w([7.3; 3])), [1.0; 3]);
         assert!(relative_inv_w(&at_w([1e-30, 1e30, 1e30])).iter().all(|r| *r > 0.0));
     }

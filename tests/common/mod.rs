@@ -5,16 +5,16 @@
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
-use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
+use glam::{Mat4, Quat, Vec2, Vec3};
 use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::observe::Observer;
-use rasterscope::pipeline::raster::{Sample, cover, edge_values};
-use rasterscope::pipeline::settings::{Arithmetic, Choice, Culling, FillRule, Rasterizer, Settings};
-use rasterscope::pipeline::vertex::{ClipVertex, Varyings};
+use rasterscope::pipeline::raster::{AnyTriangle, Sample, cover};
+use rasterscope::pipeline::settings::{Arithmetic, Choice, FillRule, Rasterizer};
+use rasterscope::pipeline::vertex::ClipVertex;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
-use rasterscope::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
-use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture, TriangleId};
+use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture};
 
 /// The four fill rules under which shared edges are drawn exactly once.
 pub(crate) fn sound_fill_rules() -> impl Iterator<Item = FillRule> {
@@ -53,22 +53,17 @@ pub(crate) fn in_cube(rng: &mut fastrand::Rng) -> Vec3 {
 /// A clip-space vertex without attributes that projects to a pixel position of a picture.
 pub(crate) fn clip_vertex(viewport: Viewport, (x, y): (f32, f32), depth: f32, w: f32) -> ClipVertex {
     let ndc = Vec3::new(x / viewport.width as f32 * 2.0 - 1.0, 1.0 - y / viewport.height as f32 * 2.0, depth);
-    bare((ndc * w).extend(w))
+    ClipVertex::at((ndc * w).extend(w))
 }
 
-/// Clip, project and edge setup in fixed point, without culling: the geometry stages for vertices that no camera made.
+/// Clip, project and edge setup in fixed point.
 pub(crate) fn screen_triangles(
     vertices: &[ClipVertex],
     triangles: &[[u32; 3]],
     viewport: Viewport,
     observer: &mut impl Observer,
 ) -> Vec<ScreenTriangle> {
-    let draw =
-        ClipSpaceDraw { instance: 0, vertices, triangles, first: TriangleId(0), may_cross: true, divides_by_w: true };
-    let settings = Settings { culling: Culling::None, ..Settings::default() };
-    let mut geometry = Geometry::default();
-    finish_draw(&draw, &settings, viewport, &mut geometry, observer);
-    geometry.triangles
+    from_clip_space(vertices, triangles, Arithmetic::Fixed, viewport, observer)
 }
 
 /// The samples of a picture that a triangle covers in fixed point.
@@ -81,12 +76,8 @@ pub(crate) fn covered(
     let corners_px = triangle.corners_px();
     let spans = cover(rasterizer, Arithmetic::Fixed, corners_px, rule, viewport);
     let pixels = spans.into_iter().flat_map(|span| (span.left..span.right).map(move |x| (x, span.row)));
-    pixels.filter_map(|pixel| Some(edge_values(Arithmetic::Fixed, corners_px, pixel)?.0)).collect()
-}
-
-/// Position only, as [`ClipVertex`].
-pub(crate) fn bare(position: Vec4) -> ClipVertex {
-    ClipVertex { position, cut_at: None, varyings: Varyings::default() }
+    let triangle = AnyTriangle::new(Arithmetic::Fixed, corners_px, rule);
+    triangle.map_or_else(Vec::new, |triangle| pixels.map(|pixel| triangle.sample(pixel)).collect())
 }
 
 /// A mesh with texture coordinates from x and y, and one vertex colour per vertex by its number.

@@ -164,7 +164,7 @@ fn triangles_far_beyond_the_guard_band_and_behind_the_eye_stay_watertight() {
 }
 
 fn clip_at(x: f32, y: f32, w: f32) -> ClipVertex {
-    crate::common::bare(glam::Vec4::new(x, y, w * 0.5, w))
+    ClipVertex::at(glam::Vec4::new(x, y, w * 0.5, w))
 }
 
 /// Whether the pixel centre, pushed by the infinitesimal step that stands for the rule, lies inside: in i128 on numbers

@@ -5,7 +5,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use rasterscope::pipeline::depth::{DepthEncoding, DepthFunction, depth_at};
 use rasterscope::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
-use rasterscope::pipeline::raster::{Sample, edge_values};
+use rasterscope::pipeline::raster::{AnyTriangle, Sample};
 use rasterscope::pipeline::settings::{Arithmetic, FillRule, Interpolation, Rasterizer};
 use rasterscope::pipeline::vertex::Varyings;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -209,7 +209,8 @@ fn cutting_changes_no_attribute_beyond_rounding() {
             for sample in covered(piece, Rasterizer::BoundingBox, FillRule::TopLeft, VIEW) {
                 let pixel = (sample.x, sample.y);
                 let in_whole = whole.iter().find_map(|whole| {
-                    let (sample, _) = edge_values(Arithmetic::Fixed, whole.corners_px(), pixel)?;
+                    let edges = AnyTriangle::new(Arithmetic::Fixed, whole.corners_px(), FillRule::TopLeft)?;
+                    let sample = edges.sample(pixel);
                     sample.edges.iter().all(|e| *e > 0.0).then_some((whole, sample))
                 });
                 let Some((whole, in_whole)) = in_whole else { continue };

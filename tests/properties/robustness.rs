@@ -7,18 +7,17 @@ use glam::{DVec4, Mat4, Vec3, Vec4};
 use rasterscope::chain::{Recipe, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::depth::depth_at;
+use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use rasterscope::pipeline::observe::{Counters, Fate, Observer};
 use rasterscope::pipeline::raster::cover;
-use rasterscope::pipeline::settings::{
-    Arithmetic, Choice as _, Culling, FillRule, Interpolation, Rasterizer, Settings,
-};
+use rasterscope::pipeline::settings::{Arithmetic, Choice as _, FillRule, Interpolation, Rasterizer};
+use rasterscope::pipeline::vertex::ClipVertex;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
-use rasterscope::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use rasterscope::scene::{Camera, Scene, TriangleId};
 
 use crate::common::{
-    SceneBuilder, bare, covered, cube, for_seeds, in_cube, mesh, plane, render, screen_triangles, signed, soup,
+    SceneBuilder, covered, cube, for_seeds, in_cube, mesh, plane, render, screen_triangles, signed, soup,
 };
 
 const VIEW: Viewport = Viewport { width: 40, height: 30 };
@@ -143,7 +142,7 @@ fn clip_vertices_of_any_bits_end_in_one_fate_or_inside_the_guard_band() {
     const TRIANGLES: u32 = 100_000;
     let mut rng = fastrand::Rng::with_seed(1);
     let vertices: Vec<_> =
-        (0..TRIANGLES * 3).map(|_| bare(Vec4::from_array([0; 4].map(|_| hostile(&mut rng))))).collect();
+        (0..TRIANGLES * 3).map(|_| ClipVertex::at(Vec4::from_array([0; 4].map(|_| hostile(&mut rng))))).collect();
     let triangles: Vec<_> = (0..TRIANGLES).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect();
     let mut fates = Fates::default();
     let drawn = screen_triangles(&vertices, &triangles, VIEW, &mut fates);
@@ -170,26 +169,17 @@ fn a_million_triangles_of_random_bits_are_drawn_within_the_picture_or_have_a_fat
     let (mut drawn, mut rejected, mut covered) = (0_u64, 0_u64, 0_u64);
     let mut rng = fastrand::Rng::with_seed(29);
     for number in 0..TRIANGLES {
-        let vertices = [0; 3].map(|_| bare(Vec4::from_array([0; 4].map(|_| f32::from_bits(rng.u32(..))))));
+        let vertices = [0; 3].map(|_| ClipVertex::at(Vec4::from_array([0; 4].map(|_| f32::from_bits(rng.u32(..))))));
         let (rasterizer, arithmetic) = ways[number as usize % ways.len()];
-        let settings = Settings { rasterizer, arithmetic, culling: Culling::None, ..Settings::default() };
-        let (mut geometry, mut fates) = (Geometry::default(), Counters::default());
-        let draw = ClipSpaceDraw {
-            instance: 0,
-            vertices: &vertices,
-            triangles: &[[0, 1, 2]],
-            first: TriangleId(number),
-            may_cross: true,
-            divides_by_w: true,
-        };
-        finish_draw(&draw, &settings, VIEW, &mut geometry, &mut fates);
+        let mut fates = Counters::default();
+        let triangles = from_clip_space(&vertices, &[[0, 1, 2]], arithmetic, VIEW, &mut fates);
         let fated: u64 = fates.rejected.iter().sum();
-        assert_eq!(fated, u64::from(geometry.triangles.is_empty()), "{vertices:?}");
+        assert_eq!(fated, u64::from(triangles.is_empty()), "{vertices:?}");
         rejected += fated;
-        drawn += geometry.triangles.len() as u64;
+        drawn += triangles.len() as u64;
         // And the same bits as corners on the screen, which no clipping has tamed.
         let untamed = vertices.map(|v| [v.position.x, v.position.y]);
-        for corners_px in geometry.triangles.iter().map(ScreenTriangle::corners_px).chain([untamed]) {
+        for corners_px in triangles.iter().map(ScreenTriangle::corners_px).chain([untamed]) {
             for span in cover(rasterizer, arithmetic, corners_px, FillRule::TopLeft, VIEW) {
                 assert!(span.row < VIEW.height && span.left < span.right && span.right <= VIEW.width, "{vertices:?}");
                 covered += u64::from(span.right - span.left);
@@ -206,7 +196,12 @@ fn what_random_clip_triangles_cover_is_what_homogeneous_edge_functions_say() {
         let scale = 10.0_f32.powi(rng.i32(-3..4));
         let vertices = [0; 3].map(|_| {
             let stretch = 10.0_f32.powi(rng.i32(0..6)) * scale;
-            bare(Vec4::new(signed(rng) * stretch, signed(rng) * stretch, signed(rng) * scale, signed(rng) * scale))
+            ClipVertex::at(Vec4::new(
+                signed(rng) * stretch,
+                signed(rng) * stretch,
+                signed(rng) * scale,
+                signed(rng) * scale,
+            ))
         });
         let drawn = screen_triangles(&vertices, &[[0, 1, 2]], VIEW, &mut ());
         let exact = vertices.map(|v| v.position.as_dvec4());

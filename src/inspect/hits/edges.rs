@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::pipeline::raster::{doubled_area, edge_values};
-use crate::pipeline::settings::Arithmetic;
+use crate::pipeline::raster::{AnyTriangle, doubled_area};
+use crate::pipeline::settings::{Arithmetic, FillRule};
 
 /// No rasterizer moves an edge farther than this, in px: the published ones go by the pixel's corner instead of its centre,
 /// round both ends of a row towards its start, and a corner in the middle to whole pixels.
@@ -56,7 +56,8 @@ fn edge(instance: u32, corners_px: [[f32; 2]; 3], opposite: usize) -> Option<Edg
 /// The edge that a pixel's centre inside of a triangle is nearest to; two if it lies on a corner. None if all are farther than
 /// any rasterizer's faults reach.
 pub(super) fn edges_near(instance: u32, corners_px: [[f32; 2]; 3], pixel: (u32, u32)) -> Vec<Edge> {
-    let Some((sample, _)) = edge_values(Arithmetic::Exact, corners_px, pixel) else { return Vec::new() };
+    let Some(triangle) = AnyTriangle::new(Arithmetic::Exact, corners_px, FillRule::TopLeft) else { return Vec::new() };
+    let sample = triangle.sample(pixel);
     let (_, scale) = doubled_area(Arithmetic::Exact, corners_px);
     let distances_px = [0, 1, 2].map(|opposite| {
         let (from, to) = (corners_px[(opposite + 1) % 3], corners_px[(opposite + 2) % 3]);

@@ -8,6 +8,8 @@ pub mod numbers;
 
 mod active_edge;
 
+mod any;
+
 mod bounding_box;
 
 mod edge_walk;
@@ -26,6 +28,7 @@ mod tiled;
 
 mod triangle;
 
+pub use any::AnyTriangle;
 pub use exact::Exact;
 pub use fixed::Fixed;
 pub use float::Floating;
@@ -254,20 +257,6 @@ pub(crate) fn cover_within(
             cover_samples(rasterizer, &triangle, corners_px, area, spans);
         }
     });
-}
-
-/// Edge values at a pixel's centre, inside the triangle or not, and the doubled area, in the unit of [`Sample::edges`]; `None`
-/// without area. What [`cover`] covers has these values.
-pub fn edge_values(
-    arithmetic: settings::Arithmetic,
-    corners_px: [[f32; 2]; 3],
-    (x, y): (u32, u32),
-) -> Option<(Sample, f64)> {
-    let (corners_px, arithmetic) = within_fixed_point(corners_px, arithmetic);
-    with_arithmetic!(arithmetic, N => {
-        let triangle = Triangle::<N>::new(corners_px, FillRule::TopLeft)?;
-        Some((triangle.sample((x, y), (x, y)), triangle.doubled_area()))
-    })
 }
 
 /// What decides a triangle of these corners the same way: beyond the reach of 64-bit integers, the exact predicates on the

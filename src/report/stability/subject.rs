@@ -2,18 +2,17 @@
 //!
 //! Answers are numbers of the report's own kinds. Whether they are right is decided elsewhere.
 
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec3};
 use serde::Serialize;
 
 use super::oracle::{DepthMapping, DepthStorage, ScreenCorner, Snap};
-use crate::math::fixed::snap;
-use crate::pipeline::clip::{clip, guard_band_widening};
 use crate::pipeline::depth::{DepthScale, depth_at};
+use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{Attributes, affine_weights, attribute_weights, interpolate};
-use crate::pipeline::raster::{self, Exact, Fixed, Floating, Sample, Span, Triangle, doubled_area};
+use crate::pipeline::raster::{self, AnyTriangle, Span};
 use crate::pipeline::settings::{Arithmetic, Choice as _, DepthFormat, FillRule, Interpolation, Rasterizer};
 use crate::pipeline::vertex::{ClipVertex, Varyings};
-use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
 use crate::scene::TriangleId;
 
 /// The rule that decides about centres on edges where a case does not say.
@@ -94,82 +93,36 @@ impl Sampled {
     }
 }
 
-/// The edges of a triangle in some arithmetic.
-#[derive(Clone, Copy, Debug)]
-enum Edges {
-    Fixed(Triangle<Fixed>),
-    F32(Triangle<Floating<f32>>),
-    F64(Triangle<Floating<f64>>),
-    Exact(Triangle<Exact>),
-}
-
-impl Edges {
-    fn new(arithmetic: Arithmetic, corners_px: [[f32; 2]; 3]) -> Option<Self> {
-        Some(match arithmetic {
-            Arithmetic::Fixed => Self::Fixed(Triangle::new(corners_px, RULE)?),
-            Arithmetic::F32 => Self::F32(Triangle::new(corners_px, RULE)?),
-            Arithmetic::F64 => Self::F64(Triangle::new(corners_px, RULE)?),
-            Arithmetic::Exact => Self::Exact(Triangle::new(corners_px, RULE)?),
-        })
-    }
-
-    fn sample(&self, column: u32, row: u32) -> Sample {
-        let pixel = (column, row);
-        match self {
-            Self::Fixed(triangle) => triangle.sample(pixel, pixel),
-            Self::F32(triangle) => triangle.sample(pixel, pixel),
-            Self::F64(triangle) => triangle.sample(pixel, pixel),
-            Self::Exact(triangle) => triangle.sample(pixel, pixel),
-        }
-    }
-}
-
 /// A triangle to be asked at many pixels.
 #[derive(Clone, Copy, Debug)]
 pub struct Interpolator {
     triangle: ScreenTriangle,
-    edges: Edges,
+    edges: AnyTriangle,
     interpolation: Interpolation,
 }
 
 impl Interpolator {
     /// From its corners on the screen; `None` if the engine sees no area.
     pub fn new(by: Weighting, corners: &[ScreenCorner; 3]) -> Option<Self> {
-        let vertices = corners.map(|c| ScreenVertex {
-            position_px: [c.x, c.y],
-            x: snap(c.x) as i32,
-            y: snap(c.y) as i32,
-            depth: c.z.into(),
-            inv_w: 1.0 / c.w,
-            varyings: Varyings { uv: c.uv.into(), ..Varyings::default() },
+        let vertices = corners.map(|c| {
+            let varyings = Varyings { uv: c.uv.into(), ..Varyings::default() };
+            ScreenVertex::at([c.x, c.y], c.z.into(), 1.0 / c.w, varyings)
         });
-        Self::of_projected(vertices, by)
-    }
-
-    /// From corners as projection gives them.
-    fn of_projected(vertices: [ScreenVertex; 3], by: Weighting) -> Option<Self> {
-        let corners_px = vertices.map(|v| v.position_px);
-        let (area, scale) = doubled_area(by.arithmetic, corners_px);
+        let edges = AnyTriangle::new(by.arithmetic, vertices.map(|v| v.position_px), RULE)?;
         let in_space = by.interpolation == Interpolation::Perspective;
-        let triangle = ScreenTriangle {
-            id: TriangleId(0),
-            instance: 0,
-            doubled_area: (area * scale).abs(),
-            depth: DepthScale::default().over(&vertices, (area * scale).abs()),
-            relative_inv_w: if in_space { relative_inv_w(&vertices) } else { [1.0; 3] },
-            vertices,
-        };
-        Some(Self { triangle, edges: Edges::new(by.arithmetic, corners_px)?, interpolation: by.interpolation })
+        let scale = DepthScale::default();
+        let triangle = ScreenTriangle::new((TriangleId(0), 0), vertices, edges.doubled_area(), &scale, in_space);
+        Some(Self { triangle, edges, interpolation: by.interpolation })
     }
 
     /// The weights for attributes at the centre of a pixel: what is timed.
     pub fn weights(&self, column: u32, row: u32) -> [f32; 3] {
-        attribute_weights(&self.triangle, &self.edges.sample(column, row), self.interpolation)
+        attribute_weights(&self.triangle, &self.edges.sample((column, row)), self.interpolation)
     }
 
     /// What the engine has at the centre of a pixel.
     pub fn at(&self, column: u32, row: u32) -> Sampled {
-        let sample = self.edges.sample(column, row);
+        let sample = self.edges.sample((column, row));
         let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
         Sampled {
             affine: affine_weights(&self.triangle, &sample).map(f64::from),
@@ -193,15 +146,13 @@ pub struct ClipFragment {
 
 /// Clips, projects and rasterizes a triangle in clip space, and interpolates at every pixel covered.
 pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Vec<ClipFragment> {
-    let vertex = |c| ClipVertex { position: Vec4::from_array(c), cut_at: None, varyings: Varyings::default() };
-    let vertices = corners.map(vertex);
-    let scale = DepthScale::default();
-    let widening = guard_band_widening(viewport.width, viewport.height);
-    let weighting = Weighting { interpolation: Interpolation::Perspective, arithmetic: by.arithmetic };
+    let vertices = corners.map(|position| ClipVertex::at(position.into()));
+    let interpolation = Interpolation::Perspective;
     let mut fragments = Vec::new();
-    for piece in clip(&vertices, &[[0, 1, 2]], TriangleId(0), true, widening, &mut ()) {
-        let Some(drawn) = Interpolator::of_projected(viewport.project(&piece, &scale), weighting) else { continue };
-        for span in cover(by, drawn.triangle.corners_px(), RULE, viewport) {
+    for piece in from_clip_space(&vertices, &[[0, 1, 2]], by.arithmetic, viewport, &mut ()) {
+        let Some(edges) = AnyTriangle::new(by.arithmetic, piece.corners_px(), RULE) else { continue };
+        let drawn = Interpolator { triangle: piece, edges, interpolation };
+        for span in cover(by, piece.corners_px(), RULE, viewport) {
             fragments.extend((span.left..span.right).map(|column| drawn.clip_fragment(column, span.row)));
         }
     }
@@ -210,7 +161,7 @@ pub fn draw(by: Configuration, corners: [[f32; 4]; 3], viewport: Viewport) -> Ve
 
 impl Interpolator {
     fn clip_fragment(&self, column: u32, row: u32) -> ClipFragment {
-        let sample = self.edges.sample(column, row);
+        let sample = self.edges.sample((column, row));
         let fragment = interpolate(&self.triangle, sample, Attributes::all(self.interpolation));
         ClipFragment {
             pixel: [column, row],
