@@ -45,7 +45,7 @@ pub const NOT_DRAWN: Rgba8 = [12, 12, 12, 255];
 pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, stage: Stage) -> Image<Rgba8> {
     let redrawn = |shading, depth_test| {
         let recipe = Recipe { pipeline: Settings { shading, depth_test, ..recipe.pipeline }, ..*recipe };
-        spread(&redraw(scene, &recipe, frame, Until::Shade, &mut ()), frame.viewport)
+        spread(&redraw(scene, &recipe, frame, Until::Shade, &mut ()), frame)
     };
     let depth_test = recipe.pipeline.depth_test;
     match stage {
@@ -72,15 +72,16 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         Stage::Rasterize => redrawn(Shading::TriangleId, DepthTest::Off),
         Stage::Depth => redrawn(Shading::TriangleId, depth_test),
         Stage::Interpolate => redrawn(Shading::Barycentric, depth_test),
-        Stage::Shade => spread(&frame.drawn, frame.viewport),
+        Stage::Shade => spread(&frame.drawn, frame),
         Stage::Upscale => frame.image.clone(),
     }
 }
 
 /// The drawn pixels at their places in the full picture.
-fn spread(drawn: &Framebuffer, Viewport { width, height }: Viewport) -> Image<Rgba8> {
+fn spread(drawn: &Framebuffer, frame: &Frame) -> Image<Rgba8> {
+    let Viewport { width, height } = frame.viewport;
     Image::from_fn(width, height, |x, y| {
-        drawn.grid.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| drawn.color.at(column, row))
+        frame.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| drawn.color.at(column, row))
     })
 }
 
@@ -187,7 +188,7 @@ mod tests {
     #[test]
     fn pictures_of_samples_show_no_triangle_beyond_the_limit_and_no_pixel_beyond_the_grid() {
         let scene = builtin::by_id("cubes").unwrap().build();
-        let recipe = Recipe { upscaler: Upscaling::new("nearest", 2).unwrap(), ..Recipe::default() };
+        let recipe = Recipe { upscaler: Upscaling::new("nearest", 2_u32).unwrap(), ..Recipe::default() };
         let mut frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
         for stage in [Stage::Rasterize, Stage::Depth, Stage::Interpolate] {
             let image = picture(&scene, &scene.home, &recipe, &frame, stage);

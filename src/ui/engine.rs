@@ -143,12 +143,8 @@ fn render(request: &Request) -> (Frame, usize) {
 
 /// Draws a frame whose list of triangles has changed.
 fn redraw(scene: &Scene, recipe: &Recipe, frame: &mut Frame) {
-    let Viewport { width, height } = frame.viewport;
     frame.drawn = chain::redraw(scene, recipe, frame, Until::Shade, &mut ());
-    frame.image = recipe.upscaler.upscaler().upscale(&frame.drawn.color, recipe.upscaler.scale(), width, height);
-    if recipe.wireframe {
-        crate::pipeline::wireframe::overlay(&frame.geometry.triangles, &mut frame.image);
-    }
+    chain::refill(recipe, frame);
 }
 
 /// What happened in each stage of a frame, and how long it took. Found out after the frame is on screen, by drawing it a
