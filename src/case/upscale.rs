@@ -64,7 +64,10 @@ impl Upscale {
         if how.scale().whole() != Some(*scale) {
             let scales: Vec<_> = how.upscaler().offers().scales.iter().map(Scale::to_string).collect();
             let scales = scales.join(", ");
-            return Err(Refusal(format!("the upscaler `{}` does not enlarge by {scale}, only by {scales}", how.method())));
+            return Err(Refusal(format!(
+                "the upscaler `{}` does not enlarge by {scale}, only by {scales}",
+                how.method()
+            )));
         }
         if kernel == "nearest_floor" && anchor != Anchor::Corner {
             return Err(Refusal("the sample before a place is copied in the phase `corner` only".to_owned()));

@@ -2,6 +2,8 @@
 
 pub mod error;
 
+pub mod flip;
+
 pub mod stages;
 
 pub mod timing;

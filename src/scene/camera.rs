@@ -64,12 +64,7 @@ pub struct Window {
 impl Window {
     fn clip_from_clip(self) -> Mat4 {
         let ([scale_x, scale_y], [shift_x, shift_y]) = (self.scale, self.shift);
-        Mat4::from_cols(
-            Vec4::X * scale_x,
-            Vec4::Y * scale_y,
-            Vec4::Z,
-            Vec4::new(shift_x, shift_y, 0.0, 1.0),
-        )
+        Mat4::from_cols(Vec4::X * scale_x, Vec4::Y * scale_y, Vec4::Z, Vec4::new(shift_x, shift_y, 0.0, 1.0))
     }
 }
 

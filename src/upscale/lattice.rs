@@ -112,7 +112,10 @@ pub(super) mod tests {
                 let origin = lattice.position_px(0);
                 let place = (f64::from(at) + 0.5 - origin) / lattice.scale.value();
                 let told = f64::from(cell) + f64::from(phase) / f64::from(lattice.phases());
-                assert!((place - told).abs() < 1e-12 && phase < lattice.phases(), "{lattice:?} {at}: {told}, not {place}");
+                assert!(
+                    (place - told).abs() < 1e-12 && phase < lattice.phases(),
+                    "{lattice:?} {at}: {told}, not {place}"
+                );
             }
         }
     }

@@ -28,9 +28,10 @@ fn draw(full: &Image<Rgba8>, how: Upscaling) -> Image<Rgba8> {
 fn everything() -> impl Iterator<Item = Upscaling> {
     Upscaling::every().flat_map(|how| {
         let offers = how.upscaler().offers();
-        let lit = offers.anchors.iter().flat_map(move |anchor| {
-            offers.lights.iter().map(move |light| how.with_anchor(*anchor).with_light(*light))
-        });
+        let lit = offers
+            .anchors
+            .iter()
+            .flat_map(move |anchor| offers.lights.iter().map(move |light| how.with_anchor(*anchor).with_light(*light)));
         lit.flat_map(move |how| {
             let ringing = if offers.deringing { &[false, true][..] } else { &[false] };
             ringing.iter().map(move |deringing| how.with_deringing(*deringing))

@@ -6,9 +6,9 @@
 //! row of a cell to the next a value grows by a constant, so that rows cost additions alone.
 
 use std::arch::x86_64::{
-    __m256i, _mm256_add_epi16, _mm256_and_si256, _mm256_maddubs_epi16, _mm256_mulhi_epu16, _mm256_mullo_epi16,
-    _mm256_or_si256, _mm256_set_m128i, _mm256_set1_epi16, _mm256_shuffle_epi8, _mm256_slli_epi16, _mm256_srl_epi16,
-    _mm256_srli_epi16, _mm256_sub_epi16, _mm_cvtsi32_si128, _mm256_sll_epi16,
+    __m256i, _mm_cvtsi32_si128, _mm256_add_epi16, _mm256_and_si256, _mm256_maddubs_epi16, _mm256_mulhi_epu16,
+    _mm256_mullo_epi16, _mm256_or_si256, _mm256_set_m128i, _mm256_set1_epi16, _mm256_shuffle_epi8, _mm256_sll_epi16,
+    _mm256_slli_epi16, _mm256_srl_epi16, _mm256_srli_epi16, _mm256_sub_epi16,
 };
 use std::array;
 
@@ -53,8 +53,7 @@ impl Gather {
     /// Of the block of pixels from `first` on.
     fn new(lattice: Lattice, first: u32) -> Self {
         let starts = [first, first + 4].map(|at| lattice.place(at).cell);
-        let mut gather =
-            Self { starts: starts.map(|cell| (cell + 1) as usize), bytes: [[0; 32]; 2], weights: [0; 32] };
+        let mut gather = Self { starts: starts.map(|cell| (cell + 1) as usize), bytes: [[0; 32]; 2], weights: [0; 32] };
         for at in 0..8 {
             let Place { cell, phase } = lattice.place(first + at);
             // A sample beyond the run weighs nothing, so any will do.
@@ -124,18 +123,20 @@ kernel! {
     fn gather(avx2: Avx2, padded: &[Rgba8], pass: &ExactAvx2, wide: &mut [Block]) {
         let padded = padded.as_flattened();
         let shift = _mm_cvtsi32_si128(pass.shift());
-        let patterns = pass.period.iter().cycle().map(|gather| {
-            (gather.starts, gather.bytes.each_ref().map(|bytes| load_codes(avx2, bytes)), load_codes(avx2, &gather.weights))
-        });
-        let mut first = 0;
-        for (index, (block, (starts, bytes, weights))) in wide.iter_mut().zip(patterns).enumerate() {
-            let [low, high] = starts.map(|start| load_bytes(avx2, window(padded, 4 * (first + start))));
-            let samples = _mm256_set_m128i(high, low);
-            for (plane, bytes) in block.iter_mut().zip(bytes) {
-                let value = _mm256_maddubs_epi16(_mm256_shuffle_epi8(samples, bytes), weights);
-                store(avx2, _mm256_sll_epi16(value, shift), plane);
-            }
-            if (index + 1) % pass.period.len() == 0 {
+        let blocks = pass.period.len();
+        for (index, gather) in pass.period.iter().enumerate() {
+            let [low_start, high_start] = gather.starts;
+            let weights = load_codes(avx2, &gather.weights);
+            let (even, odd) = (load_codes(avx2, &gather.bytes[0]), load_codes(avx2, &gather.bytes[1]));
+            let mut first = 0;
+            for block in wide[index..].iter_mut().step_by(blocks) {
+                let low = load_bytes(avx2, window(padded, 4 * (first + low_start)));
+                let high = load_bytes(avx2, window(padded, 4 * (first + high_start)));
+                let samples = _mm256_set_m128i(high, low);
+                for (plane, bytes) in block.iter_mut().zip([even, odd]) {
+                    let value = _mm256_maddubs_epi16(_mm256_shuffle_epi8(samples, bytes), weights);
+                    store(avx2, _mm256_sll_epi16(value, shift), plane);
+                }
                 first += pass.samples_per_period;
             }
         }
@@ -208,6 +209,7 @@ kernel! {
 
 /// Makes blocks of `ROWS` rows.
 #[target_feature(enable = "avx2")]
+#[inline(never)]
 fn sweep<const ROWS: usize, const DIVIDE: bool>(
     avx2: Avx2,
     above: &[Block],
@@ -218,36 +220,43 @@ fn sweep<const ROWS: usize, const DIVIDE: bool>(
 ) {
     /// 2¹⁶ / 9, rounded up: exact for all sums of ninths.
     const NINTH: i16 = 7282;
-    let blocks = rows[0].len();
+    let [row_0, row_1, row_2, row_3] = rows;
+    let blocks = row_0.len();
     let (above, below) = (&above[..blocks], &below[..blocks]);
-    let rows = rows.map(|row| {
-        let length = row.len().min(blocks);
-        &mut row[..length]
-    });
-    let [of_cell, first, each] = [steps.of_cell, steps.first, steps.each].map(|steps| _mm256_set1_epi16(steps as i16));
+    let (of_cell, first) = (_mm256_set1_epi16(steps.of_cell as i16), _mm256_set1_epi16(steps.first as i16));
+    let (each, ninth) = (_mm256_set1_epi16(steps.each as i16), _mm256_set1_epi16(NINTH));
     let shift = _mm_cvtsi32_si128(rounding.shift);
     let upper = _mm256_set1_epi16(0xff00_u16 as i16);
+    // The value in the first row of a cell, and its growth from row to row.
+    let start = |block: usize, plane: usize| {
+        let (a, b) = (load(avx2, &above[block][plane]), load(avx2, &below[block][plane]));
+        let difference = _mm256_sub_epi16(b, a);
+        let value = _mm256_add_epi16(_mm256_mullo_epi16(a, of_cell), rounding.half);
+        (_mm256_add_epi16(value, _mm256_mullo_epi16(difference, first)), _mm256_mullo_epi16(difference, each))
+    };
+    let codes = |even, odd| {
+        if DIVIDE {
+            let even = _mm256_mulhi_epu16(_mm256_srl_epi16(even, shift), ninth);
+            let odd = _mm256_mulhi_epu16(_mm256_srl_epi16(odd, shift), ninth);
+            _mm256_or_si256(even, _mm256_slli_epi16::<8>(odd))
+        } else {
+            _mm256_or_si256(_mm256_srli_epi16::<8>(even), _mm256_and_si256(odd, upper))
+        }
+    };
     for block in 0..blocks {
-        let mut values: [[__m256i; 2]; 2] = array::from_fn(|plane| {
-            let (a, b) = (load(avx2, &above[block][plane]), load(avx2, &below[block][plane]));
-            let difference = _mm256_sub_epi16(b, a);
-            let start = _mm256_add_epi16(_mm256_mullo_epi16(a, of_cell), rounding.half);
-            let growth = _mm256_mullo_epi16(difference, each);
-            [_mm256_add_epi16(start, _mm256_mullo_epi16(difference, first)), growth]
-        });
-        for row in 0..ROWS {
-            let [[even, even_growth], [odd, odd_growth]] = values;
-            let codes = if DIVIDE {
-                let code = |value| _mm256_mulhi_epu16(_mm256_srl_epi16(value, shift), _mm256_set1_epi16(NINTH));
-                _mm256_or_si256(code(even), _mm256_slli_epi16::<8>(code(odd)))
-            } else {
-                _mm256_or_si256(_mm256_srli_epi16::<8>(even), _mm256_and_si256(odd, upper))
-            };
-            store_codes(avx2, codes, &mut rows[row][block]);
-            values = [
-                [_mm256_add_epi16(even, even_growth), even_growth],
-                [_mm256_add_epi16(odd, odd_growth), odd_growth],
-            ];
+        let ((mut even, even_growth), (mut odd, odd_growth)) = (start(block, 0), start(block, 1));
+        store_codes(avx2, codes(even, odd), &mut row_0[block]);
+        if ROWS > 1 {
+            (even, odd) = (_mm256_add_epi16(even, even_growth), _mm256_add_epi16(odd, odd_growth));
+            store_codes(avx2, codes(even, odd), &mut row_1[block]);
+        }
+        if ROWS > 2 {
+            (even, odd) = (_mm256_add_epi16(even, even_growth), _mm256_add_epi16(odd, odd_growth));
+            store_codes(avx2, codes(even, odd), &mut row_2[block]);
+        }
+        if ROWS > 3 {
+            (even, odd) = (_mm256_add_epi16(even, even_growth), _mm256_add_epi16(odd, odd_growth));
+            store_codes(avx2, codes(even, odd), &mut row_3[block]);
         }
     }
 }

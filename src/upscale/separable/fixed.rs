@@ -134,9 +134,8 @@ impl<const H: usize> Pass for Fixed<'_, H> {
         for (row, phase) in rows.chunks_exact_mut(self.columns.len()).zip(phases) {
             let phase = &self.phases[*phase as usize];
             for (x, pixel) in row.iter_mut().enumerate() {
-                *pixel = std::array::from_fn(|channel| {
-                    code_of(phase.apply(|tap| around[tap][x][channel], self.deringing))
-                });
+                *pixel =
+                    std::array::from_fn(|channel| code_of(phase.apply(|tap| around[tap][x][channel], self.deringing)));
             }
         }
     }

@@ -3,11 +3,14 @@
 //! Widened rows are kept in the order in which two registers are packed into one of codes: of each block of eight pixels
 //! first 0, 1, 4, 5, then 2, 3, 6, 7. They begin with the first pixel of a cell, which in a centred lattice lies left of
 //! the picture.
+//!
+//! Registers are put into arrays by loops: a closure handed to a function of the standard library would be compiled without
+//! the wide lanes' features around it, and called for each register.
 
 use std::arch::x86_64::{
-    __m256i, _mm256_add_epi16, _mm256_cvtepu8_epi16, _mm256_max_epi16, _mm256_min_epi16, _mm256_mulhrs_epi16, _mm256_packus_epi16, _mm256_permute2x128_si256,
-    _mm256_set1_epi16, _mm256_setzero_si256, _mm256_slli_epi16, _mm256_srai_epi16, _mm256_sub_epi16,
-    _mm256_unpackhi_epi64, _mm256_unpacklo_epi64,
+    __m256i, _mm256_add_epi16, _mm256_cvtepu8_epi16, _mm256_max_epi16, _mm256_min_epi16, _mm256_mulhrs_epi16,
+    _mm256_packus_epi16, _mm256_permute2x128_si256, _mm256_set1_epi16, _mm256_setzero_si256, _mm256_slli_epi16,
+    _mm256_srai_epi16, _mm256_sub_epi16, _mm256_unpackhi_epi64, _mm256_unpacklo_epi64,
 };
 use std::array;
 
@@ -147,7 +150,11 @@ fn shape_of<const H: usize>(phases: &[&Phase<H>]) -> Option<Shape> {
 #[target_feature(enable = "avx2")]
 #[inline]
 fn spread<const H: usize>(weights: [i16; H]) -> [__m256i; H] {
-    array::from_fn(|k| _mm256_set1_epi16(weights[k]))
+    let mut spread = [_mm256_setzero_si256(); H];
+    for (register, weight) in spread.iter_mut().zip(weights) {
+        *register = _mm256_set1_epi16(weight);
+    }
+    spread
 }
 
 impl<const H: usize> CellWeights<H> {
@@ -167,73 +174,94 @@ impl<const H: usize> CellWeights<H> {
     }
 }
 
-/// Sum of products, each rounded to the unit of the sum.
+/// Sum of products, each rounded to the unit of the sum. Two or three of them.
 #[target_feature(enable = "avx2")]
 #[inline]
-fn dot<const H: usize>(start: __m256i, weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i {
-    let mut sum = start;
-    for (weight, value) in weights.iter().zip(values) {
-        sum = _mm256_add_epi16(sum, _mm256_mulhrs_epi16(*value, *weight));
-    }
-    sum
+fn dot<const H: usize>(weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i {
+    let first = _mm256_mulhrs_epi16(values[0], weights[0]);
+    let sum = _mm256_add_epi16(first, _mm256_mulhrs_epi16(values[1], weights[1]));
+    if H == 2 { sum } else { _mm256_add_epi16(sum, _mm256_mulhrs_epi16(values[H - 1], weights[H - 1])) }
 }
 
-/// Sum of the first product and the others.
-#[target_feature(enable = "avx2")]
-#[inline]
-fn product<const H: usize>(weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i {
-    let mut sum = _mm256_mulhrs_epi16(values[0], weights[0]);
-    for (weight, value) in weights.iter().zip(values).skip(1) {
-        sum = _mm256_add_epi16(sum, _mm256_mulhrs_epi16(*value, *weight));
-    }
-    sum
+/// Samples around a place: their sums and differences in pairs, outermost first, and the inner two.
+struct Around<const H: usize> {
+    sums: [__m256i; H],
+    differences: [__m256i; H],
+    inner: (__m256i, __m256i),
 }
 
-/// The values at all places of a cell, `bias` added, from those of the samples around: `low` from the outermost one before
-/// inwards, `high` from the outermost one after inwards.
+impl<const H: usize> Around<H> {
+    /// From samples that are read by their place in the order of the weights.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn new(low: [__m256i; H], high: [__m256i; H]) -> Self {
+        let mut around = Self { sums: low, differences: low, inner: (low[H - 1], high[H - 1]) };
+        for k in 0..H {
+            around.sums[k] = _mm256_add_epi16(low[k], high[k]);
+            around.differences[k] = _mm256_sub_epi16(low[k], high[k]);
+        }
+        around
+    }
+
+    /// Of a group of samples, from `cell` samples into a window on.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn group(avx2: Avx2, values: &[i16; WINDOW], cell: usize) -> Self {
+        let (mut low, mut high) = ([_mm256_setzero_si256(); H], [_mm256_setzero_si256(); H]);
+        for k in 0..H {
+            low[k] = load(avx2, window(values, 4 * (cell + k)));
+            high[k] = load(avx2, window(values, 4 * (cell + 2 * H - 1 - k)));
+        }
+        Self::new(low, high)
+    }
+
+    /// Keeps a value between the inner two samples if asked.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn keep(&self, value: __m256i, bias: __m256i, deringing: bool) -> __m256i {
+        if !deringing {
+            return value;
+        }
+        let (a, b) = (_mm256_add_epi16(self.inner.0, bias), _mm256_add_epi16(self.inner.1, bias));
+        _mm256_min_epi16(_mm256_max_epi16(value, _mm256_min_epi16(a, b)), _mm256_max_epi16(a, b))
+    }
+}
+
+/// The values at all places of a cell, `bias` added. Written out place by place: through loops, values would go by way of
+/// memory.
 #[target_feature(enable = "avx2")]
 #[inline]
 fn places<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
-    low: [__m256i; H],
-    high: [__m256i; H],
+    around: &Around<H>,
     weights: &CellWeights<H>,
     bias: __m256i,
 ) -> [__m256i; MAX_ROWS] {
-    let mut out = [bias; MAX_ROWS];
-    let sums: [__m256i; H] = array::from_fn(|k| _mm256_add_epi16(low[k], high[k]));
-    let differences: [__m256i; H] = array::from_fn(|k| _mm256_sub_epi16(low[k], high[k]));
-    let lead = if FIRST == First::None as u8 { 0 } else { 1 };
-    if FIRST == First::Copy as u8 {
-        out[0] = _mm256_add_epi16(low[H - 1], bias);
+    let keep = |value| around.keep(value, bias, weights.deringing);
+    let first = if FIRST == First::Copy as u8 {
+        _mm256_add_epi16(around.inner.0, bias)
     } else if FIRST == First::Weighted as u8 {
-        let even = dot(bias, &weights.first[0], &sums);
-        let odd = product(&weights.first[1], &differences);
-        out[0] = if weights.first_mirrored { _mm256_sub_epi16(even, odd) } else { _mm256_add_epi16(even, odd) };
+        let even = _mm256_add_epi16(bias, dot(&weights.first[0], &around.sums));
+        let odd = dot(&weights.first[1], &around.differences);
+        keep(if weights.first_mirrored { _mm256_sub_epi16(even, odd) } else { _mm256_add_epi16(even, odd) })
+    } else {
+        bias
+    };
+    let pair = |index: usize| {
+        let even = _mm256_add_epi16(bias, dot(&weights.pairs[index][0], &around.sums));
+        let odd = dot(&weights.pairs[index][1], &around.differences);
+        (keep(_mm256_add_epi16(even, odd)), keep(_mm256_sub_epi16(even, odd)))
+    };
+    let (outer_low, outer_high) = if PAIRS > 0 { pair(0) } else { (bias, bias) };
+    let (inner_low, inner_high) = if PAIRS > 1 { pair(1) } else { (bias, bias) };
+    let middle = if MIDDLE { keep(_mm256_add_epi16(bias, dot(&weights.middle, &around.sums))) } else { bias };
+    match (FIRST == First::None as u8, PAIRS, MIDDLE) {
+        (true, 2, _) => [outer_low, inner_low, inner_high, outer_high],
+        (true, 1, _) => [outer_low, outer_high, bias, bias],
+        (true, _, _) => [middle, bias, bias, bias],
+        (false, 1, true) => [first, outer_low, middle, outer_high],
+        (false, 1, false) => [first, outer_low, outer_high, bias],
+        (false, _, _) => [first, middle, bias, bias],
     }
-    let count = lead + 2 * PAIRS + usize::from(MIDDLE);
-    for pair in 0..PAIRS {
-        let even = dot(bias, &weights.pairs[pair][0], &sums);
-        let odd = product(&weights.pairs[pair][1], &differences);
-        out[lead + pair] = _mm256_add_epi16(even, odd);
-        out[count - 1 - pair] = _mm256_sub_epi16(even, odd);
-    }
-    if MIDDLE {
-        out[lead + PAIRS] = dot(bias, &weights.middle, &sums);
-    }
-    if weights.deringing {
-        let [a, b] = [low[H - 1], high[H - 1]].map(|value| _mm256_add_epi16(value, bias));
-        for value in &mut out[usize::from(FIRST == First::Copy as u8)..count] {
-            *value = between(*value, a, b);
-        }
-    }
-    out
-}
-
-/// The nearest to `value` from `a` to `b`, whichever is the greater.
-#[target_feature(enable = "avx2")]
-#[inline]
-fn between(value: __m256i, a: __m256i, b: __m256i) -> __m256i {
-    _mm256_min_epi16(_mm256_max_epi16(value, _mm256_min_epi16(a, b)), _mm256_max_epi16(a, b))
 }
 
 /// Calls a function with the constants of a shape.
@@ -257,38 +285,48 @@ macro_rules! with_shape {
 
 /// Makes blocks of the rows of a cell from those of the rows around.
 #[target_feature(enable = "avx2")]
+#[inline(never)]
 fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
     avx2: Avx2,
-    low: &[&[Block]; H],
-    high: &[&[Block]; H],
+    (low, high): &Rows<'_, H>,
     weights: &CellWeights<H>,
-    rows: [&mut [[u8; 32]]; MAX_ROWS],
+    rows: &mut [&mut [[u8; 32]]; MAX_ROWS],
 ) {
     let bias = _mm256_set1_epi16(BIAS);
-    let lead = if FIRST == First::None as u8 { 0 } else { 1 };
-    let count = lead + 2 * PAIRS + usize::from(MIDDLE);
-    let blocks = rows[0].len();
-    let low: [&[Block]; H] = array::from_fn(|k| &low[k][..blocks]);
-    let high: [&[Block]; H] = array::from_fn(|k| &high[k][..blocks]);
-    let rows = rows.map(|row| {
-        let length = row.len().min(blocks);
-        &mut row[..length]
-    });
+    let count = usize::from(FIRST != First::None as u8) + 2 * PAIRS + usize::from(MIDDLE);
+    let [first, second, third, fourth] = rows;
+    let blocks = first.len();
+    let half = |block: usize, half: usize| {
+        let (mut before, mut after) = ([bias; H], [bias; H]);
+        for k in 0..H {
+            before[k] = load(avx2, &low[k][block][half]);
+            after[k] = load(avx2, &high[k][block][half]);
+        }
+        places::<H, FIRST, PAIRS, MIDDLE>(&Around::new(before, after), weights, bias)
+    };
+    let codes =
+        |a, b| _mm256_packus_epi16(_mm256_srai_epi16::<{ POINT as i32 }>(a), _mm256_srai_epi16::<{ POINT as i32 }>(b));
     for block in 0..blocks {
-        let halves: [[__m256i; MAX_ROWS]; 2] = array::from_fn(|half| {
-            let low = array::from_fn(|k| load(avx2, &low[k][block][half]));
-            let high = array::from_fn(|k| load(avx2, &high[k][block][half]));
-            places::<H, FIRST, PAIRS, MIDDLE>(low, high, weights, bias)
-        });
-        for row in 0..count {
-            let [a, b] = halves.map(|half| _mm256_srai_epi16::<{ POINT as i32 }>(half[row]));
-            store_codes(avx2, _mm256_packus_epi16(a, b), &mut rows[row][block]);
+        let ([a0, a1, a2, a3], [b0, b1, b2, b3]) = (half(block, 0), half(block, 1));
+        store_codes(avx2, codes(a0, b0), &mut first[block]);
+        if count > 1 {
+            store_codes(avx2, codes(a1, b1), &mut second[block]);
+        }
+        if count > 2 {
+            store_codes(avx2, codes(a2, b2), &mut third[block]);
+        }
+        if count > 3 {
+            store_codes(avx2, codes(a3, b3), &mut fourth[block]);
         }
     }
 }
 
+/// The widened rows before a cell, outermost first, and those after it, outermost first.
+type Rows<'a, const H: usize> = ([&'a [Block]; H], [&'a [Block]; H]);
+
 /// Widens groups of samples twofold or fourfold, the places of a cell in their order.
 #[target_feature(enable = "avx2")]
+#[inline(never)]
 fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
     avx2: Avx2,
     padded: &[i16],
@@ -300,9 +338,7 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
     let count = lead + 2 * PAIRS + usize::from(MIDDLE);
     for (group, blocks) in wide.chunks_exact_mut(count / 2).enumerate() {
         let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
-        let low = array::from_fn(|k| load(avx2, window(around, 4 * k)));
-        let high = array::from_fn(|k| load(avx2, window(around, 4 * (2 * H - 1 - k))));
-        let of = places::<H, FIRST, PAIRS, MIDDLE>(low, high, weights, zero);
+        let of = places::<H, FIRST, PAIRS, MIDDLE>(&Around::group(avx2, around, 0), weights, zero);
         // Within each half: the first two places of one sample, and of the next one.
         let (one, next) = (_mm256_unpacklo_epi64(of[0], of[1]), _mm256_unpackhi_epi64(of[0], of[1]));
         if let [block] = blocks {
@@ -321,15 +357,13 @@ fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE
 /// The value at one place.
 #[target_feature(enable = "avx2")]
 #[inline]
-fn place<const H: usize>(phase: &Phase<H>, low: [__m256i; H], high: [__m256i; H], deringing: bool) -> __m256i {
+fn place<const H: usize>(phase: &Phase<H>, around: &Around<H>, deringing: bool) -> __m256i {
     if phase.is_copy() {
-        return low[H - 1];
+        return around.inner.0;
     }
-    let sums: [__m256i; H] = array::from_fn(|k| _mm256_add_epi16(low[k], high[k]));
-    let differences: [__m256i; H] = array::from_fn(|k| _mm256_sub_epi16(low[k], high[k]));
-    let (even, odd) = (product(&spread(phase.even), &sums), product(&spread(phase.odd), &differences));
+    let (even, odd) = (dot(&spread(phase.even), &around.sums), dot(&spread(phase.odd), &around.differences));
     let sum = if phase.mirrored { _mm256_sub_epi16(even, odd) } else { _mm256_add_epi16(even, odd) };
-    if deringing { between(sum, low[H - 1], high[H - 1]) } else { sum }
+    around.keep(sum, _mm256_setzero_si256(), deringing)
 }
 
 /// Where pixel `at` of a widened row is kept: its block, register, and first value there.
@@ -340,21 +374,14 @@ fn slot(at: usize) -> (usize, usize, usize) {
 
 /// Widens groups of samples by any period.
 #[target_feature(enable = "avx2")]
-fn widen_any<const H: usize>(
-    avx2: Avx2,
-    padded: &[i16],
-    widening: &Widening<'_, H>,
-    wide: &mut [Block],
-) {
+fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>, wide: &mut [Block]) {
     let Widening { period, samples_per_period, deringing } = *widening;
     let pixels_per_group = GROUP / samples_per_period * period.len();
     for group in 0..wide.len() * BLOCK / pixels_per_group {
         let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
         for (index, (cell, phase)) in period.iter().enumerate() {
-            let low = array::from_fn(|k| load(avx2, window(around, 4 * (cell + k))));
-            let high = array::from_fn(|k| load(avx2, window(around, 4 * (cell + 2 * H - 1 - k))));
             let mut values = [0; 16];
-            store(avx2, place(phase, low, high, deringing), &mut values);
+            store(avx2, place(phase, &Around::group(avx2, around, *cell), deringing), &mut values);
             for (repeat, of_sample) in values.chunks_exact(4 * samples_per_period).enumerate() {
                 let (block, register, first) = slot(group * pixels_per_group + repeat * period.len() + index);
                 wide[block][register][first..first + 4].copy_from_slice(&of_sample[..4]);
@@ -423,6 +450,7 @@ fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
 
 /// Makes rows that have a shape: the blocks that lie within the picture directly, those at its ends aside.
 #[target_feature(enable = "avx2")]
+#[inline(never)]
 fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows: &mut [Rgba8]) {
     let weights = &CellWeights::new(cell.phases, shape, cell.deringing);
     let count = cell.phases.len();
@@ -441,22 +469,25 @@ fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows:
         heads[row] = own_head;
         rest = others;
     }
-    let from = |block: usize| (cell.low.map(|row| &row[block..]), cell.high.map(|row| &row[block..]));
+    let from = |block: usize| -> Rows<'_, H> {
+        let (mut low, mut high) = (cell.low, cell.high);
+        for k in 0..H {
+            (low[k], high[k]) = (&low[k][block..], &high[k][block..]);
+        }
+        (low, high)
+    };
     let mut aside = [[[0; 32]; 1]; MAX_ROWS];
     if head > 0 {
-        let (low, high) = from(0);
-        with_shape!(shape, sweep::<H>(avx2, &low, &high, weights, aside.each_mut().map(|row| row.as_mut_slice())));
+        with_shape!(shape, sweep::<H>(avx2, &from(0), weights, &mut aside.each_mut().map(|row| row.as_mut_slice())));
         for (row, codes) in heads.into_iter().zip(&aside) {
             let length = 4 * row.len();
             row.as_flattened_mut().copy_from_slice(&codes[0][4 * cell.skipped..][..length]);
         }
     }
-    let ends_aside = !tails[0].is_empty();
-    let (low, high) = from(first_block);
-    with_shape!(shape, sweep::<H>(avx2, &low, &high, weights, middles));
-    if ends_aside {
-        let (low, high) = from(first_block + blocks);
-        with_shape!(shape, sweep::<H>(avx2, &low, &high, weights, aside.each_mut().map(|row| row.as_mut_slice())));
+    with_shape!(shape, sweep::<H>(avx2, &from(first_block), weights, &mut middles));
+    if !tails[0].is_empty() {
+        let rows = &from(first_block + blocks);
+        with_shape!(shape, sweep::<H>(avx2, rows, weights, &mut aside.each_mut().map(|row| row.as_mut_slice())));
         for (row, codes) in tails.into_iter().zip(&aside) {
             let length = row.len();
             row.copy_from_slice(&codes[0][..length]);

@@ -72,9 +72,9 @@ impl Separable {
     /// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result.
     fn fill(&self, level: Level, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
         match (how.light(), self.weights) {
-            (Light::Linear, Weights::Two(weights)) => fill_linear(weights, how, drawn, full),
-            (Light::Linear, Weights::Four(weights)) => fill_linear(weights, how, drawn, full),
-            (Light::Linear, Weights::Six(weights)) => fill_linear(weights, how, drawn, full),
+            (Light::Linear, Weights::Two(weights)) => fill_linear(level, weights, how, drawn, full),
+            (Light::Linear, Weights::Four(weights)) => fill_linear(level, weights, how, drawn, full),
+            (Light::Linear, Weights::Six(weights)) => fill_linear(level, weights, how, drawn, full),
             (Light::Bytes, Weights::Two(_)) => fill_exact(level, how.lattice(), drawn, full),
             (Light::Bytes, Weights::Four(weights)) => {
                 let phases = phases::<4, 2>(weights, how.lattice());
@@ -99,13 +99,14 @@ impl Separable {
 }
 
 fn fill_linear<const N: usize>(
+    level: Level,
     weights: fn(f64) -> [f64; N],
     how: Upscaling,
     drawn: &Image<Rgba8>,
     full: &mut Image<Rgba8>,
 ) {
     let lattice = how.lattice();
-    let pass = Linear::new(&table(weights, lattice), columns(lattice, full.width()), how.deringing());
+    let pass = Linear::new(level, &table(weights, lattice), columns(lattice, full.width()), how.deringing());
     fill(&pass, drawn, lattice, full);
 }
 
@@ -127,9 +128,15 @@ fn pixel_of(weights: Weights, how: Upscaling, drawn: &Image<Rgba8>, (x, y): (u32
     let (lattice, deringing) = (how.lattice(), how.deringing());
     let columns = vec![lattice.place(x)];
     match (how.light(), weights) {
-        (Light::Linear, Weights::Two(w)) => pixel(&Linear::new(&table(w, lattice), columns, deringing), drawn, lattice, y),
-        (Light::Linear, Weights::Four(w)) => pixel(&Linear::new(&table(w, lattice), columns, deringing), drawn, lattice, y),
-        (Light::Linear, Weights::Six(w)) => pixel(&Linear::new(&table(w, lattice), columns, deringing), drawn, lattice, y),
+        (Light::Linear, Weights::Two(w)) => {
+            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+        }
+        (Light::Linear, Weights::Four(w)) => {
+            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+        }
+        (Light::Linear, Weights::Six(w)) => {
+            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+        }
         (Light::Bytes, Weights::Two(_)) => pixel(&Exact { steps: lattice.phases() as u16, columns }, drawn, lattice, y),
         (Light::Bytes, Weights::Four(w)) => {
             pixel(&Fixed { phases: &phases::<4, 2>(w, lattice), columns, deringing }, drawn, lattice, y)
@@ -154,7 +161,13 @@ impl Upscaler for Separable {
     }
 
     fn offers(&self) -> Offers {
-        Offers { scales: SCALES, anchors: Anchor::ALL, lights: Light::ALL, deringing: self.deringing, sharpening: false }
+        Offers {
+            scales: SCALES,
+            anchors: Anchor::ALL,
+            lights: Light::ALL,
+            deringing: self.deringing,
+            sharpening: false,
+        }
     }
 
     fn sampling(&self, how: Upscaling) -> Sampling {

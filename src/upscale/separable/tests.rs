@@ -39,7 +39,8 @@ fn mitchell(x: f64) -> f64 {
 }
 
 fn lanczos(x: f64, lobes: f64) -> f64 {
-    let sinc = |x: f64| if x.abs() < 1e-9 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
+    let sinc =
+        |x: f64| if x.abs() < 1e-9 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
     if x < lobes { sinc(x) * sinc(x / lobes) } else { 0.0 }
 }
 
