@@ -232,3 +232,96 @@ fn convolve(plane: &Image<f64>, across: &[f64], down: &[f64]) -> Image<f64> {
         .collect();
     Image::from_pixels(width, height, pixels)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: (u32, u32) = (96, 64);
+
+    fn picture(color: impl Fn(u32, u32) -> [u32; 3]) -> Image<Rgba8> {
+        Image::from_fn(SIZE.0, SIZE.1, |x, y| {
+            let [r, g, b] = color(x, y).map(|code| code as u8);
+            [r, g, b, 255]
+        })
+    }
+
+    fn slopes(x: u32, y: u32) -> [u32; 3] {
+        [2 * x + y, 4 * y, 255_u32.wrapping_sub(2 * x)]
+    }
+
+    fn squares(x: u32, y: u32) -> [u32; 3] {
+        [255 * ((x / 8 + y / 8) % 2); 3]
+    }
+
+    fn noise(x: u32, y: u32, seed: u32) -> [u32; 3] {
+        [1_u32, 2, 3].map(|channel| {
+            let mixed = x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ channel.wrapping_mul(83_492_791) ^ seed;
+            ((mixed ^ (mixed >> 13)).wrapping_mul(1_274_126_177) >> 16) & 255
+        })
+    }
+
+    fn disc(x: u32, y: u32) -> [u32; 3] {
+        if x.abs_diff(40).pow(2) + y.abs_diff(30).pow(2) < 24 * 24 { [230, 60, 30] } else { [20, 40, 90] }
+    }
+
+    fn bars(x: u32) -> [u32; 3] {
+        [x / 16 % 2, x / 32 % 2, x / 64 % 2].map(|on| 255 * on)
+    }
+
+    /// A quarter of the way to grey.
+    fn dull(color: [u32; 3]) -> [u32; 3] {
+        let grey = color.iter().sum::<u32>() / 3;
+        color.map(|code| (3 * code + grey) / 4)
+    }
+
+    /// Means and maxima by the authors' own program: the package `flip-evaluator` 1.7 of PyPI, `evaluate(a, b, "LDR",
+    /// applyMagma=False)` of PNG files of these pictures, all other settings left as they are.
+    #[test]
+    fn errors_are_those_of_the_authors_program() {
+        let mixed = |x, y| {
+            let (one, other) = (noise(x, y, 0), noise(x, y, 7));
+            std::array::from_fn(|channel| (3 * one[channel] + other[channel]) / 4)
+        };
+        let pairs = [
+            ("slopes", picture(slopes), picture(|x, y| slopes(x + 1, y)), 0.054_462, 0.072_186),
+            ("squares", picture(squares), picture(|x, y| squares(x + 2, y + 1)), 0.608_863, 0.989_505),
+            ("noise", picture(|x, y| noise(x, y, 0)), picture(mixed), 0.231_926, 0.533_043),
+            ("disc", picture(disc), picture(|x, y| disc(x / 4 * 4, y / 4 * 4)), 0.091_233, 0.959_630),
+            ("bars", picture(|x, _| bars(x)), picture(|x, _| dull(bars(x))), 0.477_385, 0.818_903),
+        ];
+        // Sums of codes, which tell that the pictures are the ones that the figures are of.
+        let sum = |p: &Image<Rgba8>| p.pixels().iter().flat_map(|p| &p[..3]).map(|code| u32::from(*code)).sum::<u32>();
+        let sums = pairs.each_ref().map(|(_, a, b, ..)| (sum(a), sum(b)));
+        assert_eq!(
+            sums,
+            [
+                (2_534_400, 2_534_400),
+                (2_350_080, 2_350_080),
+                (2_368_323, 2_356_431),
+                (1_225_730, 1_215_360),
+                (1_827_840, 1_820_672)
+            ]
+        );
+        for (name, a, b, expected_mean, expected_max) in pairs {
+            let errors = map(&a, &b).unwrap();
+            let greatest = f64::from(errors.pixels().iter().copied().fold(0.0, f32::max));
+            let mean = mean(&a, &b).unwrap();
+            assert!((mean - expected_mean).abs() < 1e-4, "{name}: mean {mean}, not {expected_mean}");
+            assert!((greatest - expected_max).abs() < 1e-3, "{name}: at most {greatest}, not {expected_max}");
+        }
+    }
+
+    #[test]
+    fn equal_pictures_have_no_error_and_order_does_not_matter() {
+        let (a, b) = (picture(disc), picture(|x, y| noise(x, y, 3)));
+        assert_eq!(mean(&a, &a), Some(0.0));
+        assert_eq!(map(&a, &b), map(&b, &a));
+        assert_eq!(mean(&a, &Image::filled(3, 3, [0; 4])), None);
+        for size in [(1, 1), (2, 30)] {
+            let [black, white] = [[0, 0, 0, 255], [255; 4]].map(|color| Image::filled(size.0, size.1, color));
+            let error = mean(&black, &white).unwrap();
+            assert!((0.9..=1.0).contains(&error), "{size:?}: {error}");
+        }
+    }
+}

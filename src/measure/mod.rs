@@ -4,6 +4,8 @@ pub mod error;
 
 pub mod flip;
 
+pub mod region;
+
 pub mod stages;
 
 pub mod timing;
