@@ -59,7 +59,7 @@ pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
     if a.size() != b.size() || a.pixels().is_empty() {
         return None;
     }
-    let [a, b] = [a, b].map(|picture| opponent(picture));
+    let [a, b] = [a, b].map(opponent);
     let (color, features) = rayon::join(|| color_errors(&a, &b), || feature_errors(&a, &b));
     let pixels = color.pixels().iter().zip(features.pixels()).map(|(c, f)| c.powf(1.0 - f) as f32).collect();
     Some(Image::from_pixels(color.width(), color.height(), pixels))
@@ -256,7 +256,8 @@ mod tests {
 
     fn noise(x: u32, y: u32, seed: u32) -> [u32; 3] {
         [1_u32, 2, 3].map(|channel| {
-            let mixed = x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ channel.wrapping_mul(83_492_791) ^ seed;
+            let mixed =
+                x.wrapping_mul(73_856_093) ^ y.wrapping_mul(19_349_663) ^ channel.wrapping_mul(83_492_791) ^ seed;
             ((mixed ^ (mixed >> 13)).wrapping_mul(1_274_126_177) >> 16) & 255
         })
     }

@@ -71,7 +71,9 @@ impl Upscaling {
     /// the method offers is taken.
     pub fn new(method: &str, scale: impl Into<Scale>) -> Option<Self> {
         let method = ALL.iter().position(|u| u.id() == method)?;
-        Some(Self { method, scale: scale.into(), ..Self::NATIVE }.offered())
+        let offers = ALL[method].offers();
+        let (anchor, light) = (*offers.anchors.first()?, *offers.lights.first()?);
+        Some(Self { method, scale: scale.into(), anchor, light, ..Self::NATIVE }.offered())
     }
 
     /// The same where the method offers it, else what it offers.

@@ -20,6 +20,7 @@ mod bilinear;
 mod checkerboard;
 mod choice;
 mod cubic;
+mod fsr;
 mod lanczos;
 mod lattice;
 mod native;
@@ -32,6 +33,7 @@ pub use bilinear::BILINEAR;
 pub use checkerboard::CHECKERBOARD;
 pub use choice::{Light, Upscaling};
 pub use cubic::{CATMULL_ROM, MITCHELL};
+pub use fsr::FSR1;
 pub use lanczos::{LANCZOS2, LANCZOS3};
 pub use lattice::{Anchor, Lattice, Place};
 pub use native::NATIVE;
@@ -144,7 +146,7 @@ pub struct Tap {
 
 /// All methods, in the order in which menus list them.
 pub static ALL: &[&dyn Upscaler] =
-    &[&NATIVE, &CHECKERBOARD, &NEAREST, &BILINEAR, &BICUBIC, &CATMULL_ROM, &MITCHELL, &LANCZOS2, &LANCZOS3];
+    &[&NATIVE, &CHECKERBOARD, &NEAREST, &BILINEAR, &BICUBIC, &CATMULL_ROM, &MITCHELL, &LANCZOS2, &LANCZOS3, &FSR1];
 
 #[cfg(test)]
 mod tests;

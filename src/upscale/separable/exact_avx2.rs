@@ -197,7 +197,7 @@ kernel! {
         with_rows!(count, divide, (avx2, above, below, steps, rounding, middles));
         if !tails[0].is_empty() {
             let mut aside = [[[0; 32]; 1]; MAX_ROWS];
-            let into = aside.each_mut().map(|row| row.as_mut_slice());
+            let into = aside.each_mut().map(<[_; 1]>::as_mut_slice);
             with_rows!(count, divide, (avx2, &above[blocks..], &below[blocks..], steps, rounding, into));
             for (row, codes) in tails.into_iter().zip(&aside) {
                 let length = row.len();

@@ -478,7 +478,7 @@ fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows:
     };
     let mut aside = [[[0; 32]; 1]; MAX_ROWS];
     if head > 0 {
-        with_shape!(shape, sweep::<H>(avx2, &from(0), weights, &mut aside.each_mut().map(|row| row.as_mut_slice())));
+        with_shape!(shape, sweep::<H>(avx2, &from(0), weights, &mut aside.each_mut().map(<[_; 1]>::as_mut_slice)));
         for (row, codes) in heads.into_iter().zip(&aside) {
             let length = 4 * row.len();
             row.as_flattened_mut().copy_from_slice(&codes[0][4 * cell.skipped..][..length]);
@@ -487,7 +487,7 @@ fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows:
     with_shape!(shape, sweep::<H>(avx2, &from(first_block), weights, &mut middles));
     if !tails[0].is_empty() {
         let rows = &from(first_block + blocks);
-        with_shape!(shape, sweep::<H>(avx2, rows, weights, &mut aside.each_mut().map(|row| row.as_mut_slice())));
+        with_shape!(shape, sweep::<H>(avx2, rows, weights, &mut aside.each_mut().map(<[_; 1]>::as_mut_slice)));
         for (row, codes) in tails.into_iter().zip(&aside) {
             let length = row.len();
             row.copy_from_slice(&codes[0][..length]);

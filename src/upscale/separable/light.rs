@@ -148,7 +148,7 @@ fn blend_lanes(weights: &[f32], around: &[&[f32]], deringing: bool, row: &mut [R
         *code = encode(*light);
     }
     for (pixel, light) in row.iter_mut().zip(sums.as_chunks::<4>().0) {
-        pixel[3] = round(255.0 * light[3].max(0.0).min(1.0));
+        pixel[3] = round(255.0 * light[3].clamp(0.0, 1.0));
     }
 }
 
@@ -158,7 +158,7 @@ fn blend_lanes(weights: &[f32], around: &[&[f32]], deringing: bool, row: &mut [R
 fn encode(light: f32) -> u8 {
     /// 255 (1.055 r^(5/3) − 0.055) for r from 0.0031308^(1/4) to 1: interpolated at Chebyshev's points, off by 0.0021.
     const POWER: [f32; 6] = [-15.678_251, 41.691_35, 318.693_9, -144.683_87, 71.647_62, -16.672_062];
-    let light = light.max(0.0).min(1.0);
+    let light = light.clamp(0.0, 1.0);
     let root = light.sqrt().sqrt();
     let mut power = POWER[5];
     for coefficient in [POWER[4], POWER[3], POWER[2], POWER[1], POWER[0]] {

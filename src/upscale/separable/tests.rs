@@ -1,8 +1,11 @@
 use super::*;
 use crate::upscale::{BICUBIC, BILINEAR, CATMULL_ROM, LANCZOS2, LANCZOS3, MITCHELL};
 
+/// The weight at a distance in samples.
+type Curve = fn(f64) -> f64;
+
 /// Methods, and their kernels as published: the weight at a distance in samples.
-const METHODS: [(&Separable, fn(f64) -> f64); 6] = [
+const METHODS: [(&Separable, Curve); 6] = [
     (&BILINEAR, |x| (1.0 - x).max(0.0)),
     (&BICUBIC, lagrange),
     (&CATMULL_ROM, |x| keys(x, -0.5)),
@@ -53,7 +56,7 @@ fn picture(random: &mut fastrand::Rng, width: u32, height: u32) -> Image<Rgba8> 
     })
 }
 
-fn choices() -> impl Iterator<Item = (&'static Separable, fn(f64) -> f64, Upscaling)> {
+fn choices() -> impl Iterator<Item = (&'static Separable, Curve, Upscaling)> {
     METHODS.into_iter().flat_map(|(method, kernel)| {
         SCALES.iter().flat_map(move |scale| {
             let how = Upscaling::new(method.id, *scale);
@@ -71,7 +74,7 @@ fn place(how: Upscaling, at: u32) -> f64 {
 }
 
 /// Indices of samples and their weights along one axis, divided by their sum.
-fn weights(kernel: fn(f64) -> f64, at: f64, samples: u32) -> Vec<(u32, f64)> {
+fn weights(kernel: Curve, at: f64, samples: u32) -> Vec<(u32, f64)> {
     let first = at.floor() as i64 - 3;
     let all: Vec<_> = (first..first + 8).map(|index| (index, kernel((at - index as f64).abs()))).collect();
     let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
@@ -80,7 +83,7 @@ fn weights(kernel: fn(f64) -> f64, at: f64, samples: u32) -> Vec<(u32, f64)> {
 
 /// Every sample that counts for every pixel, in f64, of codes or of what `value` makes of them.
 fn reference(
-    kernel: fn(f64) -> f64,
+    kernel: Curve,
     how: Upscaling,
     drawn: &Image<Rgba8>,
     (width, height): (u32, u32),
@@ -105,7 +108,7 @@ fn reference(
 const SIZES: [(u32, u32); 7] = [(1, 1), (2, 1), (1, 3), (5, 4), (9, 7), (17, 6), (6, 61)];
 
 /// Calls `check` with every choice, its samples and the size to fill, sometimes less than all of the last block.
-fn for_all(mut check: impl FnMut(&Separable, fn(f64) -> f64, Upscaling, &Image<Rgba8>, (u32, u32))) {
+fn for_all(mut check: impl FnMut(&Separable, Curve, Upscaling, &Image<Rgba8>, (u32, u32))) {
     let mut random = fastrand::Rng::with_seed(5);
     for (method, kernel, how) in choices() {
         for (index, (columns, rows)) in SIZES.into_iter().enumerate() {
