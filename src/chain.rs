@@ -1,6 +1,5 @@
 //! The one entry for window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
 
-use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, OnceLock};
@@ -16,12 +15,12 @@ use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::DrawPlan;
-use crate::pipeline::settings::{Execution, Settings};
+use crate::pipeline::settings::{Choice as _, Execution, Settings};
 use crate::pipeline::tiled::{self, TiledReport};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare, wireframe};
 use crate::scene::{Camera, Scene};
-use crate::upscale::{self, Upscaling};
+use crate::upscale::{self, Drawn, Offers, Sampling, Scale, Upscaler, Upscaling};
 
 /// Everything that decides how a scene is drawn: plain data, edited by panels, parsed from the command line, swept by
 /// reports. Equal recipe and equal scene give an equal frame, bit for bit.
@@ -50,8 +49,11 @@ impl Default for Recipe {
     }
 }
 
-/// The setting whose values depend on another.
-const SCALE_KEY: &str = "upscaler.scale";
+/// What settings of the upscaler begin with.
+const UPSCALER_KEYS: &str = "upscaler.";
+
+/// The one that decides what the others may be.
+const METHOD_KEY: &str = "upscaler.method";
 
 /// Why a `key=value` does not change a recipe.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -90,24 +92,28 @@ impl Recipe {
             SetError::UnknownKey { key: key.clone(), known: known.join(", ") }
         })?;
         let bad = |reason: String| SetError::BadValue { key: key.clone(), reason };
-        *leaf = parse_like(leaf, value.trim()).map_err(bad)?;
+        let wanted = parse_like(leaf, value.trim()).map_err(bad)?;
+        *leaf = wanted.clone();
         let changed: Self = serde_json::from_value(tree).map_err(|e| bad(e.to_string()))?;
         changed.check().map_err(bad)?;
-        if key == SCALE_KEY && changed.upscaler.scale().to_string() != value.trim() {
-            let offered: Vec<_> = changed.upscaler.upscaler().scales().iter().map(u32::to_string).collect();
-            return Err(bad(format!("`{}` offers {}", changed.upscaler.method(), offered.join(", "))));
+        if json(&changed).pointer(&pointer) != Some(&wanted) {
+            let method = changed.upscaler.method();
+            return Err(bad(format!("`{method}` offers {}", offered(&key, &[changed.upscaler.upscaler()]))));
         }
         *self = changed;
         Ok(())
     }
 
-    /// Changes several settings, in any order: enlargements come last, as the methods decide which ones there are.
+    /// Changes several settings, in any order: methods come before what they may offer.
     /// On error nothing changes.
     pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), SetError> {
         let mut changed = *self;
-        let is_scale = |assignment: &&str| key_of(assignment) == SCALE_KEY;
+        let depends = |assignment: &&str| {
+            let key = key_of(assignment);
+            key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY
+        };
         let all = || assignments.iter().map(AsRef::as_ref);
-        for assignment in all().filter(|a| !is_scale(a)).chain(all().filter(is_scale)) {
+        for assignment in all().filter(|a| !depends(a)).chain(all().filter(depends)) {
             changed.set(assignment)?;
         }
         *self = changed;
@@ -189,8 +195,10 @@ fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
 /// What a key takes: ranges as [`Recipe::check`] has them; words asked of the parser itself by giving it one that cannot exist.
 fn describe_values(key: &str, value: &Value) -> String {
     match value {
+        _ if key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY => {
+            format!("{}, where the method offers a choice", offered(key, upscale::ALL))
+        }
         Value::Bool(_) => "true, false".to_owned(),
-        _ if key == SCALE_KEY => format!("{}, where the method offers a choice", offered_scales()),
         Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),
         Value::Number(_) => "number".to_owned(),
         Value::Array(_) if key == "light.direction" => "3 numbers with commas between, not all of them 0".to_owned(),
@@ -203,11 +211,28 @@ fn describe_values(key: &str, value: &Value) -> String {
     }
 }
 
-/// Every enlargement of the methods that have a choice.
-fn offered_scales() -> String {
-    let choices = upscale::ALL.iter().map(|u| u.scales()).filter(|scales| scales.len() > 1);
-    let scales: BTreeSet<_> = choices.flatten().collect();
-    scales.into_iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+/// What some methods offer for a setting of the upscaler. Those without a choice count only if none has one.
+fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
+    let words = |offers: Offers| -> Vec<String> {
+        match key.trim_start_matches(UPSCALER_KEYS) {
+            "scale" => offers.scales.iter().map(Scale::to_string).collect(),
+            "anchor" => offers.anchors.iter().map(|anchor| anchor.id().to_owned()).collect(),
+            "light" => offers.lights.iter().map(|light| light.id().to_owned()).collect(),
+            "deringing" if offers.deringing => vec!["false".to_owned(), "true".to_owned()],
+            "sharpening" if offers.sharpening => vec!["0…100 %".to_owned()],
+            "sharpening" => vec!["0".to_owned()],
+            _ => vec!["false".to_owned()],
+        }
+    };
+    let all: Vec<_> = methods.iter().map(|method| words(method.offers())).collect();
+    let choices = all.iter().filter(|words| words.len() > 1 || methods.len() == 1);
+    let mut known: Vec<String> = Vec::new();
+    for word in choices.flatten() {
+        if !known.contains(word) {
+            known.push(word.clone());
+        }
+    }
+    known.join(", ")
 }
 
 /// Wall-clock time of each part of a frame.
@@ -236,6 +261,12 @@ pub struct Frame {
     pub plans: Vec<DrawPlan>,
     /// Size of the full picture.
     pub viewport: Viewport,
+    /// Size of the picture that `geometry` and `drawn` are of: the full one, or a smaller one of the same view.
+    pub raster: Viewport,
+    /// What of the full picture was drawn.
+    pub sampling: Sampling,
+    /// The triangles of the full picture, where lines over it need them and `geometry` is of a smaller one.
+    outlines: Option<Vec<ScreenTriangle>>,
     /// How it was drawn.
     pub execution: Execution,
     /// Where the time went.
@@ -253,7 +284,36 @@ impl Frame {
     /// Share of the picture's pixels that were drawn, in [0, 1].
     pub fn drawn_share(&self) -> f64 {
         let Viewport { width, height } = self.viewport;
-        self.drawn.grid.drawn_pixels(width, height) as f64 / (f64::from(width) * f64::from(height))
+        self.drawn_pixels() as f64 / (f64::from(width) * f64::from(height))
+    }
+
+    /// How many samples were drawn.
+    pub fn drawn_pixels(&self) -> u64 {
+        self.drawn.grid.drawn_pixels(self.raster.width, self.raster.height)
+    }
+
+    /// Whether a pixel of the full picture was drawn itself.
+    pub fn is_drawn(&self, x: u32, y: u32) -> bool {
+        matches!(self.sampling, Sampling::Grid(grid) if grid.sample_at(x, y).is_some())
+    }
+
+    /// The packed sample that stands for a pixel of the full picture: its own if it was drawn, the nearest if samples lie
+    /// between pixels, else none.
+    pub fn sample_at(&self, x: u32, y: u32) -> Option<(u32, u32)> {
+        match self.sampling {
+            Sampling::Grid(grid) => grid.sample_at(x, y),
+            Sampling::Lattice(lattice) => {
+                Some((lattice.nearest(x, self.raster.width), lattice.nearest(y, self.raster.height)))
+            }
+        }
+    }
+
+    /// The triangles that were rasterized, on the full picture; none if the frame was drawn smaller and without lines.
+    pub fn outlines(&self) -> &[ScreenTriangle] {
+        match self.sampling {
+            Sampling::Grid(_) => &self.geometry.triangles,
+            Sampling::Lattice(_) => self.outlines.as_deref().unwrap_or_default(),
+        }
     }
 
     /// Triangles, and pieces of cut ones, that were rasterized.
@@ -269,7 +329,8 @@ impl Frame {
     /// Draws the list of triangles once more, after it was changed.
     pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
         self.drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
-        self.finished = finish(recipe, &self.drawn, self.viewport, || &self.geometry.triangles);
+        let triangles = || self.outlines.as_ref().unwrap_or_else(|| &self.geometry.triangles);
+        self.finished = finish(recipe, &self.drawn, self.viewport, triangles);
     }
 }
 
@@ -317,13 +378,16 @@ pub fn run<O: Observer>(
     observer: &mut O,
 ) -> Frame {
     let start = Instant::now();
-    let geometry = prepare(scene, camera, &recipe.pipeline, viewport, observer);
+    let sampling = recipe.upscaler.sampling();
+    let raster = raster_of(sampling, viewport);
+    let geometry = prepare(scene, &camera_of(camera, sampling, viewport), &recipe.pipeline, raster, observer);
     let geometry_done = Instant::now();
 
-    let drawn = draw_pixels(scene, recipe, &geometry, viewport, Until::Shade, observer);
+    let drawn = draw_pixels(scene, recipe, &geometry, raster, Until::Shade, observer);
     let drawn_at = Instant::now();
 
-    let finished = finish(recipe, &drawn, viewport, || &geometry.triangles);
+    let outlines = outlines(scene, camera, recipe, viewport);
+    let finished = finish(recipe, &drawn, viewport, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
         geometry: geometry_done - start,
         pixels: drawn_at - geometry_done,
@@ -336,6 +400,9 @@ pub fn run<O: Observer>(
         plans: geometry.plans.clone(),
         geometry: LazyGeometry::made(geometry),
         viewport,
+        raster,
+        sampling,
+        outlines,
         execution: Execution::Classic,
         times,
         tiled: None,
@@ -388,23 +455,27 @@ impl Renderer {
         }
         let start = Instant::now();
         let settings = &recipe.pipeline;
+        let sampling = recipe.upscaler.sampling();
+        let raster = raster_of(sampling, viewport);
+        let seen = camera_of(camera, sampling, viewport);
         let geometry = {
-            let (scene, camera, settings) = (Arc::clone(scene), *camera, *settings);
-            let make = Arc::new(move || prepare(&scene, &camera, &settings, viewport, &mut ()));
+            let (scene, settings) = (Arc::clone(scene), *settings);
+            let make = Arc::new(move || prepare(&scene, &seen, &settings, raster, &mut ()));
             LazyGeometry { made: OnceLock::new(), make }
         };
         let spare_depth = self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes);
         let mut drawn = Framebuffer::reusing(
             recipe.upscaler.grid(),
-            viewport,
+            raster,
             (self.spare.take(), spare_depth),
             settings,
             keep_depth == KeepDepth::Yes,
         );
-        drawn.depth_scale = DepthScale::new(settings.depth_format, camera);
-        let report = tiled::draw(scene, camera, settings, viewport, &mut drawn, &mut self.memory, self.lanes);
+        drawn.depth_scale = DepthScale::new(settings.depth_format, &seen);
+        let report = tiled::draw(scene, &seen, settings, raster, &mut drawn, &mut self.memory, self.lanes);
         let drawn_at = Instant::now();
-        let finished = finish(recipe, &drawn, viewport, || &geometry.triangles);
+        let outlines = outlines(scene, camera, recipe, viewport);
+        let finished = finish(recipe, &drawn, viewport, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
         let front = report.times.transform + report.times.cull;
         let times = FrameTimes {
             geometry: front,
@@ -418,6 +489,9 @@ impl Renderer {
             geometry,
             plans: report.plans.clone(),
             viewport,
+            raster,
+            sampling,
+            outlines,
             execution: Execution::Tiled,
             times,
             tiled: Some(report),
@@ -449,6 +523,30 @@ pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static 
     }
 }
 
+/// Size of the picture that is really drawn.
+fn raster_of(sampling: Sampling, Viewport { width, height }: Viewport) -> Viewport {
+    let (width, height) = sampling.raster_size(width, height);
+    Viewport { width, height }
+}
+
+/// The camera that sees the picture that is really drawn.
+fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport) -> Camera {
+    match sampling {
+        Sampling::Grid(_) => *camera,
+        Sampling::Lattice(lattice) => {
+            let raster = raster_of(sampling, viewport);
+            let window = raster.window(viewport, lattice.scale.value(), [lattice.origin_px(); 2]);
+            Camera { window: Some(window), ..*camera }
+        }
+    }
+}
+
+/// The triangles of the full picture, where lines over it need them and what is drawn is a smaller one.
+fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<Vec<ScreenTriangle>> {
+    let drawn_smaller = matches!(recipe.upscaler.sampling(), Sampling::Lattice(_));
+    (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)
+}
+
 /// The full picture, unless what was drawn is that already.
 fn finish<'a>(
     recipe: &Recipe,
@@ -457,8 +555,8 @@ fn finish<'a>(
     triangles: impl Fn() -> &'a Vec<ScreenTriangle>,
 ) -> Option<Image<Rgba8>> {
     let Viewport { width, height } = viewport;
-    let upscaled = (!recipe.upscaler.is_native())
-        .then(|| recipe.upscaler.upscaler().upscale(&drawn.color, recipe.upscaler.scale(), width, height));
+    let upscaled =
+        (!recipe.upscaler.is_native()).then(|| recipe.upscaler.upscale(&Drawn::from(&drawn.color), width, height));
     if !recipe.wireframe {
         return upscaled;
     }
@@ -477,7 +575,7 @@ pub fn redraw<O: Observer>(
     until: Until,
     observer: &mut O,
 ) -> Framebuffer {
-    draw_pixels(scene, recipe, &frame.geometry, frame.viewport, until, observer)
+    draw_pixels(scene, recipe, &frame.geometry, frame.raster, until, observer)
 }
 
 fn draw_pixels<O: Observer>(
@@ -544,10 +642,10 @@ mod tests {
     fn an_enlargement_may_stand_before_its_method() {
         let mut recipe = Recipe::default();
         recipe.set_all(&["upscaler.scale=4", "upscaler.method=bicubic"]).unwrap();
-        assert_eq!((recipe.upscaler.method(), recipe.upscaler.scale()), ("bicubic", 4));
+        assert_eq!((recipe.upscaler.method(), recipe.upscaler.scale()), ("bicubic", Scale::FOUR));
         let before = recipe;
         assert!(recipe.set_all(&["wireframe=true", "Upscaler.scale=2"]).is_err(), "keys are in lower case");
-        assert!(recipe.set_all(&["wireframe=true", "upscaler.scale=3"]).is_err());
+        assert!(recipe.set_all(&["wireframe=true", "upscaler.scale=5"]).is_err());
         assert_eq!(recipe, before);
     }
 

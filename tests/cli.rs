@@ -84,7 +84,7 @@ fn help_names_every_setting() {
 fn help_tells_ranges_and_exit_codes() {
     let folder = folder();
     let help = |args: &[&str]| stdout(&run(&folder, &[args, &["--help"]].concat())).to_owned();
-    for (key, values) in [("light.ambient", "number, 0…1"), ("upscaler.scale", "2, 4")] {
+    for (key, values) in [("light.ambient", "number, 0…1"), ("upscaler.scale", "1.5, 2, 3, 4")] {
         assert!(help(&["render"]).contains(&format!("{key}: {values}")), "{key}");
     }
     for command in COMMANDS_WITH_SETTINGS.into_iter().chain([&["scenes"][..], &["stability"]]) {

@@ -205,32 +205,30 @@ fn textures_read_as_the_exact_mixture() {
     });
 }
 
+/// How far a weighted sum may be off: what 32-bit weights lose of 255.
+const UPSCALE_TOLERANCE: f64 = 1e-4;
+
+/// How far a drawn code may be from the weighted sum: half a code, and what fixed point adds.
+const CODE_TOLERANCE: f64 = 0.6;
+
 #[test]
-fn enlarged_pictures_are_the_exact_ones_rounded_half_up() {
+fn enlarged_pictures_are_the_exact_ones() {
     let samples = cases::of_kinds(&["upscale"]);
-    let mut refused = 0;
     for sample in &samples {
-        let offered = ["nearest_floor", "bilinear", "lagrange"].iter().any(|kernel| sample.case["kernel"] == *kernel)
-            && sample.case["phase"] == "corner"
-            && [2, 4].iter().any(|scale| sample.case["scale"] == *scale);
-        match outcome(sample, Options::default()) {
-            Outcome::Answered(Answer::Upscale(picture)) => {
-                assert!(offered && picture.quantized, "{}", sample.path.display());
-                let exact: Vec<Vec<f64>> = value(&sample.expected["values"]);
-                let codes = |row: Vec<f64>| row.iter().map(|v| (v.clamp(0.0, 255.0) + 0.5).floor() as u8).collect();
-                let exact: Vec<Vec<u8>> = exact.into_iter().map(codes).collect();
-                assert_eq!(picture.values, exact, "{}", sample.path.display());
+        let path = sample.path.display();
+        let Outcome::Answered(Answer::Upscale(picture)) = outcome(sample, Options::default()) else {
+            panic!("{path} is not answered");
+        };
+        let exact: Vec<Vec<f64>> = value(&sample.expected["values"]);
+        assert_eq!((picture.values.len(), picture.codes.len()), (exact.len(), exact.len()), "{path}");
+        for ((values, codes), exact) in picture.values.iter().zip(&picture.codes).zip(&exact) {
+            assert_eq!((values.len(), codes.len()), (exact.len(), exact.len()), "{path}");
+            for ((value, code), exact) in values.iter().zip(codes).zip(exact) {
+                assert!((value - exact).abs() < UPSCALE_TOLERANCE, "{path}: {value}, not {exact}");
+                let error = (f64::from(*code) - exact.clamp(0.0, 255.0)).abs();
+                assert!(error < CODE_TOLERANCE, "{path}: code {code} for {exact}");
             }
-            Outcome::Refused { error } => {
-                assert!(!offered, "{}: {error}", sample.path.display());
-                refused += 1;
-            }
-            Outcome::Answered(other) => panic!("{other:?}"),
         }
     }
-    eprintln!(
-        "{} upscale cases checked, {refused} of other kernels, phases or scales refused",
-        samples.len() - refused
-    );
-    assert!(samples.is_empty() || refused < samples.len(), "not one case was answered");
+    eprintln!("{} upscale cases checked", samples.len());
 }

@@ -22,7 +22,7 @@ use rasterscope::inspect::stages::{self, Stage};
 use rasterscope::inspect::view;
 use rasterscope::pipeline::settings::{Choice as _, DepthFormat};
 use rasterscope::scene::{Scene, builtin};
-use rasterscope::upscale::{self, Upscaling};
+use rasterscope::upscale::{self, Scale, Upscaling};
 
 const SIZE: (u32, u32) = (160, 100);
 
@@ -89,7 +89,7 @@ fn depth_formats() -> impl Iterator<Item = (String, Image<Rgba8>)> {
 fn upscalers() -> Vec<(String, Image<Rgba8>)> {
     let chess = scene("chess");
     let picture = |id: &str| {
-        let upscaler = Upscaling::new(id, u32::MAX)?;
+        let upscaler = Upscaling::new(id, Scale::FOUR)?;
         let recipe = Recipe { upscaler, ..Recipe::default() };
         Some((format!("chess.{id}-{}", upscaler.scale()), image(&chess, &recipe)))
     };

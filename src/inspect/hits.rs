@@ -64,7 +64,7 @@ pub struct Hits {
 impl Hits {
     /// Of a frame that `settings` made.
     pub fn of(frame: &Frame, settings: &Settings) -> Self {
-        Self::of_triangles(&frame.geometry.triangles, settings, frame.drawn.grid, frame.viewport)
+        Self::of_triangles(&frame.geometry.triangles, settings, frame.drawn.grid, frame.raster)
     }
 
     /// Of triangles on the screen that are drawn onto a grid of samples.
@@ -110,9 +110,9 @@ impl Hits {
     }
 }
 
-/// The fault at a pixel of a frame, if there is one.
+/// The fault at a pixel of the picture that was drawn, if there is one.
 pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fault> {
-    let Viewport { width, height } = frame.viewport;
+    let Viewport { width, height } = frame.raster;
     let around_px = if settings.rasterizer.is_published() { REACH_SAMPLES * WIDEST_STEP_PX } else { 0 };
     let end = |at: u32, limit: u32| at.saturating_add(around_px).saturating_add(1).min(limit);
     let (left, top) = (x.saturating_sub(around_px), y.saturating_sub(around_px));

@@ -6,7 +6,7 @@ use super::depth::DepthRecord;
 use super::hits::{Fault, fault_at};
 use super::verdict::{fault_verdict, verdict};
 use crate::chain::{Frame, Recipe};
-use crate::image::Rgba8;
+use crate::image::{Image, Rgba8};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
 use crate::pipeline::depth::{Comparison, depth_at};
 use crate::pipeline::framebuffer::Framebuffer;
@@ -21,7 +21,7 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw, wireframe};
 use crate::scene::material::CUT_OUT_BELOW;
 use crate::scene::{Scene, Transparency, TriangleId};
-use crate::upscale::Tap;
+use crate::upscale::{Drawn, Tap};
 
 /// What became of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -127,7 +127,7 @@ pub struct TexelRecord {
 /// A drawn pixel that an upscaler read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SourceRecord {
-    /// Where in the full picture, and its share.
+    /// Where in the picture that was drawn, and its share.
     #[serde(flatten)]
     pub tap: Tap,
     /// Its replayed colour.
@@ -145,7 +145,8 @@ pub struct PixelReport {
     pub verdict: String,
     /// The colour that the replay arrives at.
     pub color: Rgba8,
-    /// The pixel whose fragments are listed: this one if it was drawn, else the drawn one with the largest share.
+    /// The pixel whose fragments are listed, in the picture that was drawn: this one if it was drawn itself, else the one
+    /// with the largest share.
     pub drawn_at: [u32; 2],
     /// Every fragment there, in drawing order.
     pub fragments: Vec<FragmentRecord>,
@@ -172,18 +173,17 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
     if x >= width || y >= height {
         return None;
     }
-    let upscaler = recipe.upscaler.upscaler();
-    let taps = upscaler.taps(x, y, recipe.upscaler.scale(), width, height);
+    let (how, upscaler) = (recipe.upscaler, recipe.upscaler.upscaler());
+    let taps = upscaler.taps(how, &Drawn::from(&frame.drawn.color), (width, height), (x, y));
     let sources: Vec<SourceRecord> =
         taps.into_iter().map(|tap| source(scene, recipe, frame, tap)).collect::<Option<_>>()?;
     let main = sources.iter().max_by(|a, b| a.tap.weight.total_cmp(&b.tap.weight))?.tap;
-    let drawn_at = if frame.drawn.grid.sample_at(x, y).is_some() { (x, y) } else { (main.x, main.y) };
+    let drawn_at = if frame.is_drawn(x, y) { (x, y) } else { (main.x, main.y) };
     let mut recorder = Recorder::new(scene, recipe, frame);
     let (_, final_depth) = replay(scene, recipe, frame, drawn_at, &mut recorder)?;
 
-    let below = combine(&sources);
-    let wireframe =
-        recipe.wireframe.then(|| wireframe::crosses(&frame.geometry.triangles, (width, height), (x, y))).flatten();
+    let below = upscaler.pixel(how, &Drawn::from(&picture_of(&sources, frame)), (width, height), (x, y));
+    let wireframe = recipe.wireframe.then(|| wireframe::crosses(frame.outlines(), (width, height), (x, y))).flatten();
     let color = if wireframe.is_some() { wireframe::line_color(below) } else { below };
     let mut report = PixelReport {
         x,
@@ -195,9 +195,9 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
         wireframe,
-        fault: fault_at(frame, &recipe.pipeline, x, y),
+        fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),
     };
-    let story = verdict(&report, frame.drawn.grid, Comparison::of(&recipe.pipeline));
+    let story = verdict(&report, frame.is_drawn(x, y), Comparison::of(&recipe.pipeline));
     let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline) + " ");
     report.verdict = fault.unwrap_or_default() + &story;
     Some(report)
@@ -208,12 +208,16 @@ fn source(scene: &Scene, recipe: &Recipe, frame: &Frame, tap: Tap) -> Option<Sou
     Some(SourceRecord { tap, color })
 }
 
-/// The weighted sum of source pixels, rounded half up and clamped: what every upscaler computes.
-fn combine(sources: &[SourceRecord]) -> Rgba8 {
-    std::array::from_fn(|channel| {
-        let sum: f32 = sources.iter().map(|s| s.tap.weight * f32::from(s.color[channel])).sum();
-        (sum + 0.5).floor().clamp(0.0, 255.0) as u8
-    })
+/// What was drawn, as far as the replayed sources tell: all that the upscaler may look at.
+fn picture_of(sources: &[SourceRecord], frame: &Frame) -> Image<Rgba8> {
+    let (width, height) = frame.drawn.color.size();
+    let mut picture = Image::filled(width, height, [0; 4]);
+    for source in sources {
+        if let Some((column, row)) = frame.drawn.grid.sample_at(source.tap.x, source.tap.y) {
+            picture.set(column, row, source.color);
+        }
+    }
+    picture
 }
 
 /// Draws the sample of one drawn pixel alone: its colour and its stored depth.

@@ -95,7 +95,7 @@ impl Observer for LastCovered {
 fn spread(packed: &Image<Rgba8>, frame: &Frame) -> Image<Rgba8> {
     let Viewport { width, height } = frame.viewport;
     Image::from_fn(width, height, |x, y| {
-        frame.drawn.grid.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| packed.at(column, row))
+        frame.sample_at(x, y).map_or(NOT_DRAWN, |(column, row)| packed.at(column, row))
     })
 }
 
@@ -201,7 +201,7 @@ mod tests {
     #[test]
     fn pictures_of_samples_show_no_triangle_beyond_the_limit_and_no_pixel_beyond_the_grid() {
         let scene = builtin::by_id("cubes").unwrap().build();
-        let recipe = Recipe { upscaler: Upscaling::new("nearest", 2).unwrap(), ..Recipe::default() };
+        let recipe = Recipe { upscaler: Upscaling::new("nearest", 2_u32).unwrap(), ..Recipe::default() };
         let mut frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
         for stage in [Stage::Rasterize, Stage::Depth, Stage::Interpolate] {
             let image = picture(&scene, &scene.home, &recipe, &frame, stage);

@@ -5,16 +5,15 @@ use std::collections::BTreeSet;
 use super::hits::{Fault, FaultKind};
 use super::pixel::{FragmentRecord, Outcome, PixelReport};
 use crate::pipeline::depth::Comparison;
-use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::settings::{Choice as _, Settings};
 
 /// What happened at a pixel, in one sentence.
-pub(super) fn verdict(report: &PixelReport, grid: SampleGrid, comparison: Comparison) -> String {
+pub(super) fn verdict(report: &PixelReport, drawn: bool, comparison: Comparison) -> String {
     let story = fragment_verdict(&report.fragments, comparison);
     if let Some(triangle) = report.wireframe {
         return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
     }
-    if grid.sample_at(report.x, report.y).is_some() {
+    if drawn {
         return story;
     }
     let [x, y] = report.drawn_at;

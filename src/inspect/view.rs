@@ -82,7 +82,7 @@ pub fn value(buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>, x: u32, y
     if buffer == Buffer::Color {
         return frame.image().get(x, y).map_or(Value::NotDrawn, Value::Color);
     }
-    let Some((column, row)) = frame.drawn.grid.sample_at(x, y) else {
+    let Some((column, row)) = frame.sample_at(x, y) else {
         return Value::NotDrawn;
     };
     if buffer == Buffer::Depth {

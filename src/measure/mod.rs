@@ -4,6 +4,10 @@ pub mod bench;
 
 pub mod error;
 
+pub mod flip;
+
+pub mod region;
+
 pub mod stages;
 
 pub mod timing;

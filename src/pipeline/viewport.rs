@@ -8,7 +8,7 @@ use super::clip::ClippedTriangle;
 use super::depth::{DepthFunction, DepthScale};
 use super::vertex::{ClipVertex, Varyings};
 use crate::math::fixed::{snap, to_pixels};
-use crate::scene::TriangleId;
+use crate::scene::{TriangleId, Window};
 
 /// A corner on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,6 +111,19 @@ impl Viewport {
         self.width as f32 / self.height as f32
     }
 
+    /// How a picture of this size lies in a view of `full` px if its pixel (i, j) is seen at the place
+    /// ((i + ½) · step + origin) of that view, px. Its last pixels may reach past the edge, or it may end before.
+    pub fn window(self, full: Self, step_px: f64, origin_px: [f64; 2]) -> Window {
+        let axis = |full: u32, own: u32, origin: f64| {
+            let (full, own) = (f64::from(full), step_px * f64::from(own));
+            // x in the view: (ndc + 1) / 2 · full; here: (ndc' + 1) / 2 · own + origin.
+            ((full / own) as f32, ((full - 2.0 * origin) / own - 1.0) as f32)
+        };
+        let (scale_x, shift_x) = axis(full.width, self.width, origin_px[0]);
+        let (scale_y, shift_down) = axis(full.height, self.height, origin_px[1]);
+        Window { aspect: full.aspect(), scale: [scale_x, scale_y], shift: [shift_x, -shift_down] }
+    }
+
     /// Pixel position of a point in normalised device coordinates (y up) as f32, before snapping.
     pub fn pixels_from_ndc(self, ndc: Vec3) -> (f32, f32) {
         ((ndc.x * 0.5 + 0.5) * self.width as f32, (0.5 - ndc.y * 0.5) * self.height as f32)
@@ -142,6 +155,23 @@ pub fn relative_inv_w(vertices: &[ScreenVertex; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_window_puts_pixels_where_they_are_seen_in_the_view() {
+        let (full, small) = (Viewport { width: 37, height: 20 }, Viewport { width: 13, height: 7 });
+        for (step, origin) in [(3.0, [0.0, 0.0]), (3.0, [-1.0, -1.0]), (1.5, [0.25, -0.4])] {
+            let window = small.window(full, step, origin);
+            for (x, y) in [(0.0, 0.0), (0.5, -0.75), (-1.0, 1.0)] {
+                let (full_x, full_y) = full.pixels_from_ndc(Vec3::new(x, y, 0.0));
+                let own = Vec3::new(x * window.scale[0] + window.shift[0], y * window.scale[1] + window.shift[1], 0.0);
+                let (own_x, own_y) = small.pixels_from_ndc(own);
+                for (full, own, origin) in [(full_x, own_x, origin[0]), (full_y, own_y, origin[1])] {
+                    let seen_at = f64::from(own) * step + origin;
+                    assert!((seen_at - f64::from(full)).abs() < 1e-4, "{step} {origin}: {seen_at}, not {full}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn relative_inv_w_is_one_at_equal_w_and_never_zero() {

@@ -6,7 +6,7 @@
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-use glam::{DMat4, Mat4, Vec2, Vec3};
+use glam::{DMat4, Mat4, Vec2, Vec3, Vec4};
 use serde::{Deserialize, Serialize};
 
 use super::DepthMapping;
@@ -43,6 +43,29 @@ pub struct Camera {
     pub near: f32,
     /// Distance of the far plane, > near. [`DepthMapping::ReversedInfinite`] has no use for it in perspective.
     pub far: f32,
+    /// How the picture that is drawn lies in the one that the view is of; `None` if they are the same. No part of a view
+    /// that is kept.
+    #[serde(skip)]
+    pub window: Option<Window>,
+}
+
+/// A picture that is not drawn over exactly the rectangle that a view shows, such as one of fewer pixels whose last ones
+/// reach past the edge, or one moved by a part of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// Width over height of what the view shows.
+    pub aspect: f32,
+    /// Normalised device coordinates of the picture drawn from those of the view: factors of x and y …
+    pub scale: [f32; 2],
+    /// … and what is added.
+    pub shift: [f32; 2],
+}
+
+impl Window {
+    fn clip_from_clip(self) -> Mat4 {
+        let ([scale_x, scale_y], [shift_x, shift_y]) = (self.scale, self.shift);
+        Mat4::from_cols(Vec4::X * scale_x, Vec4::Y * scale_y, Vec4::Z, Vec4::new(shift_x, shift_y, 0.0, 1.0))
+    }
 }
 
 /// Default vertical field of view: 45°, near a 50 mm lens's diagonal on a desktop window.
@@ -62,6 +85,7 @@ impl Camera {
             projection: Projection::Perspective { fov_y: DEFAULT_FOV_Y },
             near: distance * 0.01,
             far: distance * 100.0,
+            window: None,
         }
     }
 
@@ -139,6 +163,7 @@ impl Camera {
     /// Rendering", 2012).
     pub fn clip_from_view(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
         let (near, far) = (f64::from(self.near), f64::from(self.far));
+        let aspect = self.window.map_or(aspect, |window| window.aspect);
         let mut m = Mat4::ZERO;
         match self.projection {
             Projection::Perspective { fov_y } => {
@@ -169,7 +194,7 @@ impl Camera {
                 m.w_axis.w = 1.0;
             }
         }
-        m
+        self.window.map_or(m, |window| window.clip_from_clip() * m)
     }
 
     /// Clip space from world space.
@@ -268,7 +293,7 @@ impl Camera {
 
     /// Why nothing can be drawn from here: numbers that are not finite or out of their range, no line of sight.
     pub fn check(&self) -> Result<(), String> {
-        let Self { eye, target, up, projection, near, far } = *self;
+        let Self { eye, target, up, projection, near, far, window: _ } = *self;
         if !(eye.is_finite() && target.is_finite() && up.is_finite()) {
             return Err("eye, target and up must be finite".to_owned());
         }

@@ -38,7 +38,7 @@ impl TryFrom<CameraFile> for Camera {
     fn try_from(file: CameraFile) -> Result<Self, String> {
         let CameraFile { eye, target, up, fov_y_degrees, near, far } = file;
         let projection = Projection::Perspective { fov_y: fov_y_degrees.to_radians() };
-        let camera = Self { eye, target, up, projection, near, far };
+        let camera = Self { eye, target, up, projection, near, far, window: None };
         camera.check().map(|()| camera)
     }
 }

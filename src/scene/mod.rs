@@ -22,7 +22,7 @@ pub mod source;
 
 pub mod texture;
 
-pub use camera::{Camera, Projection};
+pub use camera::{Camera, Projection, Window};
 pub use depth_mapping::DepthMapping;
 pub use error::{SceneError, Warning};
 pub use library::{Library, MaterialId, MeshId, TextureId};

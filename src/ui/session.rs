@@ -19,7 +19,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::report::stability::column::Column;
 use crate::report::stability::sweep::{Progress, Report};
 use crate::scene::{Camera, Scene, SceneSource};
-use crate::upscale::{self, Upscaling};
+use crate::upscale;
 
 /// Files kept in the list of recent ones.
 const RECENT_FILES: usize = 8;
@@ -384,8 +384,8 @@ impl Session {
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
-                let scale = self.state.recipe.upscaler.scale();
-                if let Some(upscaler) = method.and_then(|id| Upscaling::new(id, scale)) {
+                let chosen = self.state.recipe.upscaler;
+                if let Some(upscaler) = method.and_then(|id| chosen.with_method(id)) {
                     self.state.recipe.upscaler = upscaler;
                 }
             }

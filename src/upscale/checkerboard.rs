@@ -15,12 +15,12 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Tap, Upscaler};
+use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
 /// Missing squares of a checkerboard as means of their neighbours.
-pub const CHECKERBOARD: Checkerboard = Checkerboard;
+pub static CHECKERBOARD: Checkerboard = Checkerboard;
 
 /// See [`CHECKERBOARD`].
 pub struct Checkerboard;
@@ -42,22 +42,32 @@ impl Upscaler for Checkerboard {
          here the picture is whole and rounded."
     }
 
-    fn scales(&self) -> &'static [u32] {
-        &[1]
+    fn offers(&self) -> Offers {
+        Offers {
+            scales: &[Scale::ONE],
+            anchors: &[Anchor::Corner],
+            lights: &[Light::Bytes],
+            deringing: false,
+            sharpening: false,
+        }
     }
 
-    fn grid(&self, _scale: u32) -> SampleGrid {
-        SampleGrid::Checkerboard
+    fn sampling(&self, _how: Upscaling) -> Sampling {
+        Sampling::Grid(SampleGrid::Checkerboard)
     }
 
-    fn upscale(&self, drawn: &Image<Rgba8>, _scale: u32, width: u32, height: u32) -> Image<Rgba8> {
-        let mut full = Image::filled(width, height, [0; 4]);
+    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+        let (width, height) = full.size();
         let rows = full.pixels_mut().par_chunks_mut((width as usize).max(1));
-        rows.zip(0..height).for_each(|(row, y)| fill_row(drawn, y, width, height, row));
-        full
+        rows.zip(0..height).for_each(|(row, y)| fill_row(drawn.color, y, width, height, row));
     }
 
-    fn taps(&self, x: u32, y: u32, _scale: u32, width: u32, height: u32) -> Vec<Tap> {
+    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+        let [a, b] = sources(x, y, width, height).map(|(x, y)| drawn.color.at(packed_column(x), y));
+        mean(a, b)
+    }
+
+    fn taps(&self, _how: Upscaling, _drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
         let [a, b] = sources(x, y, width, height);
         if a == b {
             vec![Tap { x: a.0, y: a.1, weight: 1.0 }]

@@ -1,11 +1,11 @@
 //! No upscaling: every pixel is drawn.
 
-use super::{Tap, Upscaler};
+use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
 /// Every pixel is drawn; the reference that the others are compared with.
-pub const NATIVE: Native = Native;
+pub static NATIVE: Native = Native;
 
 /// See [`NATIVE`].
 pub struct Native;
@@ -23,19 +23,29 @@ impl Upscaler for Native {
         "Every pixel is drawn. Nothing is saved, nothing is guessed: what the other methods are compared with."
     }
 
-    fn scales(&self) -> &'static [u32] {
-        &[1]
+    fn offers(&self) -> Offers {
+        Offers {
+            scales: &[Scale::ONE],
+            anchors: &[Anchor::Corner],
+            lights: &[Light::Bytes],
+            deringing: false,
+            sharpening: false,
+        }
     }
 
-    fn grid(&self, _scale: u32) -> SampleGrid {
-        SampleGrid::FULL
+    fn sampling(&self, _how: Upscaling) -> Sampling {
+        Sampling::Grid(SampleGrid::FULL)
     }
 
-    fn upscale(&self, drawn: &Image<Rgba8>, _scale: u32, _width: u32, _height: u32) -> Image<Rgba8> {
-        drawn.clone()
+    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+        full.pixels_mut().copy_from_slice(drawn.color.pixels());
     }
 
-    fn taps(&self, x: u32, y: u32, _scale: u32, _width: u32, _height: u32) -> Vec<Tap> {
+    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+        drawn.color.at(x, y)
+    }
+
+    fn taps(&self, _how: Upscaling, _drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
         vec![Tap { x, y, weight: 1.0 }]
     }
 }

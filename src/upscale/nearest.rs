@@ -1,14 +1,15 @@
-//! Each drawn pixel fills its block.
+//! Each sample fills its block.
 
 use rayon::prelude::*;
 
-use super::kernel::SCALES;
-use super::{Tap, Upscaler};
+use super::lattice::Lattice;
+use super::separable::SCALES;
+use super::{Anchor, Drawn, Light, Offers, Sampling, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
-use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::settings::Choice as _;
 
-/// Each drawn pixel fills its block.
-pub const NEAREST: Nearest = Nearest;
+/// Each sample fills its block.
+pub static NEAREST: Nearest = Nearest;
 
 /// See [`NEAREST`].
 pub struct Nearest;
@@ -23,54 +24,101 @@ impl Upscaler for Nearest {
     }
 
     fn help(&self) -> &'static str {
-        "Draws the top-left pixel of each block and repeats it over the block. The cheapest, and good for finding out \
-         what was drawn: invents no colour. Edges turn into stairs as large as the block, and as the drawn pixel is \
-         the block's corner, not its centre, the picture moves right and down by (scale − 1)/2 px. One of the four \
-         methods of the source article, which leaves the last blocks unfilled; here the picture is whole."
+        "Repeats each sample over its block. The cheapest, and good for finding out what was drawn: invents no colour. \
+         Edges turn into stairs as large as the block; anchored at the corner, the picture moves right and down by \
+         (scale − 1)/2 px, too. One of the four methods of the source article, which leaves the last blocks unfilled; \
+         here the picture is whole."
     }
 
-    fn scales(&self) -> &'static [u32] {
-        SCALES
+    fn offers(&self) -> Offers {
+        Offers { scales: SCALES, anchors: Anchor::ALL, lights: &[Light::Bytes], deringing: false, sharpening: false }
     }
 
-    fn grid(&self, scale: u32) -> SampleGrid {
-        SampleGrid::Block { step: scale }
+    fn sampling(&self, how: Upscaling) -> Sampling {
+        Sampling::of_lattice(how.lattice())
     }
 
-    fn upscale(&self, drawn: &Image<Rgba8>, scale: u32, width: u32, height: u32) -> Image<Rgba8> {
-        let mut full = Image::filled(width, height, [0; 4]);
-        let (width, scale) = (width as usize, scale as usize);
-        let blocks = full.pixels_mut().par_chunks_mut((width * scale).max(1));
-        blocks.enumerate().for_each(|(row, block)| fill_blocks(drawn.row(row as u32), scale, width, block));
-        full
+    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+        let (width, height) = full.size();
+        let lattice = how.lattice();
+        let sources: Vec<_> = (0..width).map(|x| source(lattice, x, drawn.color.width())).collect();
+        let rows_of = |y: u32| source(lattice, y, drawn.color.height());
+        // Rows of one block are copies of its first.
+        let (pixels, _) = lattice.scale.ratio();
+        let rows = ROWS_PER_BAND.next_multiple_of(pixels);
+        let bands = full.pixels_mut().par_chunks_mut((width * rows).max(1) as usize);
+        bands.zip((0..height).into_par_iter().step_by(rows as usize)).for_each(|(band, first)| {
+            let mut filled: &mut [Rgba8] = &mut [];
+            for (row, y) in band.chunks_exact_mut(width as usize).zip(first..) {
+                if y > first && rows_of(y) == rows_of(y - 1) {
+                    row.copy_from_slice(filled);
+                } else {
+                    widen(drawn.color.row(rows_of(y)), lattice, &sources, row);
+                }
+                filled = row;
+            }
+        });
     }
 
-    fn taps(&self, x: u32, y: u32, scale: u32, _width: u32, _height: u32) -> Vec<Tap> {
-        vec![Tap { x: x - x % scale, y: y - y % scale, weight: 1.0 }]
+    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+        let (columns, rows) = drawn.color.size();
+        drawn.color.at(source(how.lattice(), x, columns), source(how.lattice(), y, rows))
+    }
+
+    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+        let (columns, rows) = drawn.color.size();
+        let (x, y) = how.grid().pixel(source(how.lattice(), x, columns), source(how.lattice(), y, rows));
+        vec![Tap { x, y, weight: 1.0 }]
     }
 }
 
-/// Fills a row of blocks: its first row of pixels from the samples, the others from the first.
-fn fill_blocks(samples: &[Rgba8], scale: usize, width: usize, blocks: &mut [Rgba8]) {
-    let (first, rest) = blocks.split_at_mut(width);
-    for (pixels, sample) in first.chunks_mut(scale).zip(samples) {
-        pixels.fill(*sample);
+/// Rows that are filled in at a time.
+const ROWS_PER_BAND: u32 = 64;
+
+/// The sample that output pixel `at` copies: anchored at the corner the last one at or before it, as published, else the
+/// nearest; of `samples`.
+fn source(lattice: Lattice, at: u32, samples: u32) -> u32 {
+    match lattice.anchor {
+        Anchor::Corner => (lattice.place(at).cell as u32).min(samples.saturating_sub(1)),
+        Anchor::Centre => lattice.nearest(at, samples),
     }
-    for row in rest.chunks_exact_mut(width) {
-        row.copy_from_slice(first);
+}
+
+/// Fills a row; each scale in a loop of its own, as a loop over pixels of blocks of any size is several times slower.
+fn widen(samples: &[Rgba8], lattice: Lattice, sources: &[u32], row: &mut [Rgba8]) {
+    match lattice.scale.whole() {
+        Some(2) => repeat::<2>(samples, row),
+        Some(3) => repeat::<3>(samples, row),
+        Some(4) => repeat::<4>(samples, row),
+        _ => {
+            for (pixel, source) in row.iter_mut().zip(sources) {
+                *pixel = samples[*source as usize];
+            }
+        }
     }
+}
+
+fn repeat<const N: usize>(samples: &[Rgba8], row: &mut [Rgba8]) {
+    let (blocks, rest) = row.as_chunks_mut::<N>();
+    let whole = blocks.len();
+    for (block, sample) in blocks.iter_mut().zip(samples) {
+        *block = [*sample; N];
+    }
+    rest.fill(samples[whole.min(samples.len() - 1)]);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::upscale::Scale;
 
     #[test]
-    fn a_drawn_pixel_fills_its_block_and_no_more() {
-        let drawn = Image::from_fn(3, 2, |x, y| [x as u8, y as u8, 7, 255]);
-        for (width, height) in [(9, 5), (12, 8)] {
-            let full = NEAREST.upscale(&drawn, 4, width, height);
-            assert_eq!(full, Image::from_fn(width, height, |x, y| drawn.at(x / 4, y / 4)));
+    fn a_block_is_its_sample_and_the_last_one_is_cut() {
+        let drawn = Image::from_pixels(2, 1, vec![[1; 4], [2; 4]]);
+        for (scale, columns) in [(2_u32, [1, 1, 2]), (3, [1, 1, 1])] {
+            let how = Upscaling::new("nearest", Scale::from(scale)).unwrap();
+            let full = how.upscale(&Drawn::from(&drawn), 3, 1);
+            assert_eq!(full.row(0), columns.map(|code| [code; 4]));
         }
     }
 }

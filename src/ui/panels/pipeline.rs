@@ -139,9 +139,6 @@ fn count_of(stage: Stage, session: &Session, view: &View) -> Option<(u64, &'stat
         Stage::Depth => view.frame.drawn.depth.as_ref().map(|_| (counters.passed, "fragments passed")),
         Stage::Interpolate => None,
         Stage::Shade => Some((counters.shaded, "fragments shaded")),
-        Stage::Upscale => {
-            let (width, height) = view.frame.image().size();
-            Some((view.frame.drawn.grid.drawn_pixels(width, height), "pixels drawn"))
-        }
+        Stage::Upscale => Some((view.frame.drawn_pixels(), "pixels drawn")),
     }
 }

@@ -18,7 +18,7 @@ use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::tokens;
 use crate::ui::widgets::{choice, combo, drag, row, slider, value_row};
-use crate::upscale::{self, Upscaling};
+use crate::upscale;
 
 /// Draws the switches and figures of a stage.
 pub fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
@@ -310,16 +310,14 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     let mut scale = recipe.upscaler.scale();
     let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
     row(ui, "Method", "How the pixels that are not drawn are filled in", |ui| choice(ui, &mut method, &methods));
-    let scales = recipe.upscaler.upscaler().scales();
+    let scales = recipe.upscaler.upscaler().offers().scales;
     if scales.len() > 1 {
         let names: Vec<_> = scales.iter().map(|s| (*s, format!("×{s}"))).collect();
         let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Enlargement per axis")).collect();
         row(ui, "Scale", "Enlargement per axis: ×4 draws one pixel of sixteen", |ui| choice(ui, &mut scale, &options));
     }
-    if (method, scale) != (recipe.upscaler.method(), recipe.upscaler.scale())
-        && let Some(upscaling) = Upscaling::new(method, scale)
-    {
-        recipe.upscaler = upscaling;
+    if let Some(upscaling) = recipe.upscaler.with_method(method) {
+        recipe.upscaler = upscaling.with_scale(scale);
     }
     note(ui, recipe.upscaler.upscaler().help());
     let share = session.timings.share_of_native(&session.request(), session.state.recipe.upscaler);

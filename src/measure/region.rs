@@ -1,0 +1,63 @@
+//! Measures within a rectangle of two pictures.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::{ImageError, compare};
+use crate::image::{Image, Rgba8};
+
+/// A rectangle of pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Region {
+    /// First column.
+    pub left: u32,
+    /// First row.
+    pub top: u32,
+    /// One past the last column.
+    pub right: u32,
+    /// One past the last row.
+    pub bottom: u32,
+}
+
+impl Region {
+    /// The part of a picture that lies within; `None` if there is none.
+    pub fn of<T: Copy>(self, picture: &Image<T>) -> Option<Image<T>> {
+        let (right, bottom) = (self.right.min(picture.width()), self.bottom.min(picture.height()));
+        if self.left >= right || self.top >= bottom {
+            return None;
+        }
+        Some(Image::from_fn(right - self.left, bottom - self.top, |x, y| picture.at(self.left + x, self.top + y)))
+    }
+
+    /// [`compare`] of the parts of two pictures that lie within. SSIM looks at nothing outside.
+    pub fn compare(self, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<ImageError> {
+        if a.size() != b.size() {
+            return None;
+        }
+        compare(&self.of(a)?, &self.of(b)?)
+    }
+
+    /// Mean within, of errors of pixels such as [`super::flip::map`] gives: these know what lies around.
+    pub fn mean(self, errors: &Image<f32>) -> Option<f64> {
+        let part = self.of(errors)?;
+        Some(part.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / part.pixels().len() as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_lies_within_counts() {
+        let black = Image::filled(20, 10, [0, 0, 0, 255]);
+        let mut other = black.clone();
+        other.set(15, 4, [10, 0, 0, 255]);
+        let region = Region { left: 14, top: 4, right: 16, bottom: 99 };
+        let error = region.compare(&black, &other).unwrap();
+        assert_eq!((error.differing_pixels, error.max_abs, error.mse), (1, 10, 100.0 / (2.0 * 6.0 * 3.0)));
+        let beside = Region { left: 0, right: 15, ..region };
+        assert_eq!(beside.compare(&black, &other).unwrap().differing_pixels, 0);
+        assert_eq!(Region { left: 20, right: 30, ..region }.compare(&black, &other), None);
+        assert_eq!(region.mean(&Image::from_fn(20, 10, |x, _| x as f32)), Some(14.5));
+    }
+}

@@ -1,0 +1,129 @@
+use super::*;
+use crate::pipeline::settings::Choice as _;
+
+fn how(scale: Scale, anchor: Anchor, sharpening: u32) -> Upscaling {
+    Upscaling::new("fsr1", scale).unwrap().with_anchor(anchor).with_sharpening(sharpening)
+}
+
+fn noise(width: u32, height: u32) -> Image<Rgba8> {
+    let mut random = fastrand::Rng::with_seed(23);
+    Image::from_fn(width, height, |_, _| {
+        std::array::from_fn(|_| if random.bool() { random.u8(..) } else { 255 * random.u8(..2) })
+    })
+}
+
+fn filled(level: Level, how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32)) -> Image<Rgba8> {
+    let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
+    fill(level, how, drawn, &mut full);
+    full
+}
+
+/// The publication's steps for one channel-wise pixel in f64, with its letters.
+fn published(drawn: &Image<Rgba8>, scale: f64, (x, y): (u32, u32)) -> [f64; 3] {
+    let (px, py) = ((f64::from(x) + 0.5) / scale - 0.5, (f64::from(y) + 0.5) / scale - 0.5);
+    let (fx, fy) = (px.floor() as i64, py.floor() as i64);
+    let (px, py) = (px - px.floor(), py - py.floor());
+    let color = |x: i64, y: i64| {
+        let [r, g, b, _] = drawn.at_clamped(fx + x, fy + y);
+        [r, g, b].map(|code| f64::from(code) / 255.0)
+    };
+    let luma = |x, y| color(x, y)[1] + 0.5 * (color(x, y)[0] + color(x, y)[2]);
+    let (mut dir_x, mut dir_y, mut len) = (0.0, 0.0, 0.0);
+    for (x, y, w) in
+        [(0, 0, (1.0 - px) * (1.0 - py)), (1, 0, px * (1.0 - py)), (0, 1, (1.0 - px) * py), (1, 1, px * py)]
+    {
+        let c = luma(x, y);
+        for (a, b, is_x) in [(luma(x - 1, y), luma(x + 1, y), true), (luma(x, y - 1), luma(x, y + 1), false)] {
+            let most = (b - c).abs().max((c - a).abs());
+            let straight = if most > 0.0 { ((b - a).abs() / most).clamp(0.0, 1.0) } else { 0.0 };
+            len += w * straight * straight;
+            *(if is_x { &mut dir_x } else { &mut dir_y }) += w * (b - a);
+        }
+    }
+    let r: f64 = dir_x * dir_x + dir_y * dir_y;
+    let (dx, dy) = if r < 1.0 / 32768.0 { (1.0, 0.0) } else { (dir_x / r.sqrt(), dir_y / r.sqrt()) };
+    let len = (len / 2.0) * (len / 2.0);
+    let stretch = (dx * dx + dy * dy) / dx.abs().max(dy.abs());
+    let (sx, sy) = (1.0 + (stretch - 1.0) * len, 1.0 - 0.5 * len);
+    let lobe = 0.5 + (0.21 - 0.5) * len;
+    let (mut sum, mut total) = ([0.0; 3], 0.0);
+    for y in -1..=2 {
+        for x in -1..=2 {
+            if (x == -1 || x == 2) && (y == -1 || y == 2) {
+                continue;
+            }
+            let (ox, oy) = (x as f64 - px, y as f64 - py);
+            let (vx, vy) = ((ox * dx + oy * dy) * sx, (-ox * dy + oy * dx) * sy);
+            let q = (vx * vx + vy * vy).min(1.0 / lobe);
+            let w = (25.0 / 16.0 * (0.4 * q - 1.0).powi(2) - 9.0 / 16.0) * (lobe * q - 1.0).powi(2);
+            for (sum, value) in sum.iter_mut().zip(color(x, y)) {
+                *sum += w * value;
+            }
+            total += w;
+        }
+    }
+    std::array::from_fn(|channel| {
+        let inner = [color(0, 0), color(1, 0), color(0, 1), color(1, 1)].map(|color| color[channel]);
+        let least = inner.into_iter().fold(1.0, f64::min);
+        255.0 * (sum[channel] / total).clamp(least, inner.into_iter().fold(0.0, f64::max))
+    })
+}
+
+#[test]
+fn enlarging_agrees_with_the_published_steps() {
+    let drawn = noise(14, 11);
+    for scale in [Scale::ONE_AND_A_HALF, Scale::TWO] {
+        let size = ((14.0 * scale.value()) as u32, (11.0 * scale.value()) as u32);
+        let full = filled(Level::new(), how(scale, Anchor::Centre, 0), &drawn, size);
+        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+            let exact = published(&drawn, scale.value(), (x, y));
+            for (code, exact) in full.at(x, y).into_iter().zip(exact) {
+                assert!((f64::from(code) - exact).abs() < 0.51, "×{scale} ({x}, {y}): {code}, not {exact}");
+            }
+        }
+    }
+}
+
+#[test]
+fn wide_lanes_agree_with_plain_code_bit_for_bit() {
+    for (width, height) in [(1, 1), (2, 3), (9, 5), (23, 7)] {
+        let drawn = noise(width, height);
+        for anchor in Anchor::ALL {
+            for (scale, sharpening) in [(Scale::ONE_AND_A_HALF, 0), (Scale::TWO, 0), (Scale::TWO, 80)] {
+                let how = how(scale, *anchor, sharpening);
+                let size = ((f64::from(width) * scale.value()) as u32, (f64::from(height) * scale.value()) as u32);
+                let [wide, plain] = [Level::new(), Level::fallback()].map(|level| filled(level, how, &drawn, size));
+                assert!(wide == plain, "{} {size:?}", how.label());
+            }
+        }
+    }
+}
+
+#[test]
+fn sharpening_makes_no_new_extremes_of_the_scale_and_keeps_plain_colours() {
+    // At the ends of the scale the limits of the lobe divide by zero.
+    for color in [[0, 0, 0, 255], [255; 4], [0, 255, 128, 7]] {
+        assert_eq!(rcas::pixel([color; 5], 1.0), color);
+    }
+    let grey = |code: u8| [code, code, code, 255];
+    let edge = [grey(100), grey(100), grey(140), grey(140), grey(140)];
+    assert!(rcas::pixel(edge, 1.0)[0] > 150, "the bright side of an edge becomes brighter");
+    assert_eq!(rcas::pixel(edge, 0.0), grey(140));
+    // To black −100 / (4 · 140) = −0.179, to white (255 − 140) / (4 · 100 − 4 · 255) = −0.185: the weaker one counts.
+    let lobe: f64 = -100.0 / 560.0;
+    let exact = (lobe * 480.0 + 140.0) / (4.0 * lobe + 1.0);
+    assert!((f64::from(rcas::pixel(edge, 1.0)[0]) - exact).abs() < 0.51, "{exact}");
+}
+
+#[test]
+fn columns_and_rows_may_change_places() {
+    let drawn = noise(9, 9);
+    let turned = Image::from_fn(9, 9, |x, y| drawn.at(y, x));
+    let how = how(Scale::TWO, Anchor::Centre, 0);
+    let (full, other) = (filled(Level::new(), how, &drawn, (18, 18)), filled(Level::new(), how, &turned, (18, 18)));
+    for (x, y) in (0..18).flat_map(|y| (0..18).map(move |x| (x, y))) {
+        for (a, b) in full.at(x, y).into_iter().zip(other.at(y, x)) {
+            assert!(a.abs_diff(b) <= 1, "({x}, {y}): sums in another order, rounded");
+        }
+    }
+}

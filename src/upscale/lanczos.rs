@@ -1,0 +1,71 @@
+//! The windowed sinc of Lanczos: sinc(x) · sinc(x / a) for |x| < a.
+//!
+//! As printed the weights do not sum to one (for a = 2 they reach 1.019 halfway), which would show as a lattice on plain
+//! colours; here they are divided by their sum.
+
+use std::array;
+use std::f64::consts::PI;
+
+use super::separable::{Separable, Weights};
+
+/// Lanczos with two lobes.
+pub static LANCZOS2: Separable = Separable {
+    id: "lanczos2",
+    name: "Lanczos 2",
+    help: "A sinc cut off by a wider sinc after two samples, along rows and then columns. Good on fine detail: a little \
+           sharper than Catmull-Rom at the same cost. Overshoots at hard edges by up to 9 % of their height. Source: \
+           Duchon, Lanczos Filtering in One and Two Dimensions (1979); weights divided by their sum.",
+    weights: Weights::Four(lanczos),
+    deringing: true,
+};
+
+/// Lanczos with three lobes.
+pub static LANCZOS3: Separable = Separable {
+    id: "lanczos3",
+    name: "Lanczos 3",
+    help: "A sinc cut off by a wider sinc after three samples, along rows and then columns: the closest here to what \
+           sampling theory asks for. Good on natural pictures that were smoothed before. Rings: up to 12 % of an edge's \
+           height beside it, with a second wave. Source: Duchon, Lanczos Filtering in One and Two Dimensions (1979); \
+           weights divided by their sum.",
+    weights: Weights::Six(lanczos),
+    deringing: true,
+};
+
+fn lanczos<const N: usize>(t: f64) -> [f64; N] {
+    let lobes = N as f64 / 2.0;
+    let weights: [f64; N] = array::from_fn(|tap| {
+        let x = t + lobes - 1.0 - tap as f64;
+        if x.abs() < lobes { sinc(x) * sinc(x / lobes) } else { 0.0 }
+    });
+    let sum: f64 = weights.iter().sum();
+    weights.map(|weight| weight / sum)
+}
+
+/// sin(πx) / (πx), exactly 0 at whole numbers but for the middle.
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 {
+        1.0
+    } else if x.fract() == 0.0 {
+        0.0
+    } else {
+        (PI * x).sin() / (PI * x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_sum_to_one_and_a_sample_keeps_its_value() {
+        assert_eq!(lanczos::<4>(0.0), [0.0, 1.0, 0.0, 0.0]);
+        assert_eq!(lanczos::<6>(0.0), [0.0, 0.0, 1.0, 0.0, 0.0, 0.0]);
+        for t in [0.125, 0.25, 0.5, 0.875] {
+            assert!((lanczos::<4>(t).iter().sum::<f64>() - 1.0).abs() < 1e-15);
+            assert!((lanczos::<6>(t).iter().sum::<f64>() - 1.0).abs() < 1e-15);
+        }
+        // Halfway, a = 2: sinc(½) sinc(¼) = 0.5732, sinc(1½) sinc(¾) = −0.0637; their doubled sum is 1.0190.
+        let halfway = lanczos::<4>(0.5);
+        assert!((halfway[1] - 0.5732 / 1.0190).abs() < 1e-4 && (halfway[0] + 0.0637 / 1.0190).abs() < 1e-4);
+    }
+}

@@ -1,0 +1,262 @@
+//! [`super::exact`] on thirty-two codes at a time.
+//!
+//! A widened row holds, for each block of eight pixels, first red and blue and then green and alpha. Where the steps D are
+//! a power of two it is scaled so that a finished value is a code with eight bits after the point: then a byte of the
+//! result is the upper half of its sixteen bits, and red and blue need but a shift, green and alpha but a mask. From one
+//! row of a cell to the next a value grows by a constant, so that rows cost additions alone.
+
+use std::arch::x86_64::{
+    __m256i, _mm_cvtsi32_si128, _mm256_add_epi16, _mm256_and_si256, _mm256_maddubs_epi16, _mm256_mulhi_epu16,
+    _mm256_mullo_epi16, _mm256_or_si256, _mm256_set_m128i, _mm256_set1_epi16, _mm256_shuffle_epi8, _mm256_sll_epi16,
+    _mm256_slli_epi16, _mm256_srl_epi16, _mm256_srli_epi16, _mm256_sub_epi16,
+};
+use std::array;
+
+use fearless_simd::{Avx2, kernel};
+
+use super::cells::Pass;
+use super::lanes::{load, load_bytes, load_codes, store, store_codes, window};
+use crate::image::Rgba8;
+use crate::upscale::lattice::{Lattice, Place};
+
+/// Pixels of a block.
+const BLOCK: usize = 8;
+
+/// Most rows of a cell.
+const MAX_ROWS: usize = 4;
+
+/// Eight pixels: red and blue, green and alpha.
+type Block = [[i16; 16]; 2];
+
+/// The passes for pictures of some width.
+pub(super) struct ExactAvx2 {
+    avx2: Avx2,
+    steps: u32,
+    width: usize,
+    /// How each block of a period is gathered.
+    period: Vec<Gather>,
+    /// Samples from one period to the next.
+    samples_per_period: usize,
+}
+
+/// How a block is gathered from two runs of four samples.
+struct Gather {
+    /// The first sample of each, counted from the one before the first.
+    starts: [usize; 2],
+    /// For every value its two bytes: of red and blue, of green and alpha.
+    bytes: [[u8; 32]; 2],
+    /// Their weights in steps.
+    weights: [u8; 32],
+}
+
+impl Gather {
+    /// Of the block of pixels from `first` on.
+    fn new(lattice: Lattice, first: u32) -> Self {
+        let starts = [first, first + 4].map(|at| lattice.place(at).cell);
+        let mut gather = Self { starts: starts.map(|cell| (cell + 1) as usize), bytes: [[0; 32]; 2], weights: [0; 32] };
+        for at in 0..8 {
+            let Place { cell, phase } = lattice.place(first + at);
+            // A sample beyond the run weighs nothing, so any will do.
+            let from = (cell - starts[at as usize / 4]) as u8;
+            let [one, next] = [from, (from + 1).min(3)];
+            for channel in 0..4 {
+                let value = 4 * at as usize + channel / 2 * 2;
+                gather.bytes[channel % 2][value] = 4 * one + channel as u8;
+                gather.bytes[channel % 2][value + 1] = 4 * next + channel as u8;
+                gather.weights[value] = (lattice.phases() - phase) as u8;
+                gather.weights[value + 1] = phase as u8;
+            }
+        }
+        gather
+    }
+}
+
+/// A widened row, and the samples that it was made of.
+#[derive(Default)]
+pub(super) struct Row {
+    padded: Vec<Rgba8>,
+    wide: Vec<Block>,
+}
+
+impl ExactAvx2 {
+    /// For pictures of `width` px.
+    pub(super) fn new(avx2: Avx2, lattice: Lattice, width: u32) -> Self {
+        let (pixels, samples) = lattice.scale.ratio();
+        // Blocks until the pattern repeats: a cell of three pixels fits no block.
+        let blocks = if pixels.is_multiple_of(3) { 3 } else { 1 };
+        let period = (0..blocks).map(|block| Gather::new(lattice, block * BLOCK as u32)).collect();
+        let samples_per_period = (blocks * BLOCK as u32 * samples / pixels) as usize;
+        Self { avx2, steps: lattice.phases(), width: width as usize, period, samples_per_period }
+    }
+
+    /// How far widened values are shifted up; none where codes come from a division.
+    fn shift(&self) -> i32 {
+        if self.steps.is_power_of_two() { 8 - 2 * self.steps.trailing_zeros() as i32 } else { 0 }
+    }
+}
+
+impl Pass for ExactAvx2 {
+    type Row = Row;
+
+    const TAPS: usize = 2;
+
+    fn widen(&self, samples: &[Rgba8], row: &mut Row) {
+        let periods = self.width.div_ceil(BLOCK * self.period.len());
+        let padded = &mut row.padded;
+        padded.clear();
+        padded.push(samples[0]);
+        padded.extend_from_slice(samples);
+        // A run of four samples may begin past the last one, in the block that the picture cuts.
+        let length = padded.len().max((periods + 1) * self.samples_per_period) + 8;
+        padded.resize(length, samples[samples.len() - 1]);
+        row.wide.resize(periods * self.period.len(), Block::default());
+        gather(self.avx2, &row.padded, self, &mut row.wide);
+    }
+
+    fn mix(&self, around: &[&Row], phases: &[u32], rows: &mut [Rgba8]) {
+        mix(self.avx2, self, [&around[0].wide, &around[1].wide], phases, rows);
+    }
+}
+
+kernel! {
+    /// Widens a row.
+    fn gather(avx2: Avx2, padded: &[Rgba8], pass: &ExactAvx2, wide: &mut [Block]) {
+        let padded = padded.as_flattened();
+        let shift = _mm_cvtsi32_si128(pass.shift());
+        let blocks = pass.period.len();
+        for (index, gather) in pass.period.iter().enumerate() {
+            let [low_start, high_start] = gather.starts;
+            let weights = load_codes(avx2, &gather.weights);
+            let (even, odd) = (load_codes(avx2, &gather.bytes[0]), load_codes(avx2, &gather.bytes[1]));
+            let mut first = 0;
+            for block in wide[index..].iter_mut().step_by(blocks) {
+                let low = load_bytes(avx2, window(padded, 4 * (first + low_start)));
+                let high = load_bytes(avx2, window(padded, 4 * (first + high_start)));
+                let samples = _mm256_set_m128i(high, low);
+                for (plane, bytes) in block.iter_mut().zip([even, odd]) {
+                    let value = _mm256_maddubs_epi16(_mm256_shuffle_epi8(samples, bytes), weights);
+                    store(avx2, _mm256_sll_epi16(value, shift), plane);
+                }
+                first += pass.samples_per_period;
+            }
+        }
+    }
+}
+
+/// How codes come from sums.
+#[derive(Clone, Copy)]
+struct Rounding {
+    /// Half of one.
+    half: __m256i,
+    /// D², less its factor 9, as a shift.
+    shift: i32,
+}
+
+/// Calls [`sweep`] for a number of rows.
+macro_rules! with_rows {
+    ($count:expr, $divide:expr, ($($arg:expr),*)) => {
+        match ($count, $divide) {
+            (1, false) => sweep::<1, false>($($arg),*),
+            (2, false) => sweep::<2, false>($($arg),*),
+            (3, false) => sweep::<3, false>($($arg),*),
+            (_, false) => sweep::<4, false>($($arg),*),
+            (1, true) => sweep::<1, true>($($arg),*),
+            (2, true) => sweep::<2, true>($($arg),*),
+            (_, true) => sweep::<3, true>($($arg),*),
+        }
+    };
+}
+
+/// The first row of a cell in steps, and the steps from one to the next.
+#[derive(Clone, Copy)]
+struct Steps {
+    of_cell: u32,
+    first: u32,
+    each: u32,
+}
+
+kernel! {
+    /// Makes the rows of a cell.
+    fn mix(avx2: Avx2, pass: &ExactAvx2, around: [&[Block]; 2], phases: &[u32], rows: &mut [Rgba8]) {
+        let count = phases.len();
+        let divide = !pass.steps.is_power_of_two();
+        let one = if divide { pass.steps * pass.steps } else { 1 << 8 };
+        let rounding = Rounding { half: _mm256_set1_epi16((one / 2) as i16), shift: (one / 9).trailing_zeros() as i32 };
+        let each = phases.get(1).map_or(0, |second| second - phases[0]);
+        let steps = Steps { of_cell: pass.steps, first: phases[0], each };
+        let blocks = pass.width / BLOCK;
+        let mut rest = rows;
+        let mut middles: [&mut [[u8; 32]]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
+        let mut tails: [&mut [u8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
+        for row in 0..count {
+            let (own, others) = rest.split_at_mut(pass.width);
+            (middles[row], tails[row]) = own.as_flattened_mut().as_chunks_mut::<32>();
+            rest = others;
+        }
+        let [above, below] = around;
+        with_rows!(count, divide, (avx2, above, below, steps, rounding, middles));
+        if !tails[0].is_empty() {
+            let mut aside = [[[0; 32]; 1]; MAX_ROWS];
+            let into = aside.each_mut().map(<[_; 1]>::as_mut_slice);
+            with_rows!(count, divide, (avx2, &above[blocks..], &below[blocks..], steps, rounding, into));
+            for (row, codes) in tails.into_iter().zip(&aside) {
+                let length = row.len();
+                row.copy_from_slice(&codes[0][..length]);
+            }
+        }
+    }
+}
+
+/// Makes blocks of `ROWS` rows.
+#[target_feature(enable = "avx2")]
+#[inline(never)]
+fn sweep<const ROWS: usize, const DIVIDE: bool>(
+    avx2: Avx2,
+    above: &[Block],
+    below: &[Block],
+    steps: Steps,
+    rounding: Rounding,
+    rows: [&mut [[u8; 32]]; MAX_ROWS],
+) {
+    /// 2¹⁶ / 9, rounded up: exact for all sums of ninths.
+    const NINTH: i16 = 7282;
+    let [row_0, row_1, row_2, row_3] = rows;
+    let blocks = row_0.len();
+    let (above, below) = (&above[..blocks], &below[..blocks]);
+    let (of_cell, first) = (_mm256_set1_epi16(steps.of_cell as i16), _mm256_set1_epi16(steps.first as i16));
+    let (each, ninth) = (_mm256_set1_epi16(steps.each as i16), _mm256_set1_epi16(NINTH));
+    let shift = _mm_cvtsi32_si128(rounding.shift);
+    let upper = _mm256_set1_epi16(0xff00_u16 as i16);
+    // The value in the first row of a cell, and its growth from row to row.
+    let start = |block: usize, plane: usize| {
+        let (a, b) = (load(avx2, &above[block][plane]), load(avx2, &below[block][plane]));
+        let difference = _mm256_sub_epi16(b, a);
+        let value = _mm256_add_epi16(_mm256_mullo_epi16(a, of_cell), rounding.half);
+        (_mm256_add_epi16(value, _mm256_mullo_epi16(difference, first)), _mm256_mullo_epi16(difference, each))
+    };
+    let codes = |even, odd| {
+        if DIVIDE {
+            let even = _mm256_mulhi_epu16(_mm256_srl_epi16(even, shift), ninth);
+            let odd = _mm256_mulhi_epu16(_mm256_srl_epi16(odd, shift), ninth);
+            _mm256_or_si256(even, _mm256_slli_epi16::<8>(odd))
+        } else {
+            _mm256_or_si256(_mm256_srli_epi16::<8>(even), _mm256_and_si256(odd, upper))
+        }
+    };
+    for block in 0..blocks {
+        let ((mut even, even_growth), (mut odd, odd_growth)) = (start(block, 0), start(block, 1));
+        store_codes(avx2, codes(even, odd), &mut row_0[block]);
+        if ROWS > 1 {
+            (even, odd) = (_mm256_add_epi16(even, even_growth), _mm256_add_epi16(odd, odd_growth));
+            store_codes(avx2, codes(even, odd), &mut row_1[block]);
+        }
+        if ROWS > 2 {
+            (even, odd) = (_mm256_add_epi16(even, even_growth), _mm256_add_epi16(odd, odd_growth));
+            store_codes(avx2, codes(even, odd), &mut row_2[block]);
+        }
+        if ROWS > 3 {
+            (even, odd) = (_mm256_add_epi16(even, even_growth), _mm256_add_epi16(odd, odd_growth));
+            store_codes(avx2, codes(even, odd), &mut row_3[block]);
+        }
+    }
+}

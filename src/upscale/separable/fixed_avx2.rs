@@ -1,0 +1,541 @@
+//! [`super::fixed`] on sixteen values at a time.
+//!
+//! Widened rows are kept in the order in which two registers are packed into one of codes: of each block of eight pixels
+//! first 0, 1, 4, 5, then 2, 3, 6, 7. They begin with the first pixel of a cell, which in a centred lattice lies left of
+//! the picture.
+//!
+//! Registers are put into arrays by loops: a closure handed to a function of the standard library would be compiled without
+//! the wide lanes' features around it, and called for each register.
+
+use std::arch::x86_64::{
+    __m256i, _mm256_add_epi16, _mm256_cvtepu8_epi16, _mm256_max_epi16, _mm256_min_epi16, _mm256_mulhrs_epi16,
+    _mm256_packus_epi16, _mm256_permute2x128_si256, _mm256_set1_epi16, _mm256_setzero_si256, _mm256_slli_epi16,
+    _mm256_srai_epi16, _mm256_sub_epi16, _mm256_unpackhi_epi64, _mm256_unpacklo_epi64,
+};
+use std::array;
+
+use fearless_simd::{Avx2, kernel};
+
+use super::cells::Pass;
+use super::fixed::{BIAS, POINT, Phase, value_of};
+use super::lanes::{load, load_bytes, store, store_codes, window};
+use crate::image::Rgba8;
+use crate::upscale::Upscaling;
+use crate::upscale::lattice::Lattice;
+
+/// Pixels of a block.
+const BLOCK: usize = 8;
+
+/// Samples that are widened at once.
+const GROUP: usize = 4;
+
+/// Most rows of a cell.
+const MAX_ROWS: usize = 4;
+
+/// Most values around a group of samples that are read: six samples each for four neighbours, and the next cell.
+const WINDOW: usize = 4 * (6 + GROUP);
+
+/// Eight pixels, as two registers.
+type Block = [[i16; 16]; 2];
+
+/// The passes for pictures whose samples lie in a lattice; `H` pairs of samples along each axis.
+pub(super) struct FixedAvx2<'a, const H: usize> {
+    avx2: Avx2,
+    phases: &'a [Phase<H>],
+    lattice: Lattice,
+    deringing: bool,
+    width: usize,
+    /// The first cell, and how many of its pixels lie left of the picture.
+    first_cell: i32,
+    skipped: usize,
+    /// Cell relative to the first of its period, and phase, of the pixels of a period.
+    period: Vec<(usize, u32)>,
+}
+
+/// A widened row, and the samples that it was made of.
+#[derive(Default)]
+pub(super) struct Row {
+    padded: Vec<i16>,
+    wide: Vec<Block>,
+}
+
+impl<'a, const H: usize> FixedAvx2<'a, H> {
+    /// For pictures of `width` px, at least one.
+    pub(super) fn new(avx2: Avx2, phases: &'a [Phase<H>], how: Upscaling, width: u32) -> Self {
+        let lattice = how.lattice();
+        let first_cell = lattice.place(0).cell;
+        let skipped = (1_i64..).take_while(|back| lattice.place_beyond(-back).cell == first_cell).count();
+        let (pixels, _) = lattice.scale.ratio();
+        let places = (0..i64::from(pixels)).map(|at| lattice.place_beyond(at - skipped as i64));
+        let period = places.map(|place| ((place.cell - first_cell) as usize, place.phase)).collect();
+        let (deringing, width) = (how.deringing(), width as usize);
+        Self { avx2, phases, lattice, deringing, width, first_cell, skipped, period }
+    }
+
+    /// The samples as values, those at the ends repeated as far as they are read.
+    fn pad(&self, samples: &[Rgba8], padded: &mut Vec<i16>) {
+        let before = (H as i32 - 1 - self.first_cell) as usize;
+        let cells = self.groups() * GROUP;
+        padded.resize((before + cells).max(before + samples.len()) * 4 + WINDOW, 0);
+        let (left, rest) = padded.as_chunks_mut::<4>().0.split_at_mut(before);
+        let (middle, right) = rest.split_at_mut(samples.len());
+        left.fill(samples[0].map(value_of));
+        right.fill(samples[samples.len() - 1].map(value_of));
+        centre(self.avx2, samples.as_flattened(), middle.as_flattened_mut());
+    }
+
+    /// Groups of samples in a row.
+    fn groups(&self) -> usize {
+        let (pixels, samples) = self.lattice.scale.ratio();
+        ((self.skipped + self.width) * samples as usize).div_ceil(pixels as usize).div_ceil(GROUP)
+    }
+}
+
+kernel! {
+    /// Codes as values.
+    fn centre(avx2: Avx2, codes: &[u8], values: &mut [i16]) {
+        let (blocks, rest) = codes.as_chunks::<16>();
+        let (into, rest_into) = values.as_chunks_mut::<16>();
+        let middle = _mm256_set1_epi16(value_of(0));
+        for (codes, values) in blocks.iter().zip(into) {
+            let wide = _mm256_slli_epi16::<{ POINT as i32 }>(_mm256_cvtepu8_epi16(load_bytes(avx2, codes)));
+            store(avx2, _mm256_add_epi16(wide, middle), values);
+        }
+        for (code, value) in rest.iter().zip(rest_into) {
+            *value = value_of(*code);
+        }
+    }
+}
+
+/// What the places of a cell are, in order: perhaps one by itself, then mirrored ones around perhaps a middle.
+#[derive(Clone, Copy)]
+struct Shape {
+    first: First,
+    pairs: usize,
+    middle: bool,
+}
+
+/// The place that no other mirrors.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum First {
+    None,
+    Copy,
+    Weighted,
+}
+
+/// Weights of a cell's places, spread over registers.
+struct CellWeights<const H: usize> {
+    first: [[__m256i; H]; 2],
+    first_mirrored: bool,
+    pairs: [[[__m256i; H]; 2]; 2],
+    middle: [__m256i; H],
+    deringing: bool,
+}
+
+/// The shape of a cell with these places, if it is one that there is code for.
+fn shape_of<const H: usize>(phases: &[&Phase<H>]) -> Option<Shape> {
+    let mirrored = |rest: &[&Phase<H>]| {
+        let count = rest.len();
+        (0..count / 2).all(|i| rest[i].mirrors(rest[count - 1 - i]))
+            && (count.is_multiple_of(2) || rest[count / 2].is_middle())
+    };
+    let (first, rest) = if mirrored(phases) {
+        (First::None, phases)
+    } else {
+        (if phases[0].is_copy() { First::Copy } else { First::Weighted }, &phases[1..])
+    };
+    mirrored(rest).then_some(Shape { first, pairs: rest.len() / 2, middle: rest.len() % 2 == 1 })
+}
+
+#[target_feature(enable = "avx2")]
+#[inline]
+fn spread<const H: usize>(weights: [i16; H]) -> [__m256i; H] {
+    let mut spread = [_mm256_setzero_si256(); H];
+    for (register, weight) in spread.iter_mut().zip(weights) {
+        *register = _mm256_set1_epi16(weight);
+    }
+    spread
+}
+
+impl<const H: usize> CellWeights<H> {
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn new(phases: &[&Phase<H>], shape: Shape, deringing: bool) -> Self {
+        let zero = [_mm256_setzero_si256(); H];
+        let rest = &phases[usize::from(shape.first != First::None)..];
+        let both = |phase: &Phase<H>| [spread(phase.even), spread(phase.odd)];
+        Self {
+            first: both(phases[0]),
+            first_mirrored: phases[0].mirrored,
+            pairs: array::from_fn(|pair| if pair < shape.pairs { both(rest[pair]) } else { [zero; 2] }),
+            middle: rest.get(shape.pairs).map_or(zero, |phase| spread(phase.even)),
+            deringing,
+        }
+    }
+}
+
+/// Sum of products, each rounded to the unit of the sum. Two or three of them.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn dot<const H: usize>(weights: &[__m256i; H], values: &[__m256i; H]) -> __m256i {
+    let first = _mm256_mulhrs_epi16(values[0], weights[0]);
+    let sum = _mm256_add_epi16(first, _mm256_mulhrs_epi16(values[1], weights[1]));
+    if H == 2 { sum } else { _mm256_add_epi16(sum, _mm256_mulhrs_epi16(values[H - 1], weights[H - 1])) }
+}
+
+/// Samples around a place: their sums and differences in pairs, outermost first, and the inner two.
+struct Around<const H: usize> {
+    sums: [__m256i; H],
+    differences: [__m256i; H],
+    inner: (__m256i, __m256i),
+}
+
+impl<const H: usize> Around<H> {
+    /// From samples that are read by their place in the order of the weights.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn new(low: [__m256i; H], high: [__m256i; H]) -> Self {
+        let mut around = Self { sums: low, differences: low, inner: (low[H - 1], high[H - 1]) };
+        for k in 0..H {
+            around.sums[k] = _mm256_add_epi16(low[k], high[k]);
+            around.differences[k] = _mm256_sub_epi16(low[k], high[k]);
+        }
+        around
+    }
+
+    /// Of a group of samples, from `cell` samples into a window on.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn group(avx2: Avx2, values: &[i16; WINDOW], cell: usize) -> Self {
+        let (mut low, mut high) = ([_mm256_setzero_si256(); H], [_mm256_setzero_si256(); H]);
+        for k in 0..H {
+            low[k] = load(avx2, window(values, 4 * (cell + k)));
+            high[k] = load(avx2, window(values, 4 * (cell + 2 * H - 1 - k)));
+        }
+        Self::new(low, high)
+    }
+
+    /// Keeps a value between the inner two samples if asked.
+    #[target_feature(enable = "avx2")]
+    #[inline]
+    fn keep(&self, value: __m256i, bias: __m256i, deringing: bool) -> __m256i {
+        if !deringing {
+            return value;
+        }
+        let (a, b) = (_mm256_add_epi16(self.inner.0, bias), _mm256_add_epi16(self.inner.1, bias));
+        _mm256_min_epi16(_mm256_max_epi16(value, _mm256_min_epi16(a, b)), _mm256_max_epi16(a, b))
+    }
+}
+
+/// The values at all places of a cell, `bias` added. Written out place by place: through loops, values would go by way of
+/// memory.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn places<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
+    around: &Around<H>,
+    weights: &CellWeights<H>,
+    bias: __m256i,
+) -> [__m256i; MAX_ROWS] {
+    let keep = |value| around.keep(value, bias, weights.deringing);
+    let first = if FIRST == First::Copy as u8 {
+        _mm256_add_epi16(around.inner.0, bias)
+    } else if FIRST == First::Weighted as u8 {
+        let even = _mm256_add_epi16(bias, dot(&weights.first[0], &around.sums));
+        let odd = dot(&weights.first[1], &around.differences);
+        keep(if weights.first_mirrored { _mm256_sub_epi16(even, odd) } else { _mm256_add_epi16(even, odd) })
+    } else {
+        bias
+    };
+    let pair = |index: usize| {
+        let even = _mm256_add_epi16(bias, dot(&weights.pairs[index][0], &around.sums));
+        let odd = dot(&weights.pairs[index][1], &around.differences);
+        (keep(_mm256_add_epi16(even, odd)), keep(_mm256_sub_epi16(even, odd)))
+    };
+    let (outer_low, outer_high) = if PAIRS > 0 { pair(0) } else { (bias, bias) };
+    let (inner_low, inner_high) = if PAIRS > 1 { pair(1) } else { (bias, bias) };
+    let middle = if MIDDLE { keep(_mm256_add_epi16(bias, dot(&weights.middle, &around.sums))) } else { bias };
+    match (FIRST == First::None as u8, PAIRS, MIDDLE) {
+        (true, 2, _) => [outer_low, inner_low, inner_high, outer_high],
+        (true, 1, _) => [outer_low, outer_high, bias, bias],
+        (true, _, _) => [middle, bias, bias, bias],
+        (false, 1, true) => [first, outer_low, middle, outer_high],
+        (false, 1, false) => [first, outer_low, outer_high, bias],
+        (false, _, _) => [first, middle, bias, bias],
+    }
+}
+
+/// Calls a function with the constants of a shape.
+macro_rules! with_shape {
+    ($shape:expr, $call:ident::<$h:ident>($($arg:expr),*)) => {
+        match ($shape.first, $shape.pairs, $shape.middle) {
+            (First::Copy, 0, true) => $call::<$h, { First::Copy as u8 }, 0, true>($($arg),*),
+            (First::Copy, 1, false) => $call::<$h, { First::Copy as u8 }, 1, false>($($arg),*),
+            (First::Copy, 1, true) => $call::<$h, { First::Copy as u8 }, 1, true>($($arg),*),
+            (First::Copy, _, _) => $call::<$h, { First::Copy as u8 }, 0, false>($($arg),*),
+            (First::Weighted, 0, true) => $call::<$h, { First::Weighted as u8 }, 0, true>($($arg),*),
+            (First::Weighted, 1, false) => $call::<$h, { First::Weighted as u8 }, 1, false>($($arg),*),
+            (First::Weighted, 1, true) => $call::<$h, { First::Weighted as u8 }, 1, true>($($arg),*),
+            (First::Weighted, _, _) => $call::<$h, { First::Weighted as u8 }, 0, false>($($arg),*),
+            (First::None, 1, false) => $call::<$h, { First::None as u8 }, 1, false>($($arg),*),
+            (First::None, 2, _) => $call::<$h, { First::None as u8 }, 2, false>($($arg),*),
+            (First::None, _, _) => $call::<$h, { First::None as u8 }, 0, true>($($arg),*),
+        }
+    };
+}
+
+/// Makes blocks of the rows of a cell from those of the rows around.
+#[target_feature(enable = "avx2")]
+#[inline(never)]
+fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
+    avx2: Avx2,
+    (low, high): &Rows<'_, H>,
+    weights: &CellWeights<H>,
+    rows: &mut [&mut [[u8; 32]]; MAX_ROWS],
+) {
+    let bias = _mm256_set1_epi16(BIAS);
+    let count = usize::from(FIRST != First::None as u8) + 2 * PAIRS + usize::from(MIDDLE);
+    let [first, second, third, fourth] = rows;
+    let blocks = first.len();
+    let half = |block: usize, half: usize| {
+        let (mut before, mut after) = ([bias; H], [bias; H]);
+        for k in 0..H {
+            before[k] = load(avx2, &low[k][block][half]);
+            after[k] = load(avx2, &high[k][block][half]);
+        }
+        places::<H, FIRST, PAIRS, MIDDLE>(&Around::new(before, after), weights, bias)
+    };
+    let codes =
+        |a, b| _mm256_packus_epi16(_mm256_srai_epi16::<{ POINT as i32 }>(a), _mm256_srai_epi16::<{ POINT as i32 }>(b));
+    for block in 0..blocks {
+        let ([a0, a1, a2, a3], [b0, b1, b2, b3]) = (half(block, 0), half(block, 1));
+        store_codes(avx2, codes(a0, b0), &mut first[block]);
+        if count > 1 {
+            store_codes(avx2, codes(a1, b1), &mut second[block]);
+        }
+        if count > 2 {
+            store_codes(avx2, codes(a2, b2), &mut third[block]);
+        }
+        if count > 3 {
+            store_codes(avx2, codes(a3, b3), &mut fourth[block]);
+        }
+    }
+}
+
+/// The widened rows before a cell, outermost first, and those after it, outermost first.
+type Rows<'a, const H: usize> = ([&'a [Block]; H], [&'a [Block]; H]);
+
+/// Widens groups of samples twofold or fourfold, the places of a cell in their order.
+#[target_feature(enable = "avx2")]
+#[inline(never)]
+fn widen_cells<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
+    avx2: Avx2,
+    padded: &[i16],
+    weights: &CellWeights<H>,
+    wide: &mut [Block],
+) {
+    let zero = _mm256_setzero_si256();
+    let lead = if FIRST == First::None as u8 { 0 } else { 1 };
+    let count = lead + 2 * PAIRS + usize::from(MIDDLE);
+    for (group, blocks) in wide.chunks_exact_mut(count / 2).enumerate() {
+        let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
+        let of = places::<H, FIRST, PAIRS, MIDDLE>(&Around::group(avx2, around, 0), weights, zero);
+        // Within each half: the first two places of one sample, and of the next one.
+        let (one, next) = (_mm256_unpacklo_epi64(of[0], of[1]), _mm256_unpackhi_epi64(of[0], of[1]));
+        if let [block] = blocks {
+            store(avx2, one, &mut block[0]);
+            store(avx2, next, &mut block[1]);
+        } else if let [first, second] = blocks {
+            let (one_on, next_on) = (_mm256_unpacklo_epi64(of[2], of[3]), _mm256_unpackhi_epi64(of[2], of[3]));
+            store(avx2, _mm256_permute2x128_si256::<0x20>(one, next), &mut first[0]);
+            store(avx2, _mm256_permute2x128_si256::<0x20>(one_on, next_on), &mut first[1]);
+            store(avx2, _mm256_permute2x128_si256::<0x31>(one, next), &mut second[0]);
+            store(avx2, _mm256_permute2x128_si256::<0x31>(one_on, next_on), &mut second[1]);
+        }
+    }
+}
+
+/// The value at one place.
+#[target_feature(enable = "avx2")]
+#[inline]
+fn place<const H: usize>(phase: &Phase<H>, around: &Around<H>, deringing: bool) -> __m256i {
+    if phase.is_copy() {
+        return around.inner.0;
+    }
+    let (even, odd) = (dot(&spread(phase.even), &around.sums), dot(&spread(phase.odd), &around.differences));
+    let sum = if phase.mirrored { _mm256_sub_epi16(even, odd) } else { _mm256_add_epi16(even, odd) };
+    around.keep(sum, _mm256_setzero_si256(), deringing)
+}
+
+/// Where pixel `at` of a widened row is kept: its block, register, and first value there.
+#[inline]
+fn slot(at: usize) -> (usize, usize, usize) {
+    (at / BLOCK, at / 2 % 2, at / 4 % 2 * 8 + at % 2 * 4)
+}
+
+/// Widens groups of samples by any period.
+#[target_feature(enable = "avx2")]
+fn widen_any<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>, wide: &mut [Block]) {
+    let Widening { period, samples_per_period, deringing } = *widening;
+    let pixels_per_group = GROUP / samples_per_period * period.len();
+    for group in 0..wide.len() * BLOCK / pixels_per_group {
+        let around: &[i16; WINDOW] = window(padded, 4 * GROUP * group);
+        for (index, (cell, phase)) in period.iter().enumerate() {
+            let mut values = [0; 16];
+            store(avx2, place(phase, &Around::group(avx2, around, *cell), deringing), &mut values);
+            for (repeat, of_sample) in values.chunks_exact(4 * samples_per_period).enumerate() {
+                let (block, register, first) = slot(group * pixels_per_group + repeat * period.len() + index);
+                wide[block][register][first..first + 4].copy_from_slice(&of_sample[..4]);
+            }
+        }
+    }
+}
+
+/// What a row is widened by.
+struct Widening<'a, const H: usize> {
+    period: &'a [(usize, &'a Phase<H>)],
+    samples_per_period: usize,
+    deringing: bool,
+}
+
+#[target_feature(enable = "avx2")]
+fn widen<const H: usize>(avx2: Avx2, padded: &[i16], widening: &Widening<'_, H>, wide: &mut [Block]) {
+    let Widening { period, samples_per_period, deringing } = *widening;
+    let phases: [&Phase<H>; MAX_ROWS] = array::from_fn(|at| period[at.min(period.len() - 1)].1);
+    let phases = &phases[..period.len()];
+    match shape_of(phases).filter(|_| samples_per_period == 1 && matches!(period.len(), 2 | 4)) {
+        Some(shape) => {
+            let weights = CellWeights::new(phases, shape, deringing);
+            with_shape!(shape, widen_cells::<H>(avx2, padded, &weights, wide));
+        }
+        None => widen_any(avx2, padded, widening, wide),
+    }
+}
+
+kernel! {
+    fn widen_by_four(avx2: Avx2, padded: &[i16], widening: &Widening<'_, 2>, wide: &mut [Block]) {
+        widen(avx2, padded, widening, wide);
+    }
+}
+
+kernel! {
+    fn widen_by_six(avx2: Avx2, padded: &[i16], widening: &Widening<'_, 3>, wide: &mut [Block]) {
+        widen(avx2, padded, widening, wide);
+    }
+}
+
+/// Some rows of one cell, and what they are made of.
+struct Cell<'a, const H: usize> {
+    low: [&'a [Block]; H],
+    high: [&'a [Block]; H],
+    phases: &'a [&'a Phase<H>],
+    /// Pixels before the first.
+    skipped: usize,
+    deringing: bool,
+}
+
+/// Makes the rows of a cell: at once if there is code for their shape, else one by one.
+#[target_feature(enable = "avx2")]
+fn mix<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, rows: &mut [Rgba8]) {
+    let width = rows.len() / cell.phases.len();
+    if let Some(shape) = shape_of(cell.phases) {
+        mix_shape(avx2, cell, shape, rows);
+        return;
+    }
+    for (phase, row) in cell.phases.chunks_exact(1).zip(rows.chunks_exact_mut(width)) {
+        let first = if phase[0].is_copy() { First::Copy } else { First::Weighted };
+        let shape = Shape { first, pairs: 0, middle: false };
+        mix_shape(avx2, &Cell { phases: phase, ..*cell }, shape, row);
+    }
+}
+
+/// Makes rows that have a shape: the blocks that lie within the picture directly, those at its ends aside.
+#[target_feature(enable = "avx2")]
+#[inline(never)]
+fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows: &mut [Rgba8]) {
+    let weights = &CellWeights::new(cell.phases, shape, cell.deringing);
+    let count = cell.phases.len();
+    let width = rows.len() / count;
+    let head = if cell.skipped == 0 { 0 } else { (BLOCK - cell.skipped).min(width) };
+    let blocks = (width - head) / BLOCK;
+    let first_block = usize::from(head > 0);
+    let mut rest = rows;
+    let mut middles: [&mut [[u8; 32]]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
+    let mut heads: [&mut [Rgba8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
+    let mut tails: [&mut [u8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
+    for row in 0..count {
+        let (own, others) = rest.split_at_mut(width);
+        let (own_head, own) = own.split_at_mut(head);
+        (middles[row], tails[row]) = own.as_flattened_mut().as_chunks_mut::<32>();
+        heads[row] = own_head;
+        rest = others;
+    }
+    let from = |block: usize| -> Rows<'_, H> {
+        let (mut low, mut high) = (cell.low, cell.high);
+        for k in 0..H {
+            (low[k], high[k]) = (&low[k][block..], &high[k][block..]);
+        }
+        (low, high)
+    };
+    let mut aside = [[[0; 32]; 1]; MAX_ROWS];
+    if head > 0 {
+        with_shape!(shape, sweep::<H>(avx2, &from(0), weights, &mut aside.each_mut().map(<[_; 1]>::as_mut_slice)));
+        for (row, codes) in heads.into_iter().zip(&aside) {
+            let length = 4 * row.len();
+            row.as_flattened_mut().copy_from_slice(&codes[0][4 * cell.skipped..][..length]);
+        }
+    }
+    with_shape!(shape, sweep::<H>(avx2, &from(first_block), weights, &mut middles));
+    if !tails[0].is_empty() {
+        let rows = &from(first_block + blocks);
+        with_shape!(shape, sweep::<H>(avx2, rows, weights, &mut aside.each_mut().map(<[_; 1]>::as_mut_slice)));
+        for (row, codes) in tails.into_iter().zip(&aside) {
+            let length = row.len();
+            row.copy_from_slice(&codes[0][..length]);
+        }
+    }
+}
+
+kernel! {
+    fn mix_four(avx2: Avx2, cell: &Cell<'_, 2>, rows: &mut [Rgba8]) {
+        mix(avx2, cell, rows);
+    }
+}
+
+kernel! {
+    fn mix_six(avx2: Avx2, cell: &Cell<'_, 3>, rows: &mut [Rgba8]) {
+        mix(avx2, cell, rows);
+    }
+}
+
+/// The passes for each number of samples: kernels take no type parameters.
+macro_rules! passes {
+    ($h:literal, $widen:ident, $mix:ident) => {
+        impl Pass for FixedAvx2<'_, $h> {
+            type Row = Row;
+
+            const TAPS: usize = 2 * $h;
+
+            fn widen(&self, samples: &[Rgba8], row: &mut Row) {
+                self.pad(samples, &mut row.padded);
+                let (_, samples_per_period) = self.lattice.scale.ratio();
+                let period: Vec<_> = self.period.iter().map(|(cell, at)| (*cell, &self.phases[*at as usize])).collect();
+                let pixels = self.groups() * GROUP / samples_per_period as usize * period.len();
+                row.wide.resize(pixels.div_ceil(BLOCK), Block::default());
+                let samples_per_period = samples_per_period as usize;
+                let widening = Widening { period: &period, samples_per_period, deringing: self.deringing };
+                $widen(self.avx2, &row.padded, &widening, &mut row.wide);
+            }
+
+            fn mix(&self, around: &[&Row], phases: &[u32], rows: &mut [Rgba8]) {
+                let phases: Vec<_> = phases.iter().map(|at| &self.phases[*at as usize]).collect();
+                let low = array::from_fn(|k| around[k].wide.as_slice());
+                let high = array::from_fn(|k| around[2 * $h - 1 - k].wide.as_slice());
+                let cell = Cell { low, high, phases: &phases, skipped: self.skipped, deringing: self.deringing };
+                $mix(self.avx2, &cell, rows);
+            }
+        }
+    };
+}
+
+passes!(2, widen_by_four, mix_four);
+passes!(3, widen_by_six, mix_six);

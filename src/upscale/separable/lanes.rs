@@ -1,0 +1,47 @@
+//! Loads and stores of 256 bits, without pointers.
+
+use std::arch::x86_64::{__m128i, __m256i};
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Avx2, i16x16, u8x16, u8x32};
+
+/// Sixteen values.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn load(avx2: Avx2, values: &[i16; 16]) -> __m256i {
+    i16x16::load_array_ref(avx2, values).into()
+}
+
+/// Sixteen bytes.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn load_bytes(avx2: Avx2, bytes: &[u8; 16]) -> __m128i {
+    u8x16::load_array_ref(avx2, bytes).into()
+}
+
+/// Thirty-two bytes.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn load_codes(avx2: Avx2, bytes: &[u8; 32]) -> __m256i {
+    u8x32::load_array_ref(avx2, bytes).into()
+}
+
+/// Writes sixteen values.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn store(avx2: Avx2, register: __m256i, values: &mut [i16; 16]) {
+    i16x16::simd_from(avx2, register).store_array(values);
+}
+
+/// Writes thirty-two bytes.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
+    u8x32::simd_from(avx2, register).store_array(codes);
+}
+
+/// The `N` values from place `at` on. Panics if there are fewer.
+#[inline(always)]
+pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
+    values[at..].first_chunk().unwrap_or_else(|| panic!("{N} values from {at} on of {}", values.len()))
+}

@@ -1,0 +1,223 @@
+//! Interpolation along rows, then along columns: every method that is nothing but weights.
+//!
+//! Weights at t between two samples are a function; at borders the outermost sample repeats. Codes are filtered exactly by
+//! straight lines and in 16-bit fixed point by longer weights, linear light in floats.
+
+mod cells;
+mod exact;
+#[cfg(target_arch = "x86_64")]
+mod exact_avx2;
+mod fixed;
+#[cfg(target_arch = "x86_64")]
+mod fixed_avx2;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
+mod light;
+#[cfg(test)]
+mod tests;
+
+use cells::{fill, pixel};
+use exact::Exact;
+use fearless_simd::Level;
+use fixed::{Fixed, Phase};
+use light::Linear;
+
+use super::lattice::{Anchor, Lattice, Place};
+use super::{Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::settings::Choice as _;
+
+/// A method that is nothing but the weights of neighbouring samples.
+pub struct Separable {
+    /// See [`Upscaler::id`].
+    pub(super) id: &'static str,
+    /// See [`Upscaler::name`].
+    pub(super) name: &'static str,
+    /// See [`Upscaler::help`].
+    pub(super) help: &'static str,
+    /// What the samples around weigh.
+    pub(super) weights: Weights,
+    /// Whether overshoot can be cut off: only where the weights pass through the samples is it told from smoothing.
+    pub(super) deringing: bool,
+}
+
+/// Weights of the samples around a place at t in [0, 1) between the inner two, in their order; they sum to one.
+#[derive(Clone, Copy)]
+pub(super) enum Weights {
+    /// One sample on each side.
+    Two(fn(f64) -> [f64; 2]),
+    /// Two samples on each side.
+    Four(fn(f64) -> [f64; 4]),
+    /// Three samples on each side.
+    Six(fn(f64) -> [f64; 6]),
+}
+
+/// Weights at all phases of a lattice.
+fn table<const N: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<[f64; N]> {
+    let phases = lattice.phases();
+    (0..phases).map(|phase| weights(f64::from(phase) / f64::from(phases))).collect()
+}
+
+/// Where the columns of a picture lie.
+fn columns(lattice: Lattice, width: u32) -> Vec<Place> {
+    (0..width).map(|at| lattice.place(at)).collect()
+}
+
+/// Weights in fixed point.
+fn phases<const N: usize, const H: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<Phase<H>> {
+    table(weights, lattice).iter().map(|weights| Phase::new(weights)).collect()
+}
+
+impl Separable {
+    /// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result.
+    fn fill(&self, level: Level, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
+        match (how.light(), self.weights) {
+            (Light::Linear, Weights::Two(weights)) => fill_linear(level, weights, how, drawn, full),
+            (Light::Linear, Weights::Four(weights)) => fill_linear(level, weights, how, drawn, full),
+            (Light::Linear, Weights::Six(weights)) => fill_linear(level, weights, how, drawn, full),
+            (Light::Bytes, Weights::Two(_)) => fill_exact(level, how.lattice(), drawn, full),
+            (Light::Bytes, Weights::Four(weights)) => {
+                let phases = phases::<4, 2>(weights, how.lattice());
+                #[cfg(target_arch = "x86_64")]
+                if let Some(avx2) = level.as_avx2() {
+                    let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, full.width());
+                    return fill(&pass, drawn, how.lattice(), full);
+                }
+                fill_fixed(&phases, how, drawn, full);
+            }
+            (Light::Bytes, Weights::Six(weights)) => {
+                let phases = phases::<6, 3>(weights, how.lattice());
+                #[cfg(target_arch = "x86_64")]
+                if let Some(avx2) = level.as_avx2() {
+                    let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, full.width());
+                    return fill(&pass, drawn, how.lattice(), full);
+                }
+                fill_fixed(&phases, how, drawn, full);
+            }
+        }
+    }
+}
+
+fn fill_linear<const N: usize>(
+    level: Level,
+    weights: fn(f64) -> [f64; N],
+    how: Upscaling,
+    drawn: &Image<Rgba8>,
+    full: &mut Image<Rgba8>,
+) {
+    let lattice = how.lattice();
+    let pass = Linear::new(level, &table(weights, lattice), columns(lattice, full.width()), how.deringing());
+    fill(&pass, drawn, lattice, full);
+}
+
+fn fill_exact(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = level.as_avx2() {
+        return fill(&exact_avx2::ExactAvx2::new(avx2, lattice, full.width()), drawn, lattice, full);
+    }
+    fill(&Exact { steps: lattice.phases() as u16, columns: columns(lattice, full.width()) }, drawn, lattice, full);
+}
+
+fn fill_fixed<const H: usize>(phases: &[Phase<H>], how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
+    let columns = columns(how.lattice(), full.width());
+    fill(&Fixed { phases, columns, deringing: how.deringing() }, drawn, how.lattice(), full);
+}
+
+/// One pixel, by the arithmetic that fills the whole picture.
+fn pixel_of(weights: Weights, how: Upscaling, drawn: &Image<Rgba8>, (x, y): (u32, u32)) -> Rgba8 {
+    let (lattice, deringing) = (how.lattice(), how.deringing());
+    let columns = vec![lattice.place(x)];
+    match (how.light(), weights) {
+        (Light::Linear, Weights::Two(w)) => {
+            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+        }
+        (Light::Linear, Weights::Four(w)) => {
+            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+        }
+        (Light::Linear, Weights::Six(w)) => {
+            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+        }
+        (Light::Bytes, Weights::Two(_)) => pixel(&Exact { steps: lattice.phases() as u16, columns }, drawn, lattice, y),
+        (Light::Bytes, Weights::Four(w)) => {
+            pixel(&Fixed { phases: &phases::<4, 2>(w, lattice), columns, deringing }, drawn, lattice, y)
+        }
+        (Light::Bytes, Weights::Six(w)) => {
+            pixel(&Fixed { phases: &phases::<6, 3>(w, lattice), columns, deringing }, drawn, lattice, y)
+        }
+    }
+}
+
+impl Upscaler for Separable {
+    fn id(&self) -> &'static str {
+        self.id
+    }
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn help(&self) -> &'static str {
+        self.help
+    }
+
+    fn offers(&self) -> Offers {
+        Offers {
+            scales: SCALES,
+            anchors: Anchor::ALL,
+            lights: Light::ALL,
+            deringing: self.deringing,
+            sharpening: false,
+        }
+    }
+
+    fn sampling(&self, how: Upscaling) -> Sampling {
+        Sampling::of_lattice(how.lattice())
+    }
+
+    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+        self.fill(Level::new(), how, drawn.color, full);
+    }
+
+    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        pixel_of(self.weights, how, drawn.color, at)
+    }
+
+    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+        let (columns, rows) = drawn.color.size();
+        let across = axis_taps(self.weights, how.lattice(), x, columns);
+        let down = axis_taps(self.weights, how.lattice(), y, rows);
+        let grid = how.grid();
+        let tap = |(row, weight_y): (u32, f64), (column, weight_x): (u32, f64)| {
+            let (x, y) = grid.pixel(column, row);
+            Tap { x, y, weight: (weight_x * weight_y) as f32 }
+        };
+        down.iter().flat_map(|down| across.iter().map(|across| tap(*down, *across))).collect()
+    }
+}
+
+/// Enlargements of these methods.
+pub(super) const SCALES: &[Scale] = &[Scale::ONE_AND_A_HALF, Scale::TWO, Scale::THREE, Scale::FOUR];
+
+/// The samples along one axis that output pixel `at` is made of, each once, with its weight.
+fn axis_taps(weights: Weights, lattice: Lattice, at: u32, samples: u32) -> Vec<(u32, f64)> {
+    let Place { cell, phase } = lattice.place(at);
+    let t = f64::from(phase) / f64::from(lattice.phases());
+    let weights = match weights {
+        Weights::Two(weights) => weights(t).to_vec(),
+        Weights::Four(weights) => weights(t).to_vec(),
+        Weights::Six(weights) => weights(t).to_vec(),
+    };
+    if weights[weights.len() / 2 - 1] == 1.0 {
+        return vec![(cell.clamp(0, samples as i32 - 1) as u32, 1.0)];
+    }
+    let first = cell - (weights.len() as i32 / 2 - 1);
+    let mut taps: Vec<(u32, f64)> = Vec::with_capacity(weights.len());
+    for (place, weight) in (first..).zip(weights) {
+        let place = place.clamp(0, samples as i32 - 1) as u32;
+        match taps.last_mut() {
+            Some((same, sum)) if *same == place => *sum += weight,
+            _ => taps.push((place, weight)),
+        }
+    }
+    taps
+}

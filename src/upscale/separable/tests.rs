@@ -1,0 +1,241 @@
+use super::*;
+use crate::upscale::{BICUBIC, BILINEAR, CATMULL_ROM, LANCZOS2, LANCZOS3, MITCHELL};
+
+/// The weight at a distance in samples.
+type Curve = fn(f64) -> f64;
+
+/// Methods, and their kernels as published: the weight at a distance in samples.
+const METHODS: [(&Separable, Curve); 6] = [
+    (&BILINEAR, |x| (1.0 - x).max(0.0)),
+    (&BICUBIC, lagrange),
+    (&CATMULL_ROM, |x| keys(x, -0.5)),
+    (&MITCHELL, mitchell),
+    (&LANCZOS2, |x| lanczos(x, 2.0)),
+    (&LANCZOS3, |x| lanczos(x, 3.0)),
+];
+
+/// The cardinal function of cubic Lagrange interpolation: piecewise, at distances up to 1 and up to 2.
+fn lagrange(x: f64) -> f64 {
+    match x {
+        _ if x <= 1.0 => (1.0 - x * x) * (2.0 - x) / 2.0,
+        _ if x < 2.0 => (1.0 - x) * (2.0 - x) * (3.0 - x) / 6.0,
+        _ => 0.0,
+    }
+}
+
+/// Keys's cubic convolution (1981); Catmull-Rom for a = −½.
+fn keys(x: f64, a: f64) -> f64 {
+    match x {
+        _ if x <= 1.0 => (a + 2.0) * x.powi(3) - (a + 3.0) * x * x + 1.0,
+        _ if x < 2.0 => a * (x.powi(3) - 5.0 * x * x + 8.0 * x - 4.0),
+        _ => 0.0,
+    }
+}
+
+/// Mitchell and Netravali's cubic with B = C = ⅓, in eighteenths as they print it.
+fn mitchell(x: f64) -> f64 {
+    match x {
+        _ if x < 1.0 => (21.0 * x.powi(3) - 36.0 * x * x + 16.0) / 18.0,
+        _ if x < 2.0 => (-7.0 * x.powi(3) + 36.0 * x * x - 60.0 * x + 32.0) / 18.0,
+        _ => 0.0,
+    }
+}
+
+fn lanczos(x: f64, lobes: f64) -> f64 {
+    let sinc =
+        |x: f64| if x.abs() < 1e-9 { 1.0 } else { (std::f64::consts::PI * x).sin() / (std::f64::consts::PI * x) };
+    if x < lobes { sinc(x) * sinc(x / lobes) } else { 0.0 }
+}
+
+/// Noise, extremes and flat runs: what makes sums overshoot and roundings add up.
+fn picture(random: &mut fastrand::Rng, width: u32, height: u32) -> Image<Rgba8> {
+    Image::from_fn(width, height, |x, y| match (x / 4 + y / 4) % 3 {
+        0 => std::array::from_fn(|_| random.u8(..)),
+        1 => std::array::from_fn(|_| 255 * random.u8(..2)),
+        _ => [random.u8(..2), 128 + random.u8(..2), 255 - random.u8(..2), 255],
+    })
+}
+
+fn choices() -> impl Iterator<Item = (&'static Separable, Curve, Upscaling)> {
+    METHODS.into_iter().flat_map(|(method, kernel)| {
+        SCALES.iter().flat_map(move |scale| {
+            let how = Upscaling::new(method.id, *scale);
+            Anchor::ALL.iter().filter_map(move |anchor| Some((method, kernel, how?.with_anchor(*anchor))))
+        })
+    })
+}
+
+/// Where an output pixel lies, in samples, by the two formulae of resizing.
+fn place(how: Upscaling, at: u32) -> f64 {
+    match how.anchor() {
+        Anchor::Corner => f64::from(at) / how.scale().value(),
+        Anchor::Centre => (f64::from(at) + 0.5) / how.scale().value() - 0.5,
+    }
+}
+
+/// Indices of samples and their weights along one axis, divided by their sum.
+fn weights(kernel: Curve, at: f64, samples: u32) -> Vec<(u32, f64)> {
+    let first = at.floor() as i64 - 3;
+    let all: Vec<_> = (first..first + 8).map(|index| (index, kernel((at - index as f64).abs()))).collect();
+    let sum: f64 = all.iter().map(|(_, weight)| weight).sum();
+    all.into_iter().map(|(index, weight)| (index.clamp(0, i64::from(samples) - 1) as u32, weight / sum)).collect()
+}
+
+/// Every sample that counts for every pixel, in f64, of codes or of what `value` makes of them.
+fn reference(
+    kernel: Curve,
+    how: Upscaling,
+    drawn: &Image<Rgba8>,
+    (width, height): (u32, u32),
+    value: impl Fn(u8, usize) -> f64,
+) -> Image<[f64; 4]> {
+    Image::from_fn(width, height, |x, y| {
+        let across = weights(kernel, place(how, x), drawn.width());
+        let down = weights(kernel, place(how, y), drawn.height());
+        let terms = down.iter().flat_map(|(row, v)| across.iter().map(move |(column, u)| (*column, *row, u * v)));
+        let mut sum = [0.0; 4];
+        for (column, row, weight) in terms {
+            let sample = drawn.at(column, row);
+            for (channel, sum) in sum.iter_mut().enumerate() {
+                *sum += weight * value(sample[channel], channel);
+            }
+        }
+        sum
+    })
+}
+
+/// Sizes of samples that end anywhere within a block, and one of several bands.
+const SIZES: [(u32, u32); 7] = [(1, 1), (2, 1), (1, 3), (5, 4), (9, 7), (17, 6), (6, 61)];
+
+/// Calls `check` with every choice, its samples and the size to fill, sometimes less than all of the last block.
+fn for_all(mut check: impl FnMut(&Separable, Curve, Upscaling, &Image<Rgba8>, (u32, u32))) {
+    let mut random = fastrand::Rng::with_seed(5);
+    for (method, kernel, how) in choices() {
+        for (index, (columns, rows)) in SIZES.into_iter().enumerate() {
+            let drawn = picture(&mut random, columns, rows);
+            let [width, height] = [columns, rows].map(|samples| {
+                let longest = (f64::from(samples) * how.scale().value()) as u32;
+                longest - u32::from(index % 2 == 1 && how.lattice().samples(longest - 1) == samples)
+            });
+            if how.lattice().samples(width) == columns && how.lattice().samples(height) == rows {
+                check(method, kernel, how, &drawn, (width, height));
+            }
+        }
+    }
+}
+
+fn filled(method: &Separable, level: Level, how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32)) -> Image<Rgba8> {
+    // Rubbish, to be overwritten.
+    let mut full = Image::filled(size.0, size.1, [77, 1, 2, 3]);
+    method.fill(level, how, drawn, &mut full);
+    full
+}
+
+#[test]
+fn codes_are_those_of_exact_arithmetic_or_next_to_them_and_straight_lines_are_exact() {
+    for_all(|method, kernel, how, drawn, size| {
+        let full = filled(method, Level::new(), how, drawn, size);
+        let exact = reference(kernel, how, drawn, size, |code, _| f64::from(code));
+        // Of straight lines the sums are fractions with a small denominator: no other lies between them and a half.
+        let tolerance = if method.id == "bilinear" { 0.5 + 1e-9 } else { 0.6 };
+        for (code, exact) in full.pixels().as_flattened().iter().zip(exact.pixels().as_flattened()) {
+            let exact = exact.clamp(0.0, 255.0);
+            assert!((f64::from(*code) - exact).abs() <= tolerance, "{} {size:?}: {code}, not {exact}", how.label());
+        }
+    });
+}
+
+#[test]
+fn halves_of_straight_lines_round_up() {
+    let drawn = Image::from_pixels(2, 1, vec![[0, 10, 254, 255], [1, 13, 255, 255]]);
+    let how = Upscaling::new("bilinear", Scale::TWO).unwrap();
+    for level in [Level::new(), Level::fallback()] {
+        let full = filled(&BILINEAR, level, how, &drawn, (3, 1));
+        assert_eq!(full.pixels(), [[0, 10, 254, 255], [1, 12, 255, 255], [1, 13, 255, 255]]);
+    }
+}
+
+#[test]
+fn linear_light_is_within_one_code_of_exact_arithmetic() {
+    let decode = |code: u8, channel: usize| {
+        let c = f64::from(code) / 255.0;
+        let light = if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) };
+        if channel == 3 { c } else { light }
+    };
+    let encode = |value: f64, channel: usize| {
+        let v = value.clamp(0.0, 1.0);
+        let code = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+        255.0 * if channel == 3 { v } else { code }
+    };
+    for_all(|method, kernel, how, drawn, size| {
+        let how = how.with_light(Light::Linear);
+        let full = filled(method, Level::new(), how, drawn, size);
+        let exact = reference(kernel, how, drawn, size, decode);
+        for (pixel, exact) in full.pixels().iter().zip(exact.pixels()) {
+            for channel in 0..4 {
+                let exact = encode(exact[channel], channel);
+                let code = f64::from(pixel[channel]);
+                assert!((code - exact).abs() <= 0.52, "{} {size:?}: {code}, not {exact}", how.label());
+            }
+        }
+    });
+}
+
+#[test]
+fn wide_lanes_agree_with_plain_code_bit_for_bit() {
+    for_all(|method, _, how, drawn, size| {
+        for light in Light::ALL {
+            for deringing in [false, true] {
+                let how = how.with_light(*light).with_deringing(deringing);
+                let wide = filled(method, Level::new(), how, drawn, size);
+                let plain = filled(method, Level::fallback(), how, drawn, size);
+                assert!(wide == plain, "{} {size:?}", how.label());
+            }
+        }
+    });
+}
+
+#[test]
+fn without_ringing_a_pixel_stays_between_the_four_samples_around_it() {
+    for_all(|method, _, how, drawn, size| {
+        let how = how.with_deringing(true);
+        if !how.deringing() {
+            return;
+        }
+        let full = filled(method, Level::new(), how, drawn, size);
+        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+            let inner = |at: u32| (how.lattice().place(at).cell..).take(2);
+            let around = inner(y).flat_map(|row| inner(x).map(move |column| (column, row)));
+            let around: Vec<_> = around.map(|(x, y)| drawn.at_clamped(x.into(), y.into())).collect();
+            for channel in 0..4 {
+                let codes = || around.iter().map(|sample| sample[channel]);
+                let range = codes().min().unwrap_or(0)..=codes().max().unwrap_or(255);
+                assert!(range.contains(&full.at(x, y)[channel]), "{} {size:?} ({x}, {y})", how.label());
+            }
+        }
+    });
+}
+
+/// Samples of a polynomial, and its value at a place in samples.
+fn polynomial(degree: i32) -> impl Fn(f64) -> f64 {
+    move |at: f64| 20.0 + 200.0 * (at / 11.0).powi(degree)
+}
+
+#[test]
+fn polynomials_are_reproduced_as_far_as_theory_says() {
+    for (method, degree) in [(&BILINEAR, 1), (&BICUBIC, 3), (&CATMULL_ROM, 2), (&MITCHELL, 1)] {
+        for degree in 0..=degree {
+            // In f64, by the weights that the method is made with.
+            let curve = polynomial(degree);
+            for at in 0..40 {
+                let lattice = Lattice { scale: Scale::FOUR, anchor: Anchor::Centre };
+                let taps = axis_taps(method.weights, lattice, at, 12);
+                let place = (f64::from(at) + 0.5) / 4.0 - 0.5;
+                if (2.0..9.0).contains(&place) {
+                    let sum: f64 = taps.iter().map(|(sample, weight)| weight * curve(f64::from(*sample))).sum();
+                    assert!((sum - curve(place)).abs() < 1e-9, "{} of degree {degree} at {place}", method.id);
+                }
+            }
+        }
+    }
+}
