@@ -496,7 +496,7 @@ const LINE: &str = r#"{"id": "a line", "kind": "line", "p0": [1, 1], "p1": [4, 2
 const LINE_RESULT: &str = "{\"id\":\"a line\",\"pixels\":[[1,1],[2,1],[3,2],[4,2]]}\n";
 
 const REFUSED: &str =
-    r#"{"id": "refused", "kind": "upscale", "image": [[1, 2]], "scale": 4, "kernel": "mitchell", "phase": "corner"}"#;
+    r#"{"id": "refused", "kind": "upscale", "image": [[1, 2]], "scale": 4, "kernel": "gauss", "phase": "corner"}"#;
 
 #[test]
 fn a_case_is_answered_on_standard_output_or_into_a_file() {
@@ -517,9 +517,9 @@ fn a_case_beyond_the_program_is_refused_in_words() {
     fs::write(folder.path().join("case.json"), REFUSED).unwrap();
     let output = run(&folder, &["case", "case.json"]);
     assert_success(&output);
-    assert_eq!(stdout(&output), "{\"id\":\"refused\",\"error\":\"no upscaler has the kernel `mitchell`\"}\n");
+    assert_eq!(stdout(&output), "{\"id\":\"refused\",\"error\":\"no upscaler has the kernel `gauss`\"}\n");
     let output = run(&folder, &["case", "case.json", "-o", "result.json"]);
-    assert_eq!(stdout(&output), "result.json: refused, as no upscaler has the kernel `mitchell`\n");
+    assert_eq!(stdout(&output), "result.json: refused, as no upscaler has the kernel `gauss`\n");
 }
 
 #[test]

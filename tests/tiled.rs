@@ -3,15 +3,15 @@
 
 mod common;
 
+use std::sync::Arc;
+
 use common::scenes;
-use rasterscope::chain::{Recipe, run};
+use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::math::lanes::Lanes;
-use rasterscope::pipeline::framebuffer::Framebuffer;
 use rasterscope::pipeline::settings::{
-    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation,
-    Rasterizer, Shading,
+    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution, FillRule, Filter,
+    Interpolation, Rasterizer, Shading,
 };
-use rasterscope::pipeline::tiled::{Memory, draw, obstacle};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Camera, Scene, builtin};
 use rasterscope::upscale::Upscaling;
@@ -66,44 +66,48 @@ fn textures() -> Vec<Recipe> {
     all
 }
 
-/// Draws tile by tile and compares with the classic way.
-fn check(name: &str, scene: &Scene, camera: &Camera, recipe: &Recipe, memory: &mut Memory) {
-    let settings = &recipe.pipeline;
-    if obstacle(scene, settings).is_some() {
-        return;
+/// Renderers whose memory goes from frame to frame: what it held must not matter.
+struct Renderers([(&'static str, Renderer); 2]);
+
+impl Renderers {
+    fn new() -> Self {
+        Self([Lanes::best(), Lanes::baseline()].map(|lanes| (lanes.name(), Renderer::on(lanes))))
     }
-    let expected = run(scene, camera, recipe, SIZE, &mut ()).drawn;
-    for lanes in [Lanes::best(), Lanes::baseline()] {
-        let grid = recipe.upscaler.grid();
-        // What the framebuffer holds beforehand must not matter.
-        let mut frame = Framebuffer::new(grid, SIZE.width, SIZE.height, [1, 2, 3], settings);
-        draw(scene, camera, settings, SIZE, &mut frame, memory, lanes);
-        let (width, height) = frame.color.size();
-        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-            let place = grid.pixel(x, y);
-            if place.0 >= SIZE.width || place.1 >= SIZE.height {
-                continue;
+
+    /// Draws tile by tile and compares with the classic way.
+    fn check(&mut self, name: &str, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe) {
+        if execution(scene, recipe).0 == Execution::Classic {
+            return;
+        }
+        let expected = run(scene, camera, recipe, SIZE, &mut ());
+        for (lanes, renderer) in &mut self.0 {
+            let frame = renderer.render(scene, camera, recipe, SIZE, KeepDepth::Yes);
+            let context = || format!("{name} {lanes} {recipe:?}");
+            assert_eq!(frame.rasterized(), expected.geometry.triangles.len(), "{}", context());
+            let (drawn, grid) = (&frame.drawn, frame.drawn.grid);
+            let (width, height) = drawn.color.size();
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let (px, py) = grid.pixel(x, y);
+                if px >= frame.raster.width || py >= frame.raster.height {
+                    continue;
+                }
+                assert_eq!(drawn.color.at(x, y), expected.drawn.color.at(x, y), "colour ({x}, {y}) {}", context());
+                if let Some((depth, expected)) = drawn.depth.as_ref().zip(expected.drawn.depth.as_ref()) {
+                    assert_eq!(depth.at(x, y).to_bits(), expected.at(x, y).to_bits(), "depth ({x}, {y}) {}", context());
+                }
             }
-            let context = || format!("{name} {} ({x}, {y}) {recipe:?}", lanes.name());
-            assert_eq!(frame.color.at(x, y), expected.color.at(x, y), "colour, {}", context());
-            if let Some((depth, expected)) = frame.depth.as_ref().zip(expected.depth.as_ref()) {
-                assert_eq!(depth.at(x, y).to_bits(), expected.at(x, y).to_bits(), "depth, {}", context());
-            }
+            renderer.recycle(frame);
         }
     }
 }
 
 fn check_all(recipes: &[Recipe]) {
-    let mut memory = Memory::default();
-    for builtin in builtin::ALL {
-        let scene = builtin.build();
+    let mut renderers = Renderers::new();
+    let builtins = builtin::ALL.iter().map(|builtin| (builtin.id, builtin.build()));
+    for (name, scene) in builtins.chain(scenes()) {
+        let scene = Arc::new(scene);
         for recipe in recipes {
-            check(builtin.id, &scene, &scene.home, recipe, &mut memory);
-        }
-    }
-    for (name, scene) in scenes() {
-        for recipe in recipes {
-            check(name, &scene, &scene.home, recipe, &mut memory);
+            renderers.check(name, &scene, &scene.home, recipe);
         }
     }
 }
@@ -125,15 +129,29 @@ fn every_way_to_read_textures_gives_the_same_picture() {
 
 #[test]
 fn views_from_within_the_scene_give_the_same_picture() {
-    let mut memory = Memory::default();
+    let mut renderers = Renderers::new();
     let mut random = fastrand::Rng::with_seed(5);
     for builtin in builtin::ALL {
-        let scene = builtin.build();
+        let scene = Arc::new(builtin.build());
         for _ in 0..12 {
             let mut camera = scene.home;
             camera.eye = camera.eye.lerp(camera.target, random.f32() * 1.5);
             camera.target += common::in_cube(&mut random) * 2.0;
-            check(builtin.id, &scene, &camera, &Recipe::default(), &mut memory);
+            renderers.check(builtin.id, &scene, &camera, &Recipe::default());
         }
+    }
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let scene = Arc::new(builtin::by_id("chess").unwrap().build());
+    let drawn_by = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let render = || Renderer::default().render(&scene, &scene.home, &Recipe::default(), SIZE, KeepDepth::Yes);
+        pool.install(render).drawn
+    };
+    let one = drawn_by(1);
+    for threads in [2, 3, 8] {
+        assert_eq!(drawn_by(threads), one, "{threads} threads");
     }
 }

@@ -64,13 +64,13 @@ impl Sampler {
     #[inline]
     pub fn sample_with_alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> (Vec3, f32) {
         let mixed = self.mixed(texture, uv, |texel| self.number_of(texel).extend(alpha_of(texel)));
-        (mixed.truncate() * self.scale, mixed.w)
+        (mixed.truncate() * self.scale, mixed.w * ALPHA_SCALE)
     }
 
     /// Alpha at `uv`, the same as [`Sampler::sample_with_alpha`].
     #[inline]
     pub fn alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> f32 {
-        self.mixed(texture, uv, alpha_of)
+        self.mixed(texture, uv, alpha_of) * ALPHA_SCALE
     }
 
     /// What texels stand for at `uv`, mixed by their weights.
@@ -126,10 +126,13 @@ impl Sampler {
     }
 }
 
-/// Alpha in [0, 1]; it is no light, so it is never decoded.
+/// What brings mixed codes into [0, 1].
+const ALPHA_SCALE: f32 = 1.0 / 255.0;
+
+/// Alpha as its code; it is no light, so it is never decoded.
 #[inline]
 fn alpha_of([_, _, _, code]: Rgba8) -> f32 {
-    f32::from(code) * (1.0 / 255.0)
+    f32::from(code)
 }
 
 /// The coordinate in [0, 1] that means the same under an addressing mode.

@@ -6,11 +6,11 @@ use std::collections::BTreeSet;
 use eframe::egui::{Label, RichText, Ui};
 
 use super::{pick, plan};
-use crate::chain::Recipe;
+use crate::chain::{Recipe, execution};
 use crate::inspect::Stage;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::Part;
-use crate::pipeline::settings::{Choice as _, DepthTest, Shading};
+use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Shading};
 use crate::scene::{Camera, DepthMapping, Projection, SceneSource, builtin};
 use crate::ui::command::Command;
 use crate::ui::engine::{StageFigures, View};
@@ -182,6 +182,16 @@ fn cull(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
 }
 
 fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
+    row(ui, "Execution", "How the whole pipeline is executed; the picture is the same, bit for bit", |ui| {
+        pick(ui, &mut recipe.execution)
+    });
+    match execution(&session.scene, recipe) {
+        (_, Some(obstacle)) => note(ui, format!("Drawn the classic way: {obstacle}.")),
+        (Execution::Tiled, None) => {
+            note(ui, "Tiles have an algorithm of their own. To see the others at work, execute the classic way.");
+        }
+        (Execution::Classic, None) => {}
+    }
     row(ui, "Algorithm", "How the samples inside a triangle are found", |ui| pick(ui, &mut recipe.pipeline.rasterizer));
     row(ui, "Arithmetic", "The numbers in which it is decided what lies inside", |ui| {
         pick(ui, &mut recipe.pipeline.arithmetic)
