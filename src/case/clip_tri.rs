@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Covered, Exactly, Options, Real, check_picture};
+use super::{Check, Covered, Exactly, Float, Options, check_picture};
 use crate::pipeline::depth::depth_at;
 use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{Attributes, interpolate};
@@ -18,8 +18,8 @@ pub struct ClipTri {
     pub width: u32,
     /// Height of the picture, px.
     pub height: u32,
-    /// Corners as [x, y, z, w], of either winding.
-    pub triangles: Vec<Exactly<Exactly<Real, 4>, 3>>,
+    /// Corners as [x, y, z, w], of either winding. A corner that is not finite costs the triangle.
+    pub triangles: Vec<Exactly<Exactly<Float, 4>, 3>>,
 }
 
 impl Check for ClipTri {
@@ -32,7 +32,7 @@ impl ClipTri {
     /// Corners of one of the triangles as x, y, z, w.
     pub fn corners(&self, triangle: usize) -> Option<[[f32; 4]; 3]> {
         let Exactly(corners) = self.triangles.get(triangle)?;
-        Some(corners.map(|Exactly(position)| position.map(|number| number.0 as f32)))
+        Some(corners.map(|Exactly(position)| position.map(|number| number.0)))
     }
 
     /// Clips, projects, covers and interpolates, as the pipeline does with what its vertex stage gives.

@@ -5,8 +5,8 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use glam::DVec2;
-use serde::de::{Error as _, IgnoredAny, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::de::{Error as _, IgnoredAny, SeqAccess, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::image::Image;
 
@@ -19,14 +19,70 @@ impl TryFrom<f64> for Real {
     type Error = String;
 
     fn try_from(number: f64) -> Result<Self, String> {
-        /// 2⁻¹⁴⁹.
-        const LEAST: f32 = f32::from_bits(1);
-        let range = f64::from(LEAST)..=f64::from(f32::MAX);
-        if number == 0.0 || range.contains(&number.abs()) {
-            Ok(Self(number))
-        } else {
-            Err(format!("{number:e} lies outside of the range of 32-bit floats"))
+        within_range(number).map(Self)
+    }
+}
+
+fn within_range(number: f64) -> Result<f64, String> {
+    /// 2⁻¹⁴⁹.
+    const LEAST: f32 = f32::from_bits(1);
+    let range = f64::from(LEAST)..=f64::from(f32::MAX);
+    if number == 0.0 || range.contains(&number.abs()) {
+        Ok(number)
+    } else {
+        Err(format!("{number:e} lies outside of the range of 32-bit floats"))
+    }
+}
+
+/// The words for what JSON has no number for.
+const WORDS: [(&str, f32); 3] = [("NaN", f32::NAN), ("Infinity", f32::INFINITY), ("-Infinity", f32::NEG_INFINITY)];
+
+/// Any 32-bit float: a number as [`Real`] has it, rounded to the nearest, or one of the words `NaN`, `Infinity` and
+/// `-Infinity`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Float(pub f32);
+
+impl<'de> Deserialize<'de> for Float {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(FloatVisitor)
+    }
+}
+
+impl Serialize for Float {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let same = |word: f32| word == self.0 || (word.is_nan() && self.0.is_nan());
+        match WORDS.iter().find(|(_, value)| same(*value)) {
+            Some((word, _)) => serializer.serialize_str(word),
+            // As f64, so that all digits of the exact value are written.
+            None => serializer.serialize_f64(self.0.into()),
         }
+    }
+}
+
+struct FloatVisitor;
+
+impl Visitor<'_> for FloatVisitor {
+    type Value = Float;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a number, \"NaN\", \"Infinity\" or \"-Infinity\"")
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, number: f64) -> Result<Float, E> {
+        within_range(number).map(|number| Float(number as f32)).map_err(E::custom)
+    }
+
+    fn visit_i64<E: serde::de::Error>(self, number: i64) -> Result<Float, E> {
+        self.visit_f64(number as f64)
+    }
+
+    fn visit_u64<E: serde::de::Error>(self, number: u64) -> Result<Float, E> {
+        self.visit_f64(number as f64)
+    }
+
+    fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Float, E> {
+        let word = WORDS.iter().find(|(word, _)| *word == text);
+        word.map(|(_, value)| Float(*value)).ok_or_else(|| E::invalid_value(Unexpected::Str(text), &self))
     }
 }
 
@@ -123,6 +179,24 @@ mod tests {
             assert!(error::<Real>(number).contains("32-bit"), "{number}");
         }
         assert!(error::<Real>("1e999").starts_with("number out of range"));
+    }
+
+    #[test]
+    fn every_float_is_read_as_it_was_written() {
+        let mut rng = fastrand::Rng::with_seed(3);
+        let special =
+            [0.0, -0.0, f32::MAX, f32::MIN_POSITIVE, f32::from_bits(1), f32::INFINITY, -f32::INFINITY, f32::NAN];
+        for value in special.into_iter().chain((0..10_000).map(|_| f32::from_bits(rng.u32(..)))) {
+            let text = serde_json::to_string(&Float(value)).unwrap();
+            let Float(read) = serde_json::from_str(&text).unwrap();
+            assert!(read.to_bits() == value.to_bits() || (read.is_nan() && value.is_nan()), "{value:?}: {text}");
+        }
+        assert_eq!(serde_json::from_str::<Vec<Float>>("[1, -2, 0.1]").unwrap(), [1.0, -2.0, 0.1].map(Float));
+        for wrong in ["\"nan\"", "\"1\"", "null", "[1]", "true"] {
+            let message = error::<Float>(wrong);
+            assert!(message.contains("expected a number, \"NaN\", \"Infinity\" or \"-Infinity\""), "{message}");
+        }
+        assert!(error::<Float>("1e39").contains("32-bit"));
     }
 
     #[test]

@@ -26,7 +26,7 @@ pub use clip_tri::{ClipTri, ClipTriAnswer};
 pub use depth::{Depth, DepthAnswer, DepthFormat, Mapping};
 pub use distance_line::{DistanceLine, DistanceLineAnswer};
 pub use file::CaseError;
-pub use json::{Exactly, Point, Real};
+pub use json::{Exactly, Float, Point, Real};
 pub use line::{Line, LineAnswer};
 pub use minimal::MinimalCase;
 pub use poly_fill::{PolyFill, PolyFillAnswer, PolygonRule};

@@ -3,7 +3,7 @@
 use glam::Vec2;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{Check, Exactly, Real, Refusal};
+use super::{Check, Exactly, Float, Refusal};
 use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
 use crate::pipeline::raster::AnyTriangle;
@@ -25,23 +25,23 @@ pub struct TriAttr {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct Vertex {
     /// px.
-    pub x: Real,
+    pub x: Float,
     /// px, down.
-    pub y: Real,
+    pub y: Float,
     /// Depth, after the division by w.
-    pub z: Real,
+    pub z: Float,
     /// w of clip space.
-    pub w: Real,
+    pub w: Float,
     /// Texture coordinate.
-    pub u: Real,
+    pub u: Float,
     /// Texture coordinate.
-    pub v: Real,
+    pub v: Float,
 }
 
 impl Check for TriAttr {
     fn check(&self) -> Result<(), String> {
-        if self.vertices.0.iter().any(|v| v.w.0 <= 0.0) {
-            return Err("`w` must be positive: corners behind the eye have no place on the screen".to_owned());
+        if self.vertices.0.iter().any(|v| !(v.w.0 > 0.0 && v.w.0.is_finite())) {
+            return Err("`w` must be positive and finite: other corners have no place on the screen".to_owned());
         }
         if self.eval.iter().any(|Exactly(pixel)| pixel.iter().any(|c| !(0..i64::from(MAX_SIDE_PX)).contains(c))) {
             return Err(format!("pixels to evaluate have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
@@ -78,7 +78,7 @@ impl TriAttr {
 
 impl Vertex {
     fn on_screen(self) -> ScreenVertex {
-        let [x, y, z, w, u, v] = [self.x, self.y, self.z, self.w, self.u, self.v].map(|number| number.0 as f32);
+        let [x, y, z, w, u, v] = [self.x, self.y, self.z, self.w, self.u, self.v].map(|number| number.0);
         let varyings = Varyings { uv: Vec2::new(u, v), ..Varyings::default() };
         ScreenVertex::at([x, y], z.into(), 1.0 / w, varyings)
     }
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn weights_are_those_of_the_corners_beyond_the_reach_of_fixed_point_too() {
         let vertex =
-            |x: f64, y: f64| Vertex { x: Real(x), y: Real(y), z: Real(0.5), w: Real(1.0), u: Real(0.0), v: Real(0.0) };
+            |x, y| Vertex { x: Float(x), y: Float(y), z: Float(0.5), w: Float(1.0), u: Float(0.0), v: Float(0.0) };
         // The pixel is in the middle, as seen from so far.
         let vertices = Exactly([vertex(-1e30, -1e30), vertex(1e30, -1e30), vertex(0.0, 2e30)]);
         let case = TriAttr { vertices, eval: vec![Exactly([3, 4])] };

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Options, Point, check_picture};
+use super::{Check, Exactly, Float, Options, check_picture};
 use crate::pipeline::raster::{Span, cover};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
@@ -16,8 +16,8 @@ pub struct TriCoverage {
     pub height: u32,
     /// Who owns samples on an edge.
     pub rule: CoverageRule,
-    /// Corners in px, of either winding.
-    pub triangles: Vec<Exactly<Point, 3>>,
+    /// Corners in px, of either winding. A corner that is not finite covers nothing.
+    pub triangles: Vec<Exactly<Exactly<Float, 2>, 3>>,
 }
 
 /// Who owns a sample that lies exactly on an edge.
@@ -40,7 +40,7 @@ impl TriCoverage {
     /// Corners of one of the triangles, px.
     pub fn corners_px(&self, triangle: usize) -> Option<[[f32; 2]; 3]> {
         let Exactly(corners) = self.triangles.get(triangle)?;
-        Some(corners.map(|Point(corner)| [corner.x as f32, corner.y as f32]))
+        Some(corners.map(|Exactly(corner)| corner.map(|number| number.0)))
     }
 
     pub(super) fn answer(&self, options: Options) -> TriCoverageAnswer {

@@ -47,8 +47,9 @@ impl Comparison {
                 let snap = if options.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped };
                 let exact = Region::triangle(corners, snap, task.rule.into()).spans(viewport);
                 let spans = answer.triangles.get(part).map_or(&[][..], |covered| &covered.spans);
-                let outline = corners.map(|corner| corner.map(f64::from)).to_vec();
-                Ok(Self::of_spans(viewport, spans, Some(&exact), vec![outline]))
+                let is_finite = corners.as_flattened().iter().all(|c| c.is_finite());
+                let outline = is_finite.then(|| corners.map(|corner| corner.map(f64::from)).to_vec());
+                Ok(Self::of_spans(viewport, spans, Some(&exact), outline.into_iter().collect()))
             }
             (Task::ClipTri(task), Answer::ClipTri(answer)) => {
                 let viewport = Viewport { width: task.width, height: task.height };

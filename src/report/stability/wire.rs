@@ -4,6 +4,8 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
 
+use crate::case::Float;
+
 /// Numbers and lists of numbers.
 pub(super) trait Wire: Sized {
     /// As JSON.
@@ -15,28 +17,12 @@ pub(super) trait Wire: Sized {
 
 impl Wire for f32 {
     fn write(&self) -> Value {
-        let word = if self.is_nan() {
-            "NaN"
-        } else if *self > 0.0 {
-            "Infinity"
-        } else {
-            "-Infinity"
-        };
-        serde_json::Number::from_f64(f64::from(*self)).map_or_else(|| Value::from(word), Value::Number)
+        // Neither a number nor a word can fail to become a value.
+        serde_json::to_value(Float(*self)).unwrap_or_default()
     }
 
     fn read(value: &Value) -> Result<Self, String> {
-        match value {
-            // The nearest float, as the decimals may have been cut short, or read with a rounding error of their own.
-            Value::Number(number) => {
-                let float = number.as_f64().map(|value| value as Self).filter(|float| float.is_finite());
-                float.ok_or_else(|| format!("{number} is too large for an f32"))
-            }
-            Value::String(word) if word == "NaN" => Ok(Self::NAN),
-            Value::String(word) if word == "Infinity" => Ok(Self::INFINITY),
-            Value::String(word) if word == "-Infinity" => Ok(Self::NEG_INFINITY),
-            other => Err(format!("{other} is no number")),
-        }
+        Float::deserialize(value).map(|float| float.0).map_err(|e| e.to_string())
     }
 }
 
