@@ -1,10 +1,17 @@
 //! From distances to depths and back: which depth a vertex has, and how far apart two depths are in the world.
 //!
 //! In perspective the depth of a point follows from its distance alone, which is w. So it is computed from w, in f64, and
-//! not as the quotient of a z and a w that were both rounded to f32. Differences of two f32 are exact there (but where they
-//! are so uneven that depth is at its end anyway), and the two roundings left are too small to change the order of what is
-//! stored: no farther vertex ever comes out nearer. As f32 the result is the nearest float, but for one in some hundred
-//! million.
+//! not as the quotient of a z and a w that were both rounded to f32. As f32 the result is the nearest float, but for one in
+//! some hundred million.
+//!
+//! Of two vertices in perspective the one with the larger w is never stored nearer. Difference, quotient and product with a
+//! constant are each rounded correctly, and so keep the order where they are of exact numbers. Only the difference of w and
+//! a plane more than 2²⁹ times as far, or as near, may itself be rounded; there neighbouring w are stored far more than that
+//! apart where depth is reversed, and all as the far end where it is not.
+//!
+//! No more than that holds. w is a sum that was rounded, so points closer than its rounding may have changed places before;
+//! vertices that clipping made get what it left them; inside of triangles depth is interpolated, in each by its own corners;
+//! and without perspective it is the z that the matrix gave, with all of its rounding.
 
 use super::DepthEncoding;
 use super::function::DepthFunction;
