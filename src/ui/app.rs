@@ -3,9 +3,7 @@
 //! the session.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel, Ui};
@@ -13,6 +11,7 @@ use eframe::egui::{self, CentralPanel, Panel, Ui};
 use super::canvas::Canvas;
 use super::command::{BINDINGS, Command};
 use super::engine::{Request, Shown};
+use super::judging::{Judging, Listening};
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
 use super::panels::dialogs::{Dialog, OpenDialog};
@@ -24,7 +23,7 @@ use super::worker::{Answer, Job, Worker};
 use crate::case::{Case, MinimalCase};
 use crate::image::file::{ImageFileError, write_png};
 use crate::inspect::Buffer;
-use crate::report::stability::sweep::{Plan, Progress, Report, Stage, run};
+use crate::report::stability::sweep::Plan;
 use crate::scene::obj::Loaded;
 use crate::scene::{SceneError, SceneSource};
 
@@ -48,18 +47,6 @@ struct Loading {
     source: SceneSource,
     result: Receiver<Result<Loaded, SceneError>>,
     since: Instant,
-}
-
-/// A stability report that is being made on a thread of its own.
-struct Judging {
-    heard: Receiver<Heard>,
-    cancel: Arc<AtomicBool>,
-}
-
-/// What that thread has to say.
-enum Heard {
-    Progress(Progress),
-    Done(Option<Box<Report>>),
 }
 
 /// The application.
@@ -292,7 +279,7 @@ impl Workbench {
             Command::RunStability => self.judge(ui),
             Command::CancelStability => {
                 if let Some(judging) = &self.judging {
-                    judging.cancel.store(true, Ordering::Relaxed);
+                    judging.cancel();
                 }
             }
             Command::CancelLoading => self.loading = None,
@@ -352,46 +339,20 @@ impl Workbench {
 
     /// Makes the stability report on a thread of its own.
     fn judge(&mut self, ui: &Ui) {
-        let (sender, heard) = channel();
-        let cancel = Arc::new(AtomicBool::new(false));
-        let (context, stop) = (ui.ctx().clone(), cancel.clone());
         self.tab = Tab::Stability;
-        self.session.stability.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
-        std::thread::spawn(move || {
-            let tell = Mutex::new(sender);
-            let say = |heard| {
-                // Nobody listens any more if the window is closed.
-                drop(tell.lock().map(|sender| sender.send(heard)));
-                context.request_repaint();
-            };
-            let report = run(&Plan::default(), &|progress| say(Heard::Progress(progress)), &stop);
-            say(Heard::Done(report.map(Box::new)));
-        });
-        self.judging = Some(Judging { heard, cancel });
+        self.judging = Some(Judging::start(Plan::default(), ui.ctx().clone(), &mut self.session.stability));
     }
 
     fn hear_judging(&mut self) {
         let Some(judging) = &self.judging else { return };
-        loop {
-            match judging.heard.try_recv() {
-                Ok(Heard::Progress(progress)) => self.session.stability.progress = Some(progress),
-                Ok(Heard::Done(report)) => {
-                    self.session.stability.progress = None;
-                    if let Some(report) = report {
-                        self.session.stability.report = Some(Arc::from(report));
-                    }
-                    self.judging = None;
-                    return;
-                }
-                Err(TryRecvError::Empty) => return,
-                Err(TryRecvError::Disconnected) => {
-                    self.session.stability.progress = None;
-                    self.session.report(Level::Error, "The stability report stopped by an error of the program");
-                    self.judging = None;
-                    return;
-                }
+        match judging.listen(&mut self.session.stability) {
+            Listening::GoesOn => return,
+            Listening::Ended => {}
+            Listening::BrokeOff => {
+                self.session.report(Level::Error, "The stability report stopped by an error of the program");
             }
         }
+        self.judging = None;
     }
 
     /// Writes the triangle that the picked pixel shows as a case into the current folder.
@@ -406,8 +367,7 @@ impl Workbench {
         let settings = &view.request.recipe.pipeline;
         let triangle = &view.frame.geometry.triangles[submission];
         let minimal = MinimalCase::new(triangle, (x, y), view.frame.viewport, settings, &view.request.scene.name);
-        let folder = std::env::current_dir().unwrap_or_default();
-        let path = free_name(&folder, &minimal.id, "json");
+        let path = free_name(&self.session.folder, &minimal.id, "json");
         match std::fs::write(&path, minimal.to_json()) {
             Ok(()) => {
                 self.session
@@ -478,7 +438,7 @@ impl Workbench {
     fn save_picture(&mut self, ui: &Ui) {
         let Some(view) = &self.session.view else { return };
         let (picture, context) = (view.picture.clone(), ui.ctx().clone());
-        let path = free_name(&std::env::current_dir().unwrap_or_default(), "picture", "png");
+        let path = free_name(&self.session.folder, "picture", "png");
         let (sender, result) = channel();
         let save = move || {
             let outcome = write_png(&path, &picture).map(|()| path);

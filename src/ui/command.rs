@@ -8,7 +8,8 @@ use std::path::PathBuf;
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::engine::Shown;
-use super::session::{PictureSize, PointerMode, StabilityView};
+use super::judging::StabilityView;
+use super::session::{PictureSize, PointerMode};
 use crate::chain::Recipe;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;

@@ -24,6 +24,10 @@ pub mod command;
 
 pub mod timings;
 
+pub mod judging;
+
+pub mod open_case;
+
 pub mod session;
 
 pub mod fault_bar;

@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 use super::engine::{Request, Shown, StageFigures, View};
+use super::judging::Stability;
+use super::open_case::{self, OpenCase};
 use super::timings::Timings;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
@@ -17,7 +19,6 @@ use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::column::Column;
-use crate::report::stability::sweep::{Progress, Report};
 use crate::scene::{Camera, Scene, SceneSource};
 use crate::upscale;
 
@@ -135,36 +136,6 @@ pub struct Preferences {
     pub scale: f32,
 }
 
-/// A case that is open.
-#[derive(Clone, Debug)]
-pub struct OpenCase {
-    /// The case.
-    pub case: Arc<Case>,
-    /// Which of its parts is shown.
-    pub part: usize,
-}
-
-/// How the stability report is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum StabilityView {
-    /// Classes against configurations.
-    #[default]
-    HeatMap,
-    /// One point for each configuration.
-    ErrorAgainstTime,
-}
-
-/// What is known of the stability report.
-#[derive(Clone, Debug, Default)]
-pub struct Stability {
-    /// The last one that was finished.
-    pub report: Option<Arc<Report>>,
-    /// How far the one that is running has come.
-    pub progress: Option<Progress>,
-    /// How it is shown.
-    pub view: StabilityView,
-}
-
 /// The state of the window.
 #[derive(Debug)]
 pub struct Session {
@@ -204,6 +175,8 @@ pub struct Session {
     pub log: VecDeque<LogLine>,
     /// Files opened, newest first.
     pub recent: Vec<PathBuf>,
+    /// Where pictures and cases are written: the folder that the program was started in.
+    pub folder: PathBuf,
     /// Whether the first hint was closed.
     pub hint_closed: bool,
     first_pick: FirstPick,
@@ -247,6 +220,7 @@ impl Session {
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
+            folder: std::env::current_dir().unwrap_or_default(),
             hint_closed: false,
             first_pick: FirstPick::Due,
             camera_moved_at: f64::NEG_INFINITY,
@@ -443,20 +417,13 @@ impl Session {
     pub fn show_case(&mut self, case: Case) {
         self.report(Level::Info, format!("Opened the case {}", case.id));
         self.error = None;
-        self.case = Some(OpenCase { case: Arc::new(case), part: 0 });
+        self.case = Some(OpenCase::new(case));
     }
 
     fn open_worst(&mut self, column: Column, json: &str) {
-        match Case::parse(json.as_bytes(), Path::new("worst case")) {
-            Ok(case) => {
-                let settings = &mut self.state.recipe.pipeline;
-                match column {
-                    Column::Coverage(by) => {
-                        (settings.rasterizer, settings.arithmetic) = (by.rasterizer, by.arithmetic);
-                    }
-                    Column::Weights(by) => settings.arithmetic = by.arithmetic,
-                    Column::Depth(format) => settings.depth_format = format,
-                }
+        match open_case::worst(column, json, &self.state.recipe.pipeline) {
+            Ok((case, settings)) => {
+                self.state.recipe.pipeline = settings;
                 self.show_case(case);
             }
             Err(error) => self.report(Level::Error, error.to_string()),

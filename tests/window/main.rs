@@ -3,6 +3,7 @@
 mod appearance;
 mod bench;
 mod camera;
+mod cases;
 mod files;
 mod measuring;
 mod picking;

@@ -1,9 +1,11 @@
 //! A case file on the canvas: the pixels that the engine draws beside those that exact arithmetic says, large, and how they
 //! differ. The rasterizer and the arithmetic are those of the recipe.
 
+use std::sync::Arc;
+
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Label, Pos2, Rect, RichText, Sense, Shape, Stroke, TextureHandle,
-    TextureOptions, Ui, Vec2, pos2, vec2,
+    Align2, Color32, ColorImage, FontId, Label, Pos2, Rect, RichText, Role, Sense, Shape, Stroke, TextureHandle,
+    TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 use crate::case::{Case, Options};
@@ -43,7 +45,7 @@ pub struct CaseView {
 
 /// What one comparison gave, as pictures.
 struct Shown {
-    key: (String, usize, Options),
+    key: (Arc<Case>, usize, Options),
     comparison: Result<Comparison, String>,
     wrong: Vec<(u32, u32)>,
     ours: Option<TextureHandle>,
@@ -56,12 +58,13 @@ impl CaseView {
         let Some(open) = &session.case else { return };
         let settings = &session.state.recipe.pipeline;
         let options = Options { rasterizer: settings.rasterizer, arithmetic: settings.arithmetic };
-        let key = (open.case.id.clone(), open.part, options);
-        if self.shown.as_ref().is_none_or(|shown| shown.key != key) {
-            if self.shown.as_ref().is_none_or(|shown| shown.key.0 != key.0) {
-                self.view = None;
-            }
-            self.shown = Some(Shown::new(ui, &open.case, key));
+        let key = (open.case.clone(), open.part, options);
+        let same_case = self.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(&shown.key.0, &key.0));
+        if !same_case {
+            self.view = None;
+        }
+        if !same_case || self.shown.as_ref().is_some_and(|shown| (shown.key.1, shown.key.2) != (key.1, key.2)) {
+            self.shown = Some(Shown::new(ui, key));
             self.visited = None;
         }
         ui.add_space(space::XS);
@@ -94,8 +97,8 @@ impl CaseView {
             }
         }
         let mut recipe = session.state.recipe;
-        choose(ui, "case rasterizer", &mut recipe.pipeline.rasterizer);
-        choose(ui, "case arithmetic", &mut recipe.pipeline.arithmetic);
+        choose(ui, "Rasterizer of the case", &mut recipe.pipeline.rasterizer);
+        choose(ui, "Arithmetic of the case", &mut recipe.pipeline.arithmetic);
         if recipe != session.state.recipe {
             commands.push(Command::SetRecipe(recipe));
         }
@@ -128,17 +131,18 @@ impl CaseView {
     }
 }
 
-fn choose<C: crate::pipeline::settings::Choice>(ui: &mut Ui, salt: &str, value: &mut C) {
-    combo(salt, value.name(), 112.0).show_ui(ui, |ui| {
+fn choose<C: crate::pipeline::settings::Choice>(ui: &mut Ui, name: &str, value: &mut C) {
+    let list = combo(name, value.name(), 112.0).show_ui(ui, |ui| {
         for choice in C::ALL {
             ui.selectable_value(value, *choice, choice.name()).on_hover_text(choice.help());
         }
     });
+    list.response.on_hover_text(name).widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, name));
 }
 
 impl Shown {
-    fn new(ui: &Ui, case: &Case, key: (String, usize, Options)) -> Self {
-        let comparison = Comparison::new(case, key.1, key.2);
+    fn new(ui: &Ui, key: (Arc<Case>, usize, Options)) -> Self {
+        let comparison = Comparison::new(&key.0, key.1, key.2);
         let (mut ours, mut exact, mut wrong) = (None, None, Vec::new());
         if let Ok(comparison) = &comparison {
             wrong = comparison.wrong();

@@ -1,7 +1,9 @@
 //! The stability report: a heat map of classes of hard cases against everything that can be switched, and error against
 //! time. A cell opens the case that went worst.
 
-use eframe::egui::{self, Align2, Button, Color32, FontId, ProgressBar, Rect, RichText, ScrollArea, Sense, Ui, vec2};
+use eframe::egui::{
+    self, Align2, Button, Color32, FontId, ProgressBar, Rect, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, vec2,
+};
 use egui_plot::{HoverPosition, MarkerShape, Plot, PlotPoints, Points};
 
 use crate::pipeline::settings::Choice as _;
@@ -11,7 +13,8 @@ use crate::report::stability::metric::LEVELS;
 use crate::report::stability::sweep::{Cell, ClassReport, Report};
 use crate::report::stability::tradeoff;
 use crate::ui::command::Command;
-use crate::ui::session::{Session, StabilityView};
+use crate::ui::judging::StabilityView;
+use crate::ui::session::Session;
 use crate::ui::theme::{Icon, font_size, tokens};
 use crate::ui::widgets::empty_state;
 
@@ -158,10 +161,12 @@ fn draw_cell(ui: &mut Ui, class: &ClassReport, cell: &Cell, commands: &mut Vec<C
     let inner = rect.shrink(1.0);
     ui.painter().rect_filled(inner, 2.0, fill);
     let words = value.map_or_else(|| "–".to_owned(), |value| headline.format(value));
-    ui.painter().text(inner.center(), Align2::CENTER_CENTER, words, FontId::monospace(font_size::SMALL), text);
+    ui.painter().text(inner.center(), Align2::CENTER_CENTER, &words, FontId::monospace(font_size::SMALL), text);
     if response.hovered() {
         ui.painter().rect_stroke(inner, 2.0, egui::Stroke::new(1.5, tokens(ui).accent), egui::StrokeKind::Inside);
     }
+    let name = format!("{}, {}: {words}", class.class.name, cell.column.label());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, cell.worst.is_some(), &name));
     let worst = cell.worst.as_ref();
     if response.clicked()
         && let Some(worst) = worst
