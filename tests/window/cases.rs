@@ -59,7 +59,7 @@ fn a_dropped_case_is_shown_beside_its_exact_answer_until_it_is_closed() {
             bench.click("Close the case (Esc)");
         }
         assert!(bench.session().case.is_none() && shows_the_scene(&bench));
-        assert_eq!(bench.image(), bench.expected().image);
+        assert_eq!(&bench.image(), bench.expected().image());
     }
 }
 
