@@ -5,7 +5,9 @@
 //! a product and a sum into one rounding, so both give the same bits.
 
 pub use fearless_simd::prelude::*;
-pub use fearless_simd::{Level, Simd, f32x4, f32x8, f64x8, i32x8, mask32x8, mask64x8, u8x32, u32x4, u32x8, u64x4};
+pub use fearless_simd::{
+    Level, Simd, f32x4, f32x8, f64x4, f64x8, i32x8, mask32x8, mask64x8, u8x32, u32x4, u32x8, u64x2,
+};
 
 /// What every processor of the architecture has.
 #[cfg(target_arch = "x86_64")]
@@ -84,6 +86,16 @@ macro_rules! on_lanes {
 
 pub(crate) use on_lanes;
 
+/// An array of what `$body` is for each of some items. In the place of `map`, whose closure the compiler may fail to compile
+/// for the chosen instructions.
+macro_rules! each {
+    ($item:pat in [$($value:expr),+ $(,)?] => $body:expr) => {
+        [$({ let $item = $value; $body }),+]
+    };
+}
+
+pub(crate) use each;
+
 /// Floats as doubles, without rounding.
 #[inline(always)]
 pub fn widen<S: Simd>(simd: S, x: F32<S>) -> F64<S> {
@@ -98,18 +110,31 @@ pub fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
     simd.narrow_f64x4(low, high)
 }
 
+/// Eight rows of four floats as four columns.
+#[inline(always)]
+pub fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> [F32<S>; 4] {
+    let [w, x, y, z] = transpose([a, b, c, d]);
+    let [s, t, u, v] = transpose([e, f, g, h]);
+    [w.combine(s), x.combine(t), y.combine(u), z.combine(v)]
+}
+
+/// Four columns of eight floats as eight rows.
+#[inline(always)]
+pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
+    let [(a, e), (b, f), (c, g), (d, h)] = each!(i in [0, 1, 2, 3] => columns[i].split());
+    let ([a, b, c, d], [e, f, g, h]) = (transpose([a, b, c, d]), transpose([e, f, g, h]));
+    [a, b, c, d, e, f, g, h]
+}
+
+#[inline(always)]
+fn transpose<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
+    let ((ac0, ac1), (bd0, bd1)) = (a.interleave(c), b.interleave(d));
+    let ((w, x), (y, z)) = (ac0.interleave(bd0), ac1.interleave(bd1));
+    [w, x, y, z]
+}
+
 /// The larger of two floats and the smaller, as `f32::clamp` and `f64::clamp` choose for numbers: NaN does not occur.
 #[inline(always)]
 pub fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
     x.max(least).min(greatest)
 }
-
-/// An array of what `$body` is for each of some items. In the place of `map`, whose closure the compiler may fail to compile
-/// for the chosen instructions.
-macro_rules! each {
-    ($item:pat in [$($value:expr),+ $(,)?] => $body:expr) => {
-        [$({ let $item = $value; $body }),+]
-    };
-}
-
-pub(crate) use each;

@@ -36,16 +36,15 @@ pub fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
 
 /// [`unit_or`] for eight vectors, by component.
 #[inline(always)]
-pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [Vec3; lanes::LANES] {
-    use lanes::{F64, SimdBase as _, SimdFloat as _, narrow};
+pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [lanes::F32<S>; 3] {
+    use lanes::{F64, Select as _, SimdBase as _, SimdFloat as _, narrow};
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
-    let [x, y, z] = [v[0] / largest, v[1] / largest, v[2] / largest];
+    let [x, y, z] = lanes::each!(i in [0, 1, 2] => v[i] / largest);
     let reciprocal = F64::splat(simd, 1.0) / (x * x + y * y + z * z).sqrt();
-    let [x, y, z] = lanes::each!(part in [x, y, z] => narrow(simd, part * reciprocal).to_array());
-    let largest = largest.to_array();
-    std::array::from_fn(|i| {
-        let has_length = largest[i] > 0.0 && largest[i].is_finite();
-        if has_length { Vec3::new(x[i], y[i], z[i]) } else { fallback }
+    let has_length = largest.simd_gt(0.0) & largest.is_finite();
+    let fallback = fallback.as_dvec3().to_array();
+    lanes::each!((part, otherwise) in [(x, fallback[0]), (y, fallback[1]), (z, fallback[2])] => {
+        narrow(simd, has_length.select(part * reciprocal, F64::splat(simd, otherwise)))
     })
 }
 

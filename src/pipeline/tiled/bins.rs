@@ -17,7 +17,7 @@ use crate::pipeline::{ClipSpaceDraw, Geometry, finish_draw};
 use crate::scene::TriangleId;
 
 /// Names a triangle within a frame: its identifier, or, with the highest bit set, a piece that clipping made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Key(pub(super) u32);
 
 impl Key {
@@ -25,7 +25,7 @@ impl Key {
     pub(super) const NONE: Self = Self(u32::MAX);
     const PIECE: u32 = 1 << 31;
     /// Bits for the number of a piece within its chunk: a triangle gives at most seven.
-    const PIECE_BITS: u32 = 15;
+    const PIECE_BITS: u32 = 17;
 
     fn piece(chunk: usize, index: usize) -> Self {
         Self(Self::PIECE | (chunk as u32) << Self::PIECE_BITS | index as u32)
@@ -40,8 +40,9 @@ impl Key {
     }
 }
 
-/// Triangles per chunk; seven pieces of each can be numbered with [`Key::PIECE_BITS`].
-const CHUNK: usize = 4096;
+/// Triangles per chunk: few enough that chunks keep all threads busy, so many that a tile finds its triangles in few places.
+/// Seven pieces of each can be numbered with [`Key::PIECE_BITS`].
+const CHUNK: usize = 16_384;
 
 /// Most triangles of a frame: chunks must be numbered with the bits that a [`Key`] of a piece has left.
 pub(super) const MOST_TRIANGLES: usize = CHUNK * ((1 << (31 - Key::PIECE_BITS)) - 1);

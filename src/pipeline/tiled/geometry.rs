@@ -13,7 +13,7 @@ use crate::pipeline::clip::Plane;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::settings::{Settings, Shading};
-use crate::pipeline::shade::{lambert, to_working_space};
+use crate::pipeline::shade::to_working_space;
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices, Varyings};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Mesh, TriangleId};
@@ -62,6 +62,15 @@ impl Vertex {
     #[inline(always)]
     pub(super) fn inv_w(&self) -> f32 {
         self.numbers[Self::INV_W]
+    }
+
+    /// Positions and depths of eight vertices.
+    #[inline(always)]
+    pub(super) fn positions_and_depths<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> ([F32<S>; 2], F64<S>) {
+        let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[..4]));
+        let [x, y, low, high] = transpose_quads(rows);
+        let (first, last) = low.interleave(high);
+        ([x, y], first.bitcast::<f64x4<S>>().combine(last.bitcast::<f64x4<S>>()))
     }
 }
 
@@ -304,33 +313,21 @@ impl Job<'_> {
         let positions = &mesh.positions[first..first + vertices.len()];
         let (reads_normals, reads_uvs) = (draw.plan.runs(Part::Normals), draw.plan.runs(Part::TextureCoordinates));
         let reads_colors = draw.plan.runs(Part::VertexColors);
-        let Settings { shading, color_space, light, .. } = self.settings;
+        let color_space = self.settings.color_space;
         for (group, out) in vertices.chunks_mut(LANES).enumerate() {
-            let start = group * LANES;
-            let len = out.len();
-            self.project(simd, draw, &positions[start..start + len], out);
-            let mut normals = [Vec3::ZERO; LANES];
-            if reads_normals {
-                normals = self.normals(simd, draw, &mesh.normals[first + start..first + start + len]);
-            }
-            if *shading == Shading::Gouraud {
-                for (vertex, normal) in out.iter_mut().zip(normals) {
-                    vertex.numbers[Vertex::LIGHT] = lambert(normal, self.light_direction, light.ambient);
-                }
-            }
-            if reads_uvs {
-                for (vertex, uv) in out.iter_mut().zip(&mesh.uvs[first + start..]) {
-                    [vertex.numbers[Vertex::UV[0]], vertex.numbers[Vertex::UV[1]]] = uv.to_array();
-                }
-            }
+            let (start, end) = (first + group * LANES, first + group * LANES + out.len());
+            let normals = if reads_normals { &mesh.normals[start..end] } else { &[] };
+            let uvs = if reads_uvs { &mesh.uvs[start..end] } else { &[] };
+            let normals = self.vertices(simd, draw, &mesh.positions[start..end], normals, uvs, out);
             if !surfaces.is_empty() {
-                for (i, surface) in surfaces[start..start + len].iter_mut().enumerate() {
-                    let color = |i: usize| to_working_space(mesh.colors[first + start + i], *color_space);
-                    *surface = Surface::new(normals[i], if reads_colors { color(i) } else { Vec3::ONE });
+                for (i, surface) in surfaces[group * LANES..][..out.len()].iter_mut().enumerate() {
+                    let color =
+                        if reads_colors { to_working_space(mesh.colors[start + i], color_space) } else { Vec3::ONE };
+                    *surface = Surface::new(Vec3::from_array(normals.map(|axis| axis[i])), color);
                 }
             }
         }
-        if !outcodes.is_empty() {
+        if draw.may_cross() {
             for (position, outcode) in positions.iter().zip(outcodes) {
                 let position = draw.matrices.clip_from_model * position.extend(1.0);
                 let vertex = ClipVertex { position, cut_at: None, varyings: Varyings::default() };
@@ -339,45 +336,76 @@ impl Job<'_> {
         }
     }
 
-    /// Model space to the screen.
+    /// Eight vertices, whose world-space unit normals are handed back; zero if none are read.
     #[inline(never)]
-    fn project<S: Simd>(&self, simd: S, draw: &Draw<'_>, positions: &[Vec3], out: &mut [Vertex]) {
+    fn vertices<S: Simd>(
+        &self,
+        simd: S,
+        draw: &Draw<'_>,
+        positions: &[Vec3],
+        normals: &[Vec3],
+        uvs: &[Vec2],
+        out: &mut [Vertex],
+    ) -> [[f32; LANES]; 3] {
         simd.vectorize(
             #[inline(always)]
             || {
-                let [px, py, pz] = split(simd, positions);
-                let columns = draw.matrices.clip_from_model.to_cols_array_2d();
-                let [x, y, z, w] = each!(row in [0, 1, 2, 3] => {
-                px * columns[0][row] + py * columns[1][row] + pz * columns[2][row] + columns[3][row]
-                });
-                let one = F32::splat(simd, 1.0);
-                let inv_w = one / w;
-                let Viewport { width, height } = self.viewport;
-                let steps = SUBPIXELS as f32;
-                let x = ((x * inv_w * 0.5 + 0.5) * width as f32 * steps).round_ties_even();
-                let y = ((F32::splat(simd, 0.5) - y * inv_w * 0.5) * height as f32 * steps).round_ties_even();
-                let depth = self.scale.of_lanes(simd, z, w);
-                let (x, y, inv_w, depth) = (x.to_array(), y.to_array(), inv_w.to_array(), depth.to_array());
-                for (i, vertex) in out.iter_mut().enumerate() {
-                    *vertex = Vertex::new([x[i], y[i]], depth[i], inv_w[i], 0.0, [0.0; 2]);
+                let ([x, y], depth, inv_w) = self.project(simd, draw, positions);
+                let mut unit_normals = [[0.0; LANES]; 3];
+                let mut light = F32::splat(simd, 0.0);
+                if !normals.is_empty() {
+                    let [nx, ny, nz] = split(simd, normals);
+                    let columns = draw.matrices.world_from_model_normal.to_cols_array_2d();
+                    let turned = each!(row in [0, 1, 2] => widen(simd, nx * columns[0][row] + ny * columns[1][row] + nz * columns[2][row]));
+                    let normal = unit_or_lanes(simd, turned, Vec3::Y);
+                    unit_normals = each!(axis in [0, 1, 2] => normal[axis].to_array());
+                    if self.settings.shading == Shading::Gouraud {
+                        light = lambert_lanes(normal, self.light_direction, self.settings.light.ambient);
+                    }
                 }
-            },
-        );
-    }
-
-    /// World-space unit normals.
-    #[inline(never)]
-    fn normals<S: Simd>(&self, simd: S, draw: &Draw<'_>, normals: &[Vec3]) -> [Vec3; LANES] {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let [nx, ny, nz] = split(simd, normals);
-                let columns = draw.matrices.world_from_model_normal.to_cols_array_2d();
-                let turned = each!(row in [0, 1, 2] => widen(simd, nx * columns[0][row] + ny * columns[1][row] + nz * columns[2][row]));
- unit_or_lanes(simd, turned, Vec3::Y)
+                let mut uv = [[0.0; LANES]; 2];
+                for (i, v) in uvs.iter().enumerate().take(LANES) {
+                    (uv[0][i], uv[1][i]) = (v.x, v.y);
+                }
+                let [u, v] = each!(axis in [0, 1] => F32::load_array(simd, uv[axis]));
+                let (first, second) = simd.split_f64x8(depth);
+                let (low, high) = first.bitcast::<F32<S>>().deinterleave(second.bitcast::<F32<S>>());
+                let front = rows_of_quads([x, y, low, high]);
+                let back = rows_of_quads([inv_w, light, u, v]);
+                for (i, vertex) in out.iter_mut().enumerate().take(LANES) {
+                    let (one, other) = vertex.numbers.split_at_mut(LANES / 2);
+                    front[i].store_slice(one);
+                    back[i].store_slice(other);
+                }
+                unit_normals
             },
         )
     }
+
+    /// Model space to the screen: snapped position, depth and 1/w.
+    #[inline(always)]
+    fn project<S: Simd>(&self, simd: S, draw: &Draw<'_>, positions: &[Vec3]) -> ([F32<S>; 2], F64<S>, F32<S>) {
+        let [px, py, pz] = split(simd, positions);
+        let columns = draw.matrices.clip_from_model.to_cols_array_2d();
+        let [x, y, z, w] = each!(row in [0, 1, 2, 3] => {
+            px * columns[0][row] + py * columns[1][row] + pz * columns[2][row] + columns[3][row]
+        });
+        let inv_w = F32::splat(simd, 1.0) / w;
+        let Viewport { width, height } = self.viewport;
+        let steps = SUBPIXELS as f32;
+        let x = ((x * inv_w * 0.5 + 0.5) * width as f32 * steps).round_ties_even();
+        let y = ((F32::splat(simd, 0.5) - y * inv_w * 0.5) * height as f32 * steps).round_ties_even();
+        ([x, y], self.scale.of_lanes(simd, z, w), inv_w)
+    }
+}
+
+/// [`lambert`] for eight unit normals.
+///
+/// [`lambert`]: crate::pipeline::shade::lambert
+#[inline(always)]
+pub(super) fn lambert_lanes<S: Simd>([x, y, z]: [F32<S>; 3], direction: Vec3, ambient: f32) -> F32<S> {
+    let cosine = x * direction.x + y * direction.y + z * direction.z;
+    cosine.max(0.0) * (1.0 - ambient) + ambient
 }
 
 /// Eight vectors by component; what is missing is zero.

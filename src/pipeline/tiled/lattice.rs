@@ -19,6 +19,10 @@ pub(super) struct Lattice {
     grid: SampleGrid,
     /// Of the eight samples of a block's row, from the first.
     pub(super) lanes: [f64; LANES],
+    /// Of the eight rows of a block, from the first.
+    pub(super) rows: [f64; LANES],
+    /// How far the samples of a block's rows stand to the right of those of a tile's first row.
+    row_shifts: [f64; LANES],
     /// Of four samples of a row and the four below: columns, rows.
     pub(super) two_rows: [[f64; LANES]; 2],
     /// Of the first samples of the blocks of a row.
@@ -31,6 +35,14 @@ pub(super) struct Lattice {
     pub(super) block_width: f64,
     /// From the first row of a block to the last one.
     pub(super) block_height: f64,
+}
+
+#[inline(always)]
+fn shift_of(grid: SampleGrid, row: usize) -> f64 {
+    match grid {
+        SampleGrid::Block { .. } => 0.0,
+        SampleGrid::Checkerboard => ((row & 2) as i64 * SUBPIXELS) as f64,
+    }
 }
 
 impl Lattice {
@@ -46,6 +58,8 @@ impl Lattice {
         Self {
             grid,
             lanes: std::array::from_fn(|lane| column(lane as u32)),
+            rows: std::array::from_fn(|index| row(index as u32)),
+            row_shifts: std::array::from_fn(|index| shift_of(grid, index)),
             two_rows: [
                 std::array::from_fn(|lane| column(lane as u32 % 4)),
                 std::array::from_fn(|lane| row(lane as u32 / 4)),
@@ -74,10 +88,16 @@ impl Lattice {
     /// How far the samples of a row stand to the right of those of a tile's first row.
     #[inline(always)]
     pub(super) fn shift(&self, row: usize) -> f64 {
-        match self.grid {
-            SampleGrid::Block { .. } => 0.0,
-            SampleGrid::Checkerboard => ((row & 2) as i64 * SUBPIXELS) as f64,
-        }
+        shift_of(self.grid, row)
+    }
+
+    /// The shifts of eight rows.
+    #[inline(always)]
+    pub(super) fn shifts(&self, first: usize) -> [f64; LANES] {
+        let mut shifts = self.row_shifts;
+        // They repeat after four rows.
+        shifts.rotate_left(first % 4);
+        shifts
     }
 
     /// Distance of a column from a tile's first one.

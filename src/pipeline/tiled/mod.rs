@@ -13,9 +13,12 @@
 
 mod bins;
 mod geometry;
+mod kernel;
 mod lattice;
+mod record;
 mod setup;
 mod shade;
+mod shader;
 mod texture;
 mod tile;
 
@@ -27,9 +30,12 @@ use rayon::prelude::*;
 
 use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
 use geometry::{Arrays, Draw, Surface, Vertex};
+use kernel::Queue;
 use lattice::{Lattice, TILE};
-use setup::{Corner, Setup};
-use shade::{DrawShader, shade_tile};
+use record::{Entrants, Slot};
+use setup::{Batch, Corner, Setup};
+use shade::{Canvas, shade_tile};
+use shader::DrawShader;
 use tile::{DepthRules, Tile};
 
 use super::clip::guard_band_widening;
@@ -43,7 +49,7 @@ use super::vertex::{DrawMatrices, containment};
 use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 use crate::image::Rgba8;
 use crate::math::fixed::to_pixels;
-use crate::math::lanes::{Lanes, Simd, on_lanes};
+use crate::math::lanes::{LANES, Lanes, Simd, on_lanes};
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene, TriangleId};
 
@@ -135,14 +141,33 @@ pub struct TiledReport {
 pub struct Memory {
     arrays: Arrays,
     chunks: Vec<Chunk>,
-    tiles: Mutex<Vec<Tile>>,
+    workspaces: Mutex<Vec<Workspace>>,
 }
 
 impl Memory {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        let tiles = self.tiles.lock().map_or(0, |tiles| tiles.iter().map(Tile::bytes).sum());
-        self.arrays.bytes() + self.chunks.iter().map(Chunk::bytes).sum::<usize>() + tiles
+        let workspaces = self.workspaces.lock().map_or(0, |all| all.iter().map(Workspace::bytes).sum());
+        self.arrays.bytes() + self.chunks.iter().map(Chunk::bytes).sum::<usize>() + workspaces
+    }
+}
+
+/// What a thread draws and shades a tile with.
+#[derive(Clone, Debug)]
+struct Workspace {
+    tile: Tile,
+    entrants: Entrants,
+    batch: Batch,
+    queue: Queue,
+}
+
+impl Workspace {
+    fn new() -> Self {
+        Self { tile: Tile::new(), entrants: Entrants::default(), batch: Batch::default(), queue: Queue::default() }
+    }
+
+    fn bytes(&self) -> usize {
+        self.tile.bytes() + self.entrants.bytes() + size_of::<Batch>() + size_of::<Queue>()
     }
 }
 
@@ -158,7 +183,10 @@ struct Frame<'a> {
     draws: &'a [Draw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
+    /// One for each draw.
     shaders: Vec<DrawShader<'a>>,
+    /// For each draw the first one that is shaded alike.
+    shader_of_draw: Vec<usize>,
 }
 
 /// Draws a scene into a framebuffer, all of which it overwrites. [`obstacle`] must have found none.
@@ -175,8 +203,8 @@ pub fn draw(
     let scale = DepthScale::new(settings.depth_format, camera);
     let (draws, plans) = plan(scene, camera, settings, viewport);
     let widening = guard_band_widening(viewport.width, viewport.height);
-    let Memory { arrays, chunks, tiles } = memory;
-    let tiles: &Mutex<Vec<Tile>> = tiles;
+    let Memory { arrays, chunks, workspaces } = memory;
+    let workspaces: &Mutex<Vec<Workspace>> = workspaces;
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, arrays);
     let transformed = Instant::now();
 
@@ -190,6 +218,7 @@ pub fn draw(
     let comparison = Comparison::of(settings);
     let [r, g, b] = scene.background;
     let Framebuffer { grid, color, depth, .. } = frame;
+    let shaders = shaders(scene, settings, &draws);
     let job = Frame {
         settings,
         grid: *grid,
@@ -207,7 +236,8 @@ pub fn draw(
         draws: &draws,
         arrays,
         chunks,
-        shaders: shaders(scene, settings, &draws),
+        shader_of_draw: DrawShader::first_alike(&shaders),
+        shaders,
     };
     let work = Work::default();
     let band = packed.0 as usize * TILE;
@@ -217,14 +247,14 @@ pub fn draw(
     };
     color.pixels_mut().par_chunks_mut(band.max(1)).zip(depth_bands.par_iter_mut()).enumerate().for_each(
         |(row, (colors, depths))| {
-            let taken = tiles.lock().ok().and_then(|mut tiles| tiles.pop());
-            let mut tile = taken.unwrap_or_else(Tile::new);
+            let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
+            let mut workspace = taken.unwrap_or_else(Workspace::new);
             for column in 0..tile_counts.0 {
                 let number = row * tile_counts.0 + column;
-                on_lanes!(lanes, simd => job.draw_tile(simd, &mut tile, (column, row), number, colors, depths, &work));
+                on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, (column, row), number, colors, depths, &work));
             }
-            if let Ok(mut tiles) = tiles.lock() {
-                tiles.push(tile);
+            if let Ok(mut all) = workspaces.lock() {
+                all.push(workspace);
             }
         },
     );
@@ -312,7 +342,7 @@ impl Frame<'_> {
     fn draw_tile<S: Simd>(
         &self,
         simd: S,
-        tile: &mut Tile,
+        workspace: &mut Workspace,
         place: (usize, usize),
         number: usize,
         colors: &mut [Rgba8],
@@ -320,23 +350,38 @@ impl Frame<'_> {
         work: &Work,
     ) {
         let start = Instant::now();
+        let Workspace { tile, entrants, batch, queue } = workspace;
         let crowd = self.chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>();
         tile.clear(&self.rules, crowd < CROWDED);
         let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
+        entrants.clear();
+        let nowhere = Vertex::default();
+        let mut keys = self.chunks.iter().flat_map(|chunk| chunk.keys(number)).copied();
         let mut draw = 0;
-        for chunk in self.chunks {
-            for key in chunk.keys(number) {
-                if !self.is_of_draw(*key, draw) {
-                    draw = self.draw_of(*key);
+        loop {
+            let mut triangles = [[&nowhere; 3]; LANES];
+            let first = entrants.len();
+            for (triangle, key) in triangles.iter_mut().zip(&mut keys) {
+                if !self.is_of_draw(key, draw) {
+                    draw = self.draw_of(key);
                 }
-                if let Some(triangle) = self.set_up(*key, draw, origin) {
-                    let owner = |key: Key| self.set_up(key, self.draw_of(key), origin);
-                    tile.draw(simd, &triangle, &self.lattice, &self.rules, owner);
-                }
+                *triangle = self.vertices(key, draw);
+                entrants.push(key, draw);
+            }
+            let count = entrants.len() - first;
+            if count == 0 {
+                break;
+            }
+            let settings = self.settings;
+            let alive = batch.set_up(simd, &triangles, settings.fill_rule, &self.scale, &self.lattice, origin);
+            for lane in (0..count).filter(|lane| alive >> lane & 1 != 0) {
+                let triangle = batch.triangle(lane, Slot((first + lane) as u32));
+                let owner = |slot| self.set_up_again(entrants, slot, origin);
+                tile.draw(simd, &triangle, &self.lattice, &self.rules, owner);
             }
         }
         if let Some(depths) = depths {
-            let owner = |key: Key| self.set_up(key, self.draw_of(key), origin);
+            let owner = |slot| self.set_up_again(entrants, slot, origin);
             for (block, _) in tile.plain_blocks() {
                 tile.write_out(simd, block, &self.lattice, &self.rules, &owner);
             }
@@ -348,7 +393,7 @@ impl Frame<'_> {
             }
         }
         let rasterized = Instant::now();
-        let shaded = shade_tile(simd, self, tile, place, colors);
+        let shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: colors });
         work.rasterize_ns.fetch_add((rasterized - start).as_nanos() as u64, Ordering::Relaxed);
         work.shade_ns.fetch_add(rasterized.elapsed().as_nanos() as u64, Ordering::Relaxed);
         work.visited.fetch_add(tile.counts.visited, Ordering::Relaxed);
@@ -357,11 +402,17 @@ impl Frame<'_> {
         work.texels.fetch_add(shaded.texels, Ordering::Relaxed);
     }
 
-    /// A triangle as the tile at `origin` sees it.
+    /// A triangle that the tile was asked to draw before.
     #[inline(always)]
-    fn set_up(&self, key: Key, draw: usize, origin: ([f64; 2], [f32; 2])) -> Option<Setup> {
-        let corners = self.corners(key, draw);
-        Setup::new(key, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
+    fn set_up_again(&self, entrants: &Entrants, slot: Slot, origin: ([f64; 2], [f32; 2])) -> Option<Setup> {
+        let entrant = entrants.get(slot);
+        let corners = self.corners(entrant.key, entrant.draw as usize);
+        Setup::new(slot, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
+    }
+
+    #[inline(always)]
+    fn shader(&self, draw: usize) -> &DrawShader<'_> {
+        &self.shaders[draw]
     }
 
     /// The triangle of the scene that a key stands for.
@@ -397,6 +448,12 @@ impl Frame<'_> {
                 [(&vertices[a]).into(), (&vertices[b]).into(), (&vertices[c]).into()]
             }
         }
+    }
+
+    #[inline(always)]
+    fn vertices(&self, key: Key, draw: usize) -> [&Vertex; 3] {
+        let [a, b, c] = self.records(key, draw);
+        [a.0, b.0, c.0]
     }
 
     /// What lanes read of the corners of a triangle.

@@ -1,9 +1,9 @@
 //! A triangle as one tile sees it: edge functions and depth from the tile's first sample on.
 
-use super::bins::Key;
 use super::geometry::Vertex;
 use super::lattice::{Lattice, TILE};
-use crate::math::lanes::each;
+use super::record::Slot;
+use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::raster::numbers::Inward;
 use crate::pipeline::settings::FillRule;
@@ -36,7 +36,7 @@ impl From<&ScreenVertex> for Corner {
 
 /// Edge functions of a triangle, each belonging to the corner opposite: e(x, y) = a·x + b·y + c, in units of 1/2¹⁶ px², for
 /// (x, y) in grid steps from an origin. All are whole numbers below 2⁵³, so f64 holds them and their sums exactly.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Edges {
     pub(super) a: [f64; 3],
     pub(super) b: [f64; 3],
@@ -69,7 +69,7 @@ impl Edges {
 /// A triangle within a tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup {
-    pub(super) key: Key,
+    pub(super) slot: Slot,
     pub(super) edges: Edges,
     /// The least edge value that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
     pub(super) inside: [f64; 3],
@@ -91,7 +91,7 @@ impl Setup {
     /// packed picture.
     #[inline(always)]
     pub(super) fn new(
-        key: Key,
+        slot: Slot,
         corners: &[Corner; 3],
         rule: FillRule,
         scale: &DepthScale,
@@ -114,7 +114,7 @@ impl Setup {
         let depths = each!(i in [0, 1, 2] => corners[i].depth);
         let (least, rises) = scale.terms(depths, edges.doubled_area);
         Some(Self {
-            key,
+            slot,
             edges,
             inside,
             least,
@@ -125,4 +125,119 @@ impl Setup {
             rows: [rows[0] as usize, rows[1] as usize],
         })
     }
+}
+
+/// Eight triangles that are set up together.
+#[derive(Clone, Debug, Default)]
+#[repr(align(32))]
+pub(super) struct Batch {
+    a: [[f64; LANES]; 3],
+    b: [[f64; LANES]; 3],
+    c: [[f64; LANES]; 3],
+    doubled_area: [f64; LANES],
+    inside: [[f64; LANES]; 3],
+    least: [f64; LANES],
+    greatest: [f64; LANES],
+    rises: [[f64; LANES]; 3],
+    inv_w: [[f64; LANES]; 3],
+    columns: [[i32; LANES]; 2],
+    rows: [[i32; LANES]; 2],
+}
+
+impl Batch {
+    /// Sets up eight triangles by their corners as [`Setup::new`] does, and says which of them may have a sample in the tile.
+    #[inline(never)]
+    pub(super) fn set_up<S: Simd>(
+        &mut self,
+        simd: S,
+        triangles: &[[&Vertex; 3]; LANES],
+        rule: FillRule,
+        scale: &DepthScale,
+        lattice: &Lattice,
+        (origin, first): ([f64; 2], [f32; 2]),
+    ) -> u64 {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let corners = each!(corner in [0, 1, 2] => {
+                    Vertex::positions_and_depths(simd, &each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner]))
+                });
+                let mut alive = u64::MAX;
+                for (axis, out) in [(0, &mut self.columns), (1, &mut self.rows)] {
+                    let [a, b, c] = each!(i in [0, 1, 2] => corners[i].0[axis]);
+                    let [from, to] = lattice.range_lanes(simd, axis, a.min(b).min(c), a.max(b).max(c));
+                    let (from, to) = ((from - first[axis]).max(0.0), (to - first[axis]).min((TILE - 1) as f32));
+                    alive &= from.simd_le(to).to_bitmask();
+                    from.to_int::<i32x8<S>>().store_array(&mut out[0]);
+                    to.to_int::<i32x8<S>>().store_array(&mut out[1]);
+                }
+                let p = each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
+                let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
+                alive &= area.simd_ne(0.0).to_bitmask();
+                if alive == 0 {
+                    return 0;
+                }
+                let turned = area.simd_lt(0.0);
+                let doubled_area = area.abs();
+                doubled_area.store_array(&mut self.doubled_area);
+                for (i, (from, to)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
+                    let (a, b) = (p[from][1] - p[to][1], p[to][0] - p[from][0]);
+                    let (a, b) = (turned.select(-a, a), turned.select(-b, b));
+                    a.store_array(&mut self.a[i]);
+                    b.store_array(&mut self.b[i]);
+                    (-(a * p[from][0] + b * p[from][1])).store_array(&mut self.c[i]);
+                    least_inside(simd, a, b, rule).store_array(&mut self.inside[i]);
+                }
+                let depths = each!(i in [0, 1, 2] => corners[i].1);
+                let least = depths[0].min(depths[1]).min(depths[2]);
+                least.store_array(&mut self.least);
+                depths[0].max(depths[1]).max(depths[2]).store_array(&mut self.greatest);
+                for i in 0..3 {
+                    let rise = depths[i] - least;
+                    let rise = if scale.is_linear_in_space() { rise } else { rise / doubled_area };
+                    rise.store_array(&mut self.rises[i]);
+                    if scale.is_linear_in_space() {
+                        for (out, corners) in self.inv_w[i].iter_mut().zip(triangles) {
+                            *out = corners[i].inv_w().into();
+                        }
+                    }
+                }
+                alive
+            },
+        )
+    }
+
+    /// One of the triangles.
+    #[inline(always)]
+    pub(super) fn triangle(&self, lane: usize, slot: Slot) -> Setup {
+        let of = |values: &[[f64; LANES]; 3]| [values[0][lane], values[1][lane], values[2][lane]];
+        let range = |range: &[[i32; LANES]; 2]| [range[0][lane] as usize, range[1][lane] as usize];
+        Setup {
+            slot,
+            edges: Edges { a: of(&self.a), b: of(&self.b), c: of(&self.c), doubled_area: self.doubled_area[lane] },
+            inside: of(&self.inside),
+            least: self.least[lane],
+            rises: of(&self.rises),
+            greatest: self.greatest[lane],
+            inv_w: of(&self.inv_w),
+            columns: range(&self.columns),
+            rows: range(&self.rows),
+        }
+    }
+}
+
+/// 0 where the rule gives the edge to the triangle, else 1: [`Inward::owned`] for eight edges.
+#[inline(always)]
+fn least_inside<S: Simd>(simd: S, a: F64<S>, b: F64<S>, rule: FillRule) -> F64<S> {
+    let upright = a.simd_eq(0.0);
+    let (zero, one) = (F64::splat(simd, 0.0), F64::splat(simd, 1.0));
+    let owned = match rule {
+        FillRule::TopLeft => a.simd_gt(0.0) | (upright & b.simd_gt(0.0)),
+        FillRule::TopRight => a.simd_lt(0.0) | (upright & b.simd_gt(0.0)),
+        FillRule::BottomLeft => a.simd_gt(0.0) | (upright & b.simd_lt(0.0)),
+        FillRule::BottomRight => a.simd_lt(0.0) | (upright & b.simd_lt(0.0)),
+        FillRule::Inclusive => return zero,
+        FillRule::Exclusive => return one,
+    };
+    owned.select(zero, one)
 }

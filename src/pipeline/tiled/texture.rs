@@ -1,6 +1,5 @@
 //! Texture reads for eight samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
-use crate::image::Rgba8;
 use crate::image::color::Tables;
 use crate::math::lanes::*;
 use crate::pipeline::sample::Sampler;
@@ -14,99 +13,122 @@ struct Neighbours<S: Simd> {
     weight: F32<S>,
 }
 
-/// The four texels around each of eight places, and how near the place is to the right and to the lower ones.
-pub(super) struct Taps<S: Simd> {
-    index: [u32x8<S>; 4],
-    right: F32<S>,
-    down: F32<S>,
-}
-
-/// [`Taps`] in memory.
+/// Which texels eight samples read, and how near each sample is to the right and to the lower ones.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct StoredTaps {
+#[repr(align(32))]
+pub(super) struct Taps {
     index: [[u32; LANES]; 4],
     right: [f32; LANES],
     down: [f32; LANES],
 }
 
-impl<S: Simd> Taps<S> {
-    #[inline(always)]
-    pub(super) fn store(self, out: &mut StoredTaps) {
-        for tap in 0..4 {
-            self.index[tap].store_array(&mut out.index[tap]);
-        }
-        self.right.store_array(&mut out.right);
-        self.down.store_array(&mut out.down);
-    }
+/// How texels are found in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Layout {
+    /// One texel for each sample.
+    Single,
+    /// Four texels.
+    Four,
+    /// Two times two texels that are neighbours in memory, in rows that go on with their first texel once more.
+    Pairs,
+    /// The same, and both sides are powers of two.
+    PowerOfTwoPairs,
 }
 
 /// A texture with how it is read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
-    texels: &'a [Rgba8],
-    /// Rows that go on with their first texel once more, where that is how they are read; else empty.
-    wrapped: &'a [u32],
-    /// Numbers from one row to the next in what is read.
+    pub(super) layout: Layout,
+    /// Rows of texels, with one more at the end of each for pairs.
+    texels: &'a [u32],
+    /// Numbers from one row to the next.
     stride: i32,
     size: (u32, u32),
     sampler: Sampler,
-    space: ColorSpace,
 }
 
 impl<'a> TextureReader<'a> {
-    pub(super) fn new(texture: &'a Texture, sampler: Sampler, space: ColorSpace) -> Self {
-        let image = texture.image();
-        let pairs = sampler.filter == Filter::Bilinear && sampler.address == Address::Repeat;
-        let (wrapped, stride) = if pairs { (texture.wrapped(), image.width() + 1) } else { (&[][..], image.width()) };
-        Self { texels: image.pixels(), wrapped, stride: stride as i32, size: image.size(), sampler, space }
+    pub(super) fn new(texture: &'a Texture, sampler: Sampler) -> Self {
+        let size @ (width, height) = texture.image().size();
+        let layout = match (sampler.filter, sampler.address) {
+            (Filter::Point, _) => Layout::Single,
+            (Filter::Bilinear, Address::Clamp | Address::Mirror) => Layout::Four,
+            (Filter::Bilinear, Address::Repeat) if width.is_power_of_two() && height.is_power_of_two() => {
+                Layout::PowerOfTwoPairs
+            }
+            (Filter::Bilinear, Address::Repeat) => Layout::Pairs,
+        };
+        Self { layout, texels: texture.wrapped(), stride: width as i32 + 1, size, sampler }
     }
 
-    /// Which texels are read at eight places (v down). Told apart from reading them, so that many reads can be under way.
+    /// Tells textures apart.
+    pub(super) fn address(&self) -> usize {
+        self.texels.as_ptr().addr()
+    }
+
+    /// Which texels eight samples read (v down). Told apart from reading them, so that many reads can be under way.
     #[inline(always)]
-    pub(super) fn locate<S: Simd>(&self, simd: S, u: F32<S>, v: F32<S>) -> Taps<S> {
+    pub(super) fn locate<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [F32<S>; 2], taps: &mut Taps) {
         let (width, height) = self.size;
-        let Sampler { filter, address, .. } = self.sampler;
-        match filter {
-            Filter::Point => {
+        let Sampler { address, .. } = self.sampler;
+        match layout {
+            Layout::Single => {
                 let x = nearest(simd, bring_into_unit(simd, u, address), width);
                 let y = nearest(simd, bring_into_unit(simd, v, address), height);
-                let only = self.index(x, y);
-                let zero = F32::splat(simd, 0.0);
-                Taps { index: [only; 4], right: zero, down: zero }
+                self.index(x, y).store_array(&mut taps.index[0]);
             }
-            Filter::Bilinear => {
-                let x = neighbours(simd, u, width, address);
-                let y = neighbours(simd, v, height, address);
+            Layout::Four => {
+                let (x, y) = (neighbours(simd, u, width, address), neighbours(simd, v, height, address));
                 let index = each!((x, y) in [
                     (x.first, y.first),
                     (x.second, y.first),
                     (x.first, y.second),
                     (x.second, y.second),
                 ] => self.index(x, y));
-                Taps { index, right: x.weight, down: y.weight }
+                for (index, out) in index.into_iter().zip(&mut taps.index) {
+                    index.store_array(out);
+                }
+                x.weight.store_array(&mut taps.right);
+                y.weight.store_array(&mut taps.down);
+            }
+            Layout::Pairs => {
+                let (x, y) = (neighbours(simd, u, width, address), neighbours(simd, v, height, address));
+                self.store_pairs(x.first, [y.first, y.second], [x.weight, y.weight], taps);
+            }
+            Layout::PowerOfTwoPairs => {
+                let [(x, right), (y, down)] =
+                    each!((u, size) in [(u, width), (v, height)] => below_repeated(simd, u, size));
+                let (right_most, lowest) = (width as i32 - 1, height as i32 - 1);
+                let rows = [y & lowest, (y + 1) & lowest];
+                self.store_pairs(x & right_most, rows, [right, down], taps);
             }
         }
     }
 
+    #[inline(always)]
+    fn store_pairs<S: Simd>(&self, x: i32x8<S>, y: [i32x8<S>; 2], [right, down]: [F32<S>; 2], taps: &mut Taps) {
+        self.index(x, y[0]).store_array(&mut taps.index[0]);
+        self.index(x, y[1]).store_array(&mut taps.index[1]);
+        right.store_array(&mut taps.right);
+        down.store_array(&mut taps.down);
+    }
+
     /// Red, green and blue from texels, in the numbers of the colour space.
     #[inline(always)]
-    pub(super) fn read<S: Simd>(&self, simd: S, taps: &StoredTaps) -> [F32<S>; 3] {
-        if self.sampler.filter == Filter::Point {
-            let values = self.values(simd, self.fetch(simd, &taps.index[0]));
-            return each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale);
-        }
-        let (right, down) = (F32::load_array(simd, taps.right), F32::load_array(simd, taps.down));
+    pub(super) fn read<S: Simd>(&self, simd: S, layout: Layout, space: ColorSpace, taps: &Taps) -> [F32<S>; 3] {
+        let texels = match layout {
+            Layout::Single => {
+                let values = self.values(simd, space, self.fetch(simd, &taps.index[0]));
+                return each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale);
+            }
+            Layout::Four => each!(tap in [0, 1, 2, 3] => self.fetch(simd, &taps.index[tap])),
+            Layout::Pairs | Layout::PowerOfTwoPairs => self.fetch_pairs(simd, taps),
+        };
+        let (right, down) = (F32::load_array_ref(simd, &taps.right), F32::load_array_ref(simd, &taps.down));
         let one = F32::splat(simd, 1.0);
         let (left, up) = (one - right, one - down);
         let weights = [left * up, right * up, left * down, right * down];
-        let texels = if self.wrapped.is_empty() {
-            each!(tap in [0, 1, 2, 3] => self.fetch(simd, &taps.index[tap]))
-        } else {
-            let (a, b) = self.fetch_pairs(simd, &taps.index[0]);
-            let (c, d) = self.fetch_pairs(simd, &taps.index[2]);
-            [a, b, c, d]
-        };
-        let values = each!(tap in [0, 1, 2, 3] => self.values(simd, texels[tap]));
+        let values = each!(tap in [0, 1, 2, 3] => self.values(simd, space, texels[tap]));
         each!(channel in [0, 1, 2] => {
             let sum = values[0][channel] * weights[0]
                 + values[1][channel] * weights[1]
@@ -116,17 +138,26 @@ impl<'a> TextureReader<'a> {
         })
     }
 
-    /// Eight texels and their neighbours to the right in a repeated texture.
+    /// Upper left, upper right, lower left and lower right texels.
     #[inline(always)]
-    fn fetch_pairs<S: Simd>(&self, simd: S, index: &[u32; LANES]) -> (u32x8<S>, u32x8<S>) {
-        let mut pairs = [0_u32; 2 * LANES];
-        for lane in 0..LANES {
-            let pair = self.wrapped.get(index[lane] as usize..).and_then(<[u32]>::first_chunk::<2>);
-            // Every texel has a neighbour in memory.
-            [pairs[2 * lane], pairs[2 * lane + 1]] = *pair.unwrap_or(&[0; 2]);
-        }
-        let (low, high) = pairs.split_at(LANES);
-        u32x8::from_slice(simd, low).deinterleave(u32x8::from_slice(simd, high))
+    fn fetch_pairs<S: Simd>(&self, simd: S, taps: &Taps) -> [u32x8<S>; 4] {
+        let [(a, b), (c, d)] = each!(row in [0, 1] => {
+            let index = &taps.index[row];
+            let [first, second, third, fourth] = each!((i, j) in [(0, 1), (2, 3), (4, 5), (6, 7)] => {
+                u64x2::load_array(simd, [self.pair(index[i]), self.pair(index[j])]).bitcast::<u32x4<S>>()
+            });
+            let ((a, b), (c, d)) = (first.deinterleave(second), third.deinterleave(fourth));
+            (a.combine(c), b.combine(d))
+        });
+        [a, b, c, d]
+    }
+
+    /// A texel, and its neighbour to the right in the upper half.
+    #[inline(always)]
+    fn pair(&self, index: u32) -> u64 {
+        let index = index as usize;
+        let pair = &self.texels[index..index + 2];
+        u64::from(pair[0]) | u64::from(pair[1]) << 32
     }
 
     #[inline(always)]
@@ -137,18 +168,14 @@ impl<'a> TextureReader<'a> {
     /// Eight texels, each packed into one number.
     #[inline(always)]
     fn fetch<S: Simd>(&self, simd: S, index: &[u32; LANES]) -> u32x8<S> {
-        let mut texels = [0; LANES];
-        for lane in 0..LANES {
-            texels[lane] = u32::from_le_bytes(self.texels[index[lane] as usize]);
-        }
-        u32x8::load_array(simd, texels)
+        u32x8::load_array(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => self.texels[index[lane] as usize]))
     }
 
     /// The numbers that texels are mixed in.
     #[inline(always)]
-    fn values<S: Simd>(&self, simd: S, texels: u32x8<S>) -> [F32<S>; 3] {
+    fn values<S: Simd>(&self, simd: S, space: ColorSpace, texels: u32x8<S>) -> [F32<S>; 3] {
         let codes = each!(shift in [0, 8, 16] => (texels >> shift) & 255);
-        match self.space {
+        match space {
             ColorSpace::Bytes => {
                 each!(c in [0, 1, 2] => codes[c].bitcast::<i32x8<S>>().to_float::<F32<S>>())
             }
@@ -156,11 +183,7 @@ impl<'a> TextureReader<'a> {
                 let table = &Tables::get().linear_of_code;
                 each!(channel in [0, 1, 2] => {
                     let codes = codes[channel].to_array();
-                    let mut values = [0.0; LANES];
-                    for lane in 0..LANES {
-                        values[lane] = table[usize::from(codes[lane] as u8)];
-                    }
-                    F32::load_array(simd, values)
+                    F32::load_array(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => table[usize::from(codes[lane] as u8)]))
                 })
             }
         }
@@ -188,16 +211,7 @@ fn nearest<S: Simd>(simd: S, unit: F64<S>, size: u32) -> i32x8<S> {
 
 #[inline(always)]
 fn neighbours<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> Neighbours<S> {
-    let (below, weight) = if address == Address::Repeat
-        && size.is_power_of_two()
-        && (u.simd_ge(0.0) & u.simd_lt(ALL_INTEGERS)).to_bitmask() == 0xFF
-    {
-        below_exact(u, size)
-    } else {
-        let position = bring_into_unit(simd, u, address) * f64::from(size) - 0.5;
-        let below = position.floor();
-        (narrow(simd, below), narrow(simd, position - below))
-    };
+    let (below, weight) = below(simd, u, size, address);
     let below: i32x8<S> = below.to_int();
     let (first, second) = (below, below + 1);
     let last = size as i32 - 1;
@@ -210,6 +224,25 @@ fn neighbours<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> Neigh
         second: second.simd_gt(last).select(i32x8::splat(simd, after), second),
         weight,
     }
+}
+
+/// The texel centre at or before a coordinate, as a number that may be −1, and the way from it.
+#[inline(always)]
+fn below<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> (F32<S>, F32<S>) {
+    let position = bring_into_unit(simd, u, address) * f64::from(size) - 0.5;
+    let below = position.floor();
+    (narrow(simd, below), narrow(simd, position - below))
+}
+
+/// [`below`] for a repeated coordinate and a size that is a power of two.
+#[inline(always)]
+fn below_repeated<S: Simd>(simd: S, u: F32<S>, size: u32) -> (i32x8<S>, F32<S>) {
+    let (below, weight) = if (u.simd_ge(0.0) & u.simd_lt(ALL_INTEGERS)).to_bitmask() == 0xFF {
+        below_exact(u, size)
+    } else {
+        below(simd, u, size, Address::Repeat)
+    };
+    (below.to_int(), weight)
 }
 
 /// From here on every float is a whole number.

@@ -1,13 +1,13 @@
 //! One tile of the picture while its triangles are drawn: which triangle is seen at each sample, and how deep it lies.
 //!
 //! Samples stand in blocks of 8 × 8. A block that one triangle covers whole, in front of everything that was there, is *plain*:
-//! its samples are neither written nor cleared, the block holds the triangle's key alone. Samples are written out when a
+//! its samples are neither written nor cleared, the block names the triangle alone. Samples are written out when a
 //! triangle first covers a plain block in part. Of every block the least and greatest stored depth are known, so that a
 //! triangle that lies behind all of it is not looked at there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
 //! SIGGRAPH 1993).
 
-use super::bins::Key;
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
+use super::record::Slot;
 use super::setup::{Edges, Setup};
 use crate::math::lanes::*;
 use crate::pipeline::depth::{Comparison, DepthEncoding};
@@ -43,12 +43,12 @@ pub(super) struct TileCounts {
 /// A tile. Memory is kept from tile to tile.
 #[derive(Clone, Debug)]
 pub(super) struct Tile {
-    /// Keys by row and column.
+    /// Triangles by row and column.
     ids: Vec<u32>,
     /// Stored depths.
     depths: Vec<f32>,
     /// The triangle of each plain block.
-    owners: [Key; BLOCKS * BLOCKS],
+    owners: [Slot; BLOCKS * BLOCKS],
     /// Bounds of the stored depths of each block.
     least: [f32; BLOCKS * BLOCKS],
     greatest: [f32; BLOCKS * BLOCKS],
@@ -62,9 +62,9 @@ pub(super) struct Tile {
 impl Tile {
     pub(super) fn new() -> Self {
         Self {
-            ids: vec![Key::NONE.0; STRIDE * ROWS],
+            ids: vec![Slot::NONE.0; STRIDE * ROWS],
             depths: vec![0.0; STRIDE * ROWS],
-            owners: [Key::NONE; BLOCKS * BLOCKS],
+            owners: [Slot::NONE; BLOCKS * BLOCKS],
             least: [0.0; BLOCKS * BLOCKS],
             greatest: [0.0; BLOCKS * BLOCKS],
             plain: u64::MAX,
@@ -84,12 +84,12 @@ impl Tile {
         self.counts = TileCounts::default();
         if bounded {
             self.plain = u64::MAX;
-            self.owners = [Key::NONE; BLOCKS * BLOCKS];
+            self.owners = [Slot::NONE; BLOCKS * BLOCKS];
             self.least = [rules.clear; BLOCKS * BLOCKS];
             self.greatest = [rules.clear; BLOCKS * BLOCKS];
         } else {
             self.plain = 0;
-            self.ids.fill(Key::NONE.0);
+            self.ids.fill(Slot::NONE.0);
             if rules.stored {
                 self.depths.fill(rules.clear);
             }
@@ -100,19 +100,19 @@ impl Tile {
 
     /// The triangle of a plain block.
     #[inline(always)]
-    pub(super) fn owner(&self, block: usize) -> Option<Key> {
+    pub(super) fn owner(&self, block: usize) -> Option<Slot> {
         (self.plain >> block & 1 != 0).then(|| self.owners[block])
     }
 
     /// The plain blocks that wait for their samples to be written.
-    pub(super) fn plain_blocks(&self) -> impl Iterator<Item = (usize, Key)> + use<> {
+    pub(super) fn plain_blocks(&self) -> impl Iterator<Item = (usize, Slot)> + use<> {
         let (plain, owners) = (self.plain, self.owners);
         (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, owners[block]))
     }
 
-    /// Eight keys of a row; the samples must have been written.
+    /// The triangles of eight samples of a row; the samples must have been written.
     #[inline(always)]
-    pub(super) fn keys(&self, column: usize, row: usize) -> &[u32] {
+    pub(super) fn slots(&self, column: usize, row: usize) -> &[u32] {
         &self.ids[row * STRIDE + column..][..LANES]
     }
 
@@ -129,7 +129,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Key) -> Option<Setup>,
+        owner: impl Fn(Slot) -> Option<Setup>,
     ) {
         let [first, last] = triangle.columns;
         let start = first & !1;
@@ -149,7 +149,7 @@ impl Tile {
         start: usize,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Key) -> Option<Setup>,
+        owner: impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -243,9 +243,9 @@ impl Tile {
             high.store_slice(&mut depths[STRIDE..]);
         }
         let ids = &mut self.ids[upper..lower + HALF];
-        let key = u32x8::splat(simd, triangle.key.0);
+        let slot = u32x8::splat(simd, triangle.slot.0);
         let stored = u32x4::from_slice(simd, &ids[..HALF]).combine(u32x4::from_slice(simd, &ids[STRIDE..]));
-        let (low, high) = mask32x8::from_bitmask(simd, passed).select(key, stored).split();
+        let (low, high) = mask32x8::from_bitmask(simd, passed).select(slot, stored).split();
         low.store_slice(&mut ids[..HALF]);
         high.store_slice(&mut ids[STRIDE..]);
     }
@@ -258,7 +258,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Key) -> Option<Setup>,
+        owner: impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -310,7 +310,7 @@ impl Tile {
                         mask.select(high, stored[1]).store_slice(&mut self.greatest[here.clone()]);
                         for (bx, owner) in self.owners[here].iter_mut().enumerate() {
                             if whole >> bx & 1 != 0 {
-                                *owner = triangle.key;
+                                *owner = triangle.slot;
                             }
                         }
                         self.plain |= whole << (by * BLOCKS);
@@ -380,8 +380,8 @@ impl Tile {
             }
             mask32x8::from_bitmask(simd, passed).select(new, stored).store_slice(depths);
         }
-        let key = u32x8::splat(simd, triangle.key.0);
-        mask32x8::from_bitmask(simd, passed).select(key, u32x8::from_slice(simd, ids)).store_slice(ids);
+        let slot = u32x8::splat(simd, triangle.slot.0);
+        mask32x8::from_bitmask(simd, passed).select(slot, u32x8::from_slice(simd, ids)).store_slice(ids);
     }
 
     /// Writes the samples of a plain block.
@@ -392,7 +392,7 @@ impl Tile {
         block: usize,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: &impl Fn(Key) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -402,11 +402,11 @@ impl Tile {
                 }
                 self.plain &= !(1 << block);
                 let (bx, by) = (block % BLOCKS, block / BLOCKS);
-                let key = self.owners[block];
-                let triangle = if key == Key::NONE || !rules.stored { None } else { owner(key) };
+                let slot = self.owners[block];
+                let triangle = if slot == Slot::NONE || !rules.stored { None } else { owner(slot) };
                 for row in by * BLOCK..(by + 1) * BLOCK {
                     let at = row * STRIDE + bx * BLOCK;
-                    self.ids[at..at + LANES].fill(key.0);
+                    self.ids[at..at + LANES].fill(slot.0);
                     if rules.stored {
                         let depths = &mut self.depths[at..at + LANES];
                         match &triangle {

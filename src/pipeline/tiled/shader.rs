@@ -1,0 +1,91 @@
+//! How the samples of a draw are shaded, found out once per frame.
+
+use std::collections::HashMap;
+
+use super::texture::{Layout, TextureReader};
+use crate::pipeline::settings::{ColorSpace, Filter, Shading};
+use crate::pipeline::shade::Shader;
+use crate::scene::Texture;
+
+/// What shading a draw consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Plan {
+    /// How texels are found, if any are read.
+    pub(super) texture: Option<Layout>,
+    pub(super) light: Light,
+    /// Vertices have colours.
+    pub(super) colored: bool,
+    pub(super) space: ColorSpace,
+}
+
+/// Where light comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Light {
+    /// There is none.
+    None,
+    /// Interpolated from the vertices.
+    Vertices,
+    /// Computed from interpolated normals.
+    Normals,
+}
+
+impl Plan {
+    /// What most fast scenes need. There is code for it that asks nothing.
+    pub(super) const COMMON: Self = Self {
+        texture: Some(Layout::PowerOfTwoPairs),
+        light: Light::Vertices,
+        colored: false,
+        space: ColorSpace::Bytes,
+    };
+}
+
+/// How the samples of one draw are shaded.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DrawShader<'a> {
+    pub(super) shader: Shader<'a>,
+    pub(super) divides_by_w: bool,
+    pub(super) texture: Option<TextureReader<'a>>,
+    pub(super) plan: Plan,
+    /// There is code on lanes for it.
+    pub(super) on_lanes: bool,
+    pub(super) texels_per_sample: u64,
+}
+
+impl<'a> DrawShader<'a> {
+    /// `texture` is the material's.
+    pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {
+        let settings = shader.settings;
+        let on_lanes = matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert);
+        let texture =
+            texture.filter(|_| shader.texture.is_some()).map(|texture| TextureReader::new(texture, shader.sampler()));
+        let light = match settings.shading {
+            Shading::Gouraud => Light::Vertices,
+            Shading::Lambert => Light::Normals,
+            _ => Light::None,
+        };
+        let plan = Plan {
+            texture: texture.map(|texture: TextureReader<'_>| texture.layout),
+            light,
+            colored: shader.attributes().color,
+            space: settings.color_space,
+        };
+        let texels_per_sample = match (shader.texture, settings.filter) {
+            (None, _) => 0,
+            (Some(_), Filter::Point) => 1,
+            (Some(_), Filter::Bilinear) => 4,
+        };
+        Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
+    }
+
+    /// For each of some shaders the first one whose samples can be shaded together with its own. Perspective division makes
+    /// no difference: it is done per triangle.
+    pub(super) fn first_alike(shaders: &[Self]) -> Vec<usize> {
+        let mut firsts = HashMap::new();
+        let first = |(number, shader): (usize, &Self)| {
+            let texture = shader.texture.map(|texture| texture.address());
+            let looks = (texture, shader.shader.diffuse.to_array().map(f32::to_bits), shader.plan);
+            if shader.on_lanes { *firsts.entry(looks).or_insert(number) } else { number }
+        };
+        shaders.iter().enumerate().map(first).collect()
+    }
+}
