@@ -8,8 +8,9 @@ use std::sync::Arc;
 use common::scenes;
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::math::lanes::Lanes;
+use rasterscope::pipeline::plan::{DrawPlan, Part};
 use rasterscope::pipeline::settings::{
-    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution, FillRule, Filter,
+    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution, FillRule, Filter, Force,
     Interpolation, Rasterizer, Shading,
 };
 use rasterscope::pipeline::viewport::Viewport;
@@ -38,6 +39,7 @@ fn single_switches() -> Vec<Recipe> {
     recipes.extend(with::<Shading>(default, |r, c| r.pipeline.shading = c));
     recipes.extend(with::<Rasterizer>(default, |r, c| r.pipeline.rasterizer = c));
     recipes.extend(with::<Arithmetic>(default, |r, c| r.pipeline.arithmetic = c));
+    recipes.extend(with::<Force>(default, |r, c| r.pipeline.force = c));
     recipes.extend(Upscaling::every().map(|upscaler| Recipe { upscaler, ..Recipe::default() }));
     recipes
 }
@@ -138,6 +140,26 @@ fn views_from_within_the_scene_give_the_same_picture() {
             camera.eye = camera.eye.lerp(camera.target, random.f32() * 1.5);
             camera.target += common::in_cube(&mut random) * 2.0;
             renderers.check(builtin.id, &scene, &camera, &Recipe::default());
+        }
+    }
+}
+
+#[test]
+fn what_runs_without_need_changes_no_picture() {
+    for builtin in builtin::ALL {
+        let scene = Arc::new(builtin.build());
+        for recipe in with::<Execution>(&[Recipe::default()], |r, c| r.execution = c) {
+            let drawn = |force| {
+                let mut recipe = recipe;
+                recipe.pipeline.force = force;
+                Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::Yes)
+            };
+            let (planned, forced) = (drawn(Force::Nothing), drawn(Force::Everything));
+            assert_eq!(planned.drawn, forced.drawn, "{} {:?}", builtin.id, recipe.execution);
+            let runs = |plans: &[DrawPlan]| {
+                plans.iter().map(|p| Part::ALL.iter().filter(|part| p.runs(**part)).count()).sum::<usize>()
+            };
+            assert!(runs(&forced.plans) >= runs(&planned.plans), "{}", builtin.id);
         }
     }
 }

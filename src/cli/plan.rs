@@ -1,6 +1,11 @@
-//! `rasterscope plan`: what each draw of a frame runs and leaves out, and why, in words or as JSON.
+//! `rasterscope plan`: what each draw of a frame runs and leaves out, why, and what that saves; in words or as JSON.
+
+use std::io::{IsTerminal as _, Write as _, stderr};
+use std::sync::atomic::AtomicBool;
 
 use clap::Args;
+use rasterscope::measure::leaving_out::{Saving, Savings, savings};
+use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::prepare;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::report::plan::{Group, groups, text};
@@ -16,6 +21,15 @@ pub(crate) struct PlanArgs {
     #[command(flatten)]
     frame: FrameArgs,
 
+    /// Measure what leaving out saves: draw the view as planned and with each part forced, in turn
+    #[arg(long)]
+    measure: bool,
+
+    /// Rounds of measuring, after some that do not count
+    #[arg(long, value_name = "N", default_value_t = 21, requires = "measure",
+          value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    rounds: u32,
+
     /// Print JSON instead of text
     #[arg(long)]
     json: bool,
@@ -27,6 +41,8 @@ struct Planned<'a> {
     scene: &'a str,
     size: [u32; 2],
     groups: &'a [Group],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    savings: Option<Savings>,
 }
 
 /// Plans the draws without drawing them.
@@ -36,12 +52,45 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let Viewport { width, height } = viewport;
     let plans = prepare(&scene, &camera, &recipe.pipeline, viewport, &mut ()).plans;
     let groups = groups(&scene, &plans);
+    let savings = args.measure.then(|| {
+        let shown = stderr().is_terminal();
+        let tell = |share: f32| {
+            if shown {
+                // Where it cannot be written nobody misses it.
+                let _ = write!(stderr(), "\rmeasuring: {:3.0} %{}", share * 100.0, if share < 1.0 { "" } else { "\n" });
+            }
+        };
+        // Nobody cancels but with the program.
+        savings(&scene, &camera, &recipe, viewport, args.rounds as usize, &tell, &AtomicBool::new(false))
+    });
+    let savings = savings.flatten();
     if args.json {
-        let planned = Planned { scene: &scene.name, size: [width, height], groups: &groups };
+        let planned = Planned { scene: &scene.name, size: [width, height], groups: &groups, savings };
         let json = serde_json::to_string_pretty(&planned).map_err(|e| Failure::Output(e.into()))?;
         return output::print(&(json + "\n"));
     }
     let head = format!("{}, {width} × {height} px\n", scene.name);
     let told = groups.iter().map(|group| format!("\n{}", text(group)));
-    output::print(&(head + &told.collect::<String>()))
+    output::print(&(head + &told.collect::<String>() + &savings.as_ref().map(savings_text).unwrap_or_default()))
+}
+
+fn savings_text(savings: &Savings) -> String {
+    let Savings { planned_ms, noise_ms, savings } = savings;
+    let mut text = format!(
+        "\nA frame as planned: {:.3} ms (median of {}); the same against itself: {:+.3} ms (p10 {:+.3}, p90 {:+.3})\n",
+        planned_ms.median, planned_ms.n, noise_ms.median, noise_ms.p10, noise_ms.p90
+    );
+    if savings.is_empty() {
+        return text + "Nothing that could be forced is left out.\n";
+    }
+    text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "left out, saving ms", "median", "p10", "p90");
+    for Saving { part, draws, saved_ms, same_picture } in savings {
+        let name = part.map_or("all of these", Part::name);
+        let picture = if *same_picture { "" } else { ", and ANOTHER PICTURE" };
+        text += &format!(
+            "{name:21} {:+10.3} {:+10.3} {:+10.3}  {draws}{picture}\n",
+            saved_ms.median, saved_ms.p10, saved_ms.p90
+        );
+    }
+    text
 }

@@ -6,6 +6,8 @@ pub mod error;
 
 pub mod flip;
 
+pub mod leaving_out;
+
 pub mod region;
 
 pub mod stages;

@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::settings::{DepthTest, Interpolation, Settings, Shading};
+use super::settings::{DepthTest, Force, Interpolation, Settings, Shading};
 use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparency};
 
 /// A part of the work that a draw may not need.
@@ -55,6 +55,30 @@ impl Part {
         Self::Light,
         Self::Blending,
     ];
+
+    /// What makes it run without need, if anything can.
+    pub fn force(self) -> Option<Force> {
+        match self {
+            Self::Vertices => Some(Force::Vertices),
+            Self::Clipping => Some(Force::Clipping),
+            Self::PerspectiveDivision => Some(Force::PerspectiveDivision),
+            Self::TextureCoordinates => Some(Force::TextureCoordinates),
+            Self::Normals => Some(Force::Normals),
+            Self::VertexColors => Some(Force::VertexColors),
+            Self::Culling | Self::Depth | Self::Texels | Self::CutOut | Self::Light | Self::Blending => None,
+        }
+    }
+
+    /// Whether it can run for an instance without another picture coming of it.
+    fn can_run(self, library: &Library, instance: &Instance, settings: &Settings) -> bool {
+        let mesh = library.mesh(instance.mesh);
+        match self {
+            Self::PerspectiveDivision => settings.interpolation == Interpolation::Perspective,
+            Self::TextureCoordinates => !mesh.uvs.is_empty(),
+            Self::VertexColors => !mesh.colors.is_empty(),
+            _ => true,
+        }
+    }
 
     /// What a person calls it.
     pub fn name(self) -> &'static str {
@@ -124,9 +148,13 @@ impl DrawPlan {
         settings: &Settings,
         containment: Containment,
     ) -> Self {
-        let outside = (containment == Containment::Outside).then_some("the whole object is outside the view");
+        let forced = |part: Part| matches!(settings.force, Force::Everything) || part.force() == Some(settings.force);
+        let outside = (containment == Containment::Outside && !forced(Part::Vertices))
+            .then_some("the whole object is outside the view");
         let steps = Part::ALL.map(|part| {
-            Step::unless(outside.or_else(|| left_out(part, library, instance, camera, settings, containment)))
+            let reason = outside.or_else(|| left_out(part, library, instance, camera, settings, containment));
+            let can_run = outside.is_none() && part.can_run(library, instance, settings);
+            Step::unless(reason.filter(|_| !(forced(part) && can_run)))
         });
         Self { steps, transparency: transparency(library, instance, settings.shading) }
     }

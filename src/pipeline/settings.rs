@@ -60,6 +60,20 @@ choice! {
 }
 
 choice! {
+    /// What runs although a draw could do without it. The picture is the same; what the plan saves shows in the time.
+    Force {
+        Nothing = "nothing", "Nothing", "Every draw leaves out what it does not need.";
+        Everything = "everything", "Everything", "All of the following run where they can.";
+        Vertices = "vertices", "Vertices", "Objects that are wholly outside of the view are transformed and clipped.";
+        Clipping = "clipping", "Clipping", "Triangles of objects that are wholly inside of the view are tested against its planes.";
+        PerspectiveDivision = "perspective-division", "Perspective division", "Weights are divided by w in orthographic views too, where all w are equal.";
+        TextureCoordinates = "texture-coordinates", "Texture coordinates", "Texture coordinates are fetched and interpolated even if none is read.";
+        Normals = "normals", "Normals", "Normals are transformed and interpolated even if none is read.";
+        VertexColors = "vertex-colors", "Vertex colours", "Vertex colours are fetched and interpolated even if none is read.";
+    }
+}
+
+choice! {
     /// Which triangles are dropped because of the side that they show.
     Culling {
         None = "none", "None", "Both sides are drawn.";
@@ -267,6 +281,8 @@ pub struct Settings {
     pub address: Address,
     /// Numbers that light is computed in.
     pub color_space: ColorSpace,
+    /// What runs without need.
+    pub force: Force,
 }
 
 impl Default for Settings {
@@ -285,6 +301,7 @@ impl Default for Settings {
             filter: Filter::Bilinear,
             address: Address::Repeat,
             color_space: ColorSpace::Linear,
+            force: Force::Nothing,
         }
     }
 }

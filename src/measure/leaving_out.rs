@@ -1,0 +1,144 @@
+//! What leaving out saves: frames of one view as planned, and with a part of the work forced, in turn.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::Serialize;
+
+use super::timing::{Summary, summarize};
+use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::plan::{DrawPlan, Part};
+use crate::pipeline::settings::Force;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene};
+
+/// What a part costs that some draws of a view leave out.
+#[derive(Clone, Debug, Serialize)]
+pub struct Saving {
+    /// Which; nothing stands for all together.
+    pub part: Option<Part>,
+    /// Draws that run it only if it is forced.
+    pub draws: usize,
+    /// Milliseconds of a frame with it, less those of the planned frame of the same round.
+    pub saved_ms: Summary,
+    /// Whether both pictures are the same.
+    pub same_picture: bool,
+}
+
+/// What all that a view leaves out saves.
+#[derive(Clone, Debug, Serialize)]
+pub struct Savings {
+    /// Milliseconds of a frame as planned.
+    pub planned_ms: Summary,
+    /// Differences between planned frames of the same round: what is noise.
+    pub noise_ms: Summary,
+    /// For each part that can be forced and would otherwise not run for some draw, and for all of them together.
+    pub savings: Vec<Saving>,
+}
+
+/// Rounds before those that count.
+const WARM_UP_ROUNDS: usize = 2;
+
+/// One way to draw the view.
+struct Way {
+    part: Option<Part>,
+    force: Force,
+    draws: usize,
+    renderer: Renderer,
+    ms: Vec<f64>,
+    picture: Image<Rgba8>,
+}
+
+/// Draws a view as planned (twice, to see the noise) and with each part forced that it leaves out, in `rounds` ≥ 1 rounds, on
+/// the threads of the present rayon pool. `progress` hears the share that is done. `None` when cancelled.
+pub fn savings(
+    scene: &Arc<Scene>,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    rounds: usize,
+    progress: &dyn Fn(f32),
+    cancel: &AtomicBool,
+) -> Option<Savings> {
+    let plans = |force: Force| {
+        let mut recipe = *recipe;
+        recipe.pipeline.force = force;
+        Renderer::default().render(scene, camera, &recipe, viewport, KeepDepth::No).plans
+    };
+    let planned = plans(Force::Nothing);
+    let way = |part: Option<Part>, force, draws| {
+        let (renderer, ms) = (Renderer::default(), Vec::with_capacity(rounds));
+        Way { part, force, draws, renderer, ms, picture: Image::filled(0, 0, [0; 4]) }
+    };
+    let mut ways = vec![way(None, Force::Nothing, 0), way(None, Force::Nothing, 0)];
+    for part in Part::ALL {
+        let Some(force) = part.force() else { continue };
+        let draws = differing(&planned, &plans(force));
+        if draws > 0 {
+            ways.push(way(Some(part), force, draws));
+        }
+    }
+    if ways.len() > 3 {
+        ways.push(way(None, Force::Everything, differing(&planned, &plans(Force::Everything))));
+    }
+    let all_rounds = WARM_UP_ROUNDS + rounds;
+    for round in 0..all_rounds {
+        for way in &mut ways {
+            if cancel.load(Ordering::Relaxed) {
+                return None;
+            }
+            let mut recipe = *recipe;
+            recipe.pipeline.force = way.force;
+            let frame = way.renderer.render(scene, camera, &recipe, viewport, KeepDepth::No);
+            if round >= WARM_UP_ROUNDS {
+                way.ms.push(frame.times.total.as_secs_f64() * 1e3);
+            } else {
+                way.picture = frame.image().clone();
+            }
+            way.renderer.recycle(frame);
+        }
+        progress((round + 1) as f32 / all_rounds as f32);
+    }
+    let [planned, again, forced @ ..] = &ways[..] else { return None };
+    let against = |way: &Way| {
+        summarize(&way.ms.iter().zip(&planned.ms).map(|(with, without)| with - without).collect::<Vec<_>>())
+    };
+    let saving = |way: &Way| {
+        let same_picture = way.picture == planned.picture;
+        Some(Saving { part: way.part, draws: way.draws, saved_ms: against(way)?, same_picture })
+    };
+    Some(Savings {
+        planned_ms: summarize(&planned.ms)?,
+        noise_ms: against(again)?,
+        savings: forced.iter().map(saving).collect::<Option<_>>()?,
+    })
+}
+
+/// Draws whose plans differ.
+fn differing(some: &[DrawPlan], others: &[DrawPlan]) -> usize {
+    some.iter().zip(others).filter(|(one, other)| one != other).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    #[test]
+    fn every_part_that_can_be_forced_is_measured_and_changes_no_picture() {
+        let scene = Arc::new(builtin::by_id("chess").unwrap().build());
+        let mut recipe = Recipe::default();
+        recipe.set("shading=checker").unwrap();
+        let size = Viewport { width: 64, height: 48 };
+        let cancel = AtomicBool::new(false);
+        let told = std::cell::Cell::new(0.0);
+        let found = savings(&scene, &scene.home, &recipe, size, 3, &|share| told.set(share), &cancel).unwrap();
+        assert_eq!((found.planned_ms.n, told.get()), (3, 1.0));
+        let parts: Vec<_> = found.savings.iter().map(|saving| saving.part).collect();
+        assert!(parts.contains(&Some(Part::Normals)) && parts.last() == Some(&None), "{parts:?}");
+        assert!(found.savings.iter().all(|saving| saving.same_picture && saving.draws > 0));
+        cancel.store(true, Ordering::Relaxed);
+        assert!(savings(&scene, &scene.home, &recipe, size, 3, &|_| {}, &cancel).is_none());
+    }
+}
