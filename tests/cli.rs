@@ -108,6 +108,29 @@ fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_case
 }
 
 #[test]
+fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
+    let folder = folder();
+    let output = run(&folder, &["report", "triangle", "-o", "made/here", "--size", "40x30", "--rounds", "2"]);
+    assert_success(&output);
+    let read = |name: &str| fs::read_to_string(folder.path().join("made/here").join(name)).unwrap();
+    let rows = upscale::Upscaling::every().count();
+    assert_eq!(stdout(&output), format!("made/here/index.html: {rows} rows, with report.csv and report.json\n"));
+    let (page, csv, json) = (read("index.html"), read("report.csv"), read("report.json"));
+    assert_eq!(csv.lines().count(), rows + 1);
+    let columns = csv.lines().next().unwrap().split(',').count();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let scene = &json["scenes"][0];
+    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 26));
+    assert_eq!(scene["rows"][0]["error"]["mse"].as_f64(), Some(0.0), "native");
+    assert_eq!(scene["shares"].as_array().unwrap().len(), 5);
+    for upscaling in upscale::Upscaling::every() {
+        assert!(page.contains(&upscaling.label()), "{}", upscaling.label());
+    }
+    assert!(page.matches("<svg ").count() >= 2 && page.contains("data:image/png;base64,"));
+    assert!(!page.contains("http") && !page.contains("<script"), "nothing is loaded from elsewhere");
+}
+
+#[test]
 fn all_built_in_scenes_are_listed_with_their_size() {
     let output = run(&folder(), &["scenes"]);
     assert_success(&output);

@@ -256,8 +256,16 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             resume: false,
         };
         let size = Viewport { width, height };
-        let request =
-            ScreenshotRequest { start, size, pixels_per_point, theme: Theme::Light, selected: None, measure: false };
+        let request = ScreenshotRequest {
+            start,
+            size,
+            pixels_per_point,
+            theme: Theme::Light,
+            selected: None,
+            measure: false,
+            compare: None,
+            tab: None,
+        };
         assert_eq!(screenshot(&request).map(|image| image.size()), Ok((width, height)));
         let outside = ScreenshotRequest { selected: Some((width, 0)), ..request };
         assert!(screenshot(&outside).is_err_and(|picture| picture.width <= width && picture.height <= height));

@@ -12,6 +12,7 @@ mod pixel;
 mod pixel_text;
 mod plan;
 mod render;
+mod report;
 mod scene_args;
 mod scenes;
 mod screenshot;
@@ -73,6 +74,9 @@ enum Command {
     /// Judge the engine: stiff and extreme cases against every rasterizer, arithmetic and depth format
     #[command(after_help = EXIT_CODES)]
     Stability(stability::StabilityArgs),
+    /// Measure error against run time of every upscaler, and write a page, a table and JSON
+    #[command(after_help = EXIT_CODES)]
+    Report(report::ReportArgs),
     /// List the built-in scenes
     #[command(after_help = EXIT_CODES)]
     Scenes,
@@ -104,6 +108,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Bench(args)) => bench::run(args),
         Some(Command::Case(args)) => case::run(args),
         Some(Command::Stability(args)) => stability::run(args),
+        Some(Command::Report(args)) => report::run(args),
         Some(Command::Scenes) => scenes::run(),
     }
 }

@@ -1,6 +1,6 @@
 //! What is drawn and how: the options that all commands share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
@@ -78,7 +78,7 @@ impl SceneArgs {
     pub(crate) fn view(&self) -> Result<View, Failure> {
         let recipe = self.recipe()?;
         let camera = self.camera.as_deref().map(camera_file::read).transpose()?;
-        let source = self.source()?;
+        let source = source(self.scene.as_deref())?;
         let Loaded { scene, warnings } = source.load()?;
         if std::env::var_os(WARNED).is_none() {
             warnings.iter().for_each(|warning| output::complain("warning", warning));
@@ -108,17 +108,18 @@ impl SceneArgs {
         settings.arithmetic = self.arithmetic.unwrap_or(settings.arithmetic);
         Ok(recipe)
     }
+}
 
-    fn source(&self) -> Result<SceneSource, Failure> {
-        let Some(name) = &self.scene else { return Ok(SceneSource::default()) };
-        let source = SceneSource::named(name.clone());
-        let is_bare_word = name.extension().is_none() && name.components().count() == 1;
-        if matches!(source, SceneSource::File(_)) && is_bare_word && !name.exists() {
-            let known: Vec<_> = builtin::ALL.iter().map(|b| b.id).collect();
-            return Err(Failure::UnknownScene { name: name.clone(), known: known.join(", ") });
-        }
-        Ok(source)
+/// Where a scene comes from: the first built-in one, a built-in one by its id, or a file.
+pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
+    let Some(name) = name else { return Ok(SceneSource::default()) };
+    let source = SceneSource::named(name.to_owned());
+    let is_bare_word = name.extension().is_none() && name.components().count() == 1;
+    if matches!(source, SceneSource::File(_)) && is_bare_word && !name.exists() {
+        let known: Vec<_> = builtin::ALL.iter().map(|b| b.id).collect();
+        return Err(Failure::UnknownScene { name: name.to_owned(), known: known.join(", ") });
     }
+    Ok(source)
 }
 
 /// A scene, a view, a recipe and a size: what gives one frame.

@@ -47,11 +47,27 @@ pub(crate) struct Look {
     /// Time all upscalers first, some seconds, and show their frame times
     #[arg(long)]
     pub(crate) measure: bool,
+
+    /// Compare the picture with others by their upscalers
+    #[arg(long)]
+    pub(crate) compare: Option<Compare>,
+
+    /// The tab that is open
+    #[arg(long)]
+    pub(crate) tab: Option<Tab>,
 }
 
 impl Default for Look {
     fn default() -> Self {
-        Self { size: Viewport { width: 1280, height: 800 }, scale: 1.0, theme: Theme::Dark, at: None, measure: false }
+        Self {
+            size: Viewport { width: 1280, height: 800 },
+            scale: 1.0,
+            theme: Theme::Dark,
+            at: None,
+            measure: false,
+            compare: None,
+            tab: None,
+        }
     }
 }
 
@@ -62,6 +78,40 @@ pub(crate) enum Theme {
     Dark,
     /// Dark text on light panels
     Light,
+}
+
+/// How pictures are compared.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Compare {
+    /// Two tiles side by side
+    Two,
+    /// Four tiles
+    Four,
+    /// Every upscaler in a tile
+    All,
+    /// One left of a line, the other right of it
+    Wipe,
+    /// One in the whole canvas
+    Flip,
+    /// Their difference by a colour map
+    Difference,
+}
+
+/// Tabs along the bottom.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Tab {
+    /// Frame time of each upscaler
+    FrameTime,
+    /// What each upscaler costs and how wrong it is
+    ErrorTime,
+    /// What the picked pixel is made of
+    Xray,
+    /// What the scene needs and what is left out
+    Plan,
+    /// How the engine does on hard cases
+    Stability,
+    /// Messages
+    Log,
 }
 
 fn scale(text: &str) -> Result<f32, String> {

@@ -7,11 +7,13 @@
 use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::ui::compare::{Change, Mode};
+use rasterscope::ui::panels::bottom;
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
 
 use super::failure::Failure;
 use super::scene_args::{View, WARNED};
-use super::screenshot::{Look, Theme};
+use super::screenshot::{Compare, Look, Tab, Theme};
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
 pub(crate) fn open(view: View) -> Result<(), String> {
@@ -37,11 +39,35 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         },
         measure: look.measure,
         selected: look.at,
+        compare: look.compare.map(comparison),
+        tab: look.tab.map(tab),
     };
     ui::screenshot(&request).map_err(|picture| {
         let (x, y) = look.at.unwrap_or_default();
         Failure::OutsidePicture { x, y, picture }
     })
+}
+
+fn comparison(compare: Compare) -> Change {
+    match compare {
+        Compare::Two => Change::Count(2),
+        Compare::Four => Change::Count(4),
+        Compare::All => Change::Every,
+        Compare::Wipe => Change::Mode(Mode::Wipe),
+        Compare::Flip => Change::Mode(Mode::Flip),
+        Compare::Difference => Change::Mode(Mode::Difference),
+    }
+}
+
+fn tab(tab: Tab) -> bottom::Tab {
+    match tab {
+        Tab::FrameTime => bottom::Tab::FrameTime,
+        Tab::ErrorTime => bottom::Tab::ErrorTime,
+        Tab::Xray => bottom::Tab::Xray,
+        Tab::Plan => bottom::Tab::Plan,
+        Tab::Stability => bottom::Tab::Stability,
+        Tab::Log => bottom::Tab::Log,
+    }
 }
 
 fn start(view: View) -> WindowStart {

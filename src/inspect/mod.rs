@@ -8,6 +8,8 @@ pub mod buffers;
 
 pub mod depth;
 
+pub mod feeds;
+
 pub mod hits;
 
 pub mod pixel;

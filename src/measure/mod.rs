@@ -1,6 +1,10 @@
 //! How wrong a picture is, and how long it took.
 
+pub mod against;
+
 pub mod bench;
+
+pub mod difference;
 
 pub mod error;
 
@@ -8,7 +12,11 @@ pub mod flip;
 
 pub mod leaving_out;
 
+pub mod reference;
+
 pub mod region;
+
+pub mod response;
 
 pub mod stages;
 

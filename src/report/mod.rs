@@ -5,3 +5,5 @@ pub mod comparison;
 pub mod plan;
 
 pub mod stability;
+
+pub mod upscaling;

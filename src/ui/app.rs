@@ -10,14 +10,18 @@ use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::canvas::Canvas;
 use super::command::{BINDINGS, Command};
+use super::compare::compute::CompareRequest;
+use super::compare::tiles::TilesView;
+use super::compare::{self, Change, Mode};
 use super::engine::{Request, Shown};
 use super::judging::{Judging, Listening};
+use super::navigate::FLYING_KEYS;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
-use super::session::{Level, Measuring, Session};
+use super::session::{Level, Measuring, PointerMode, Session};
 use super::theme;
 use super::worker::{Answer, Job, Worker};
 use crate::case::{Case, MinimalCase};
@@ -61,6 +65,8 @@ pub struct Workbench {
     case_view: CaseView,
     saving: Option<Receiver<Result<PathBuf, ImageFileError>>>,
     canvas: Canvas,
+    tiles: TilesView,
+    asked_to_compare: Option<CompareRequest>,
     inspector: Inspector,
     dialog: Dialog,
     tab: Tab,
@@ -84,6 +90,8 @@ impl Workbench {
             saving: None,
             asked_at: None,
             canvas: Canvas::default(),
+            tiles: TilesView::default(),
+            asked_to_compare: None,
             inspector: Inspector::default(),
             dialog: Dialog::default(),
             tab: Tab::default(),
@@ -102,6 +110,11 @@ impl Workbench {
         &mut self.session
     }
 
+    /// Opens a tab along the bottom.
+    pub fn open_tab(&mut self, tab: Tab) {
+        self.tab = tab;
+    }
+
     /// One frame of the window.
     pub fn show(&mut self, ui: &mut Ui) {
         self.listen();
@@ -116,6 +129,7 @@ impl Workbench {
             self.session.settle(ui.input(|i| i.time));
         }
         self.ask(ui);
+        self.ask_to_compare(ui);
         self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
     }
 
@@ -155,11 +169,21 @@ impl Workbench {
         Panel::bottom("scrubber").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
             transport::scrubber(ui, &self.session, commands);
         });
+        let compares = self.session.comparison.is_on() && self.session.case.is_none();
+        if compares {
+            Panel::top("compare").frame(frame).show(ui, |ui| {
+                compare::bar::ui(ui, &self.session, self.canvas.scale(), commands);
+            });
+        }
         CentralPanel::no_frame().show(ui, |ui| {
-            let size = ui.available_size() * ui.pixels_per_point();
+            let canvas = ui.max_rect();
+            let size = if compares { TilesView::picture_size(canvas, &self.session) } else { ui.available_size() };
+            let size = size * ui.pixels_per_point();
             self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
             if self.session.case.is_some() {
                 self.case_view.ui(ui, &self.session, commands);
+            } else if compares {
+                self.canvas.hovered = self.tiles.ui(ui, &mut self.canvas.zoom, &self.session, commands);
             } else {
                 self.canvas.ui(ui, &self.session, commands);
             }
@@ -192,8 +216,11 @@ impl Workbench {
         if ui.egui_wants_keyboard_input() || self.dialog.is_open() {
             return;
         }
+        // In camera mode the letters that fly are no commands.
+        let flies = self.session.pointer_mode == PointerMode::Camera;
         for binding in BINDINGS {
-            if ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
+            let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
+            if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
                 commands.push((binding.command)());
             }
         }
@@ -240,11 +267,13 @@ impl Workbench {
                 self.session.view = Some(*view);
                 self.asked_at = None;
             }
+            Answer::Compared(compared) => self.session.compared = Some(*compared),
             Answer::Stages(figures) => self.session.stages = Some(*figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
             }
+            Answer::Judged { upscaling, error } => self.session.timings.record_error(upscaling, *error),
             Answer::Measured => self.session.measuring = None,
             Answer::Panicked(text) => {
                 let text = format!("Drawing stopped by an error of the program: {text}. The last good picture stays.");
@@ -269,6 +298,27 @@ impl Workbench {
         }
     }
 
+    /// Sends what is to be compared if that has changed.
+    fn ask_to_compare(&mut self, ui: &Ui) {
+        let request = self.session.compare_request().filter(|_| self.session.canvas_px != (0, 0));
+        let same = match (&self.asked_to_compare, &request) {
+            (Some(asked), Some(request)) => asked.same_as(request),
+            (asked, request) => asked.is_none() && request.is_none(),
+        };
+        if same {
+            return;
+        }
+        if request.is_none() {
+            self.session.compared = None;
+        }
+        self.asked_to_compare = request.clone();
+        self.worker.send(Job::Compare(request.map(Box::new)));
+        if self.waits {
+            self.listen();
+            ui.request_repaint();
+        }
+    }
+
     fn run(&mut self, ui: &Ui, command: Command) {
         let Some(command) = self.session.apply(command) else { return };
         match command {
@@ -288,6 +338,7 @@ impl Workbench {
                 self.session.measuring = None;
                 self.worker.send(Job::CancelMeasure);
             }
+            Command::ExportTimings => self.export_timings(),
             Command::ZoomFit => self.canvas.fit(),
             Command::ZoomOne => {
                 let viewport = self.session.viewport();
@@ -322,7 +373,12 @@ impl Workbench {
         if self.session.case.take().is_some() {
             return;
         }
-        if self.session.pick.take().is_none() {
+        if self.session.pick.take().is_some() {
+            return;
+        }
+        if self.session.comparison.is_on() {
+            self.session.apply(Command::Compare(Change::Mode(Mode::Off)));
+        } else {
             self.session.shown = Shown::Buffer(Buffer::Color);
             self.session.triangle_limit = None;
         }
@@ -333,8 +389,22 @@ impl Workbench {
         let request = Request { triangle_limit: None, ..self.session.request() };
         self.session.timings.begin_measurement(request.clone());
         self.session.measuring = Some(Measuring { progress: 0.0 });
-        self.tab = Tab::FrameTime;
+        if self.tab != Tab::ErrorTime {
+            self.tab = Tab::FrameTime;
+        }
         self.worker.send(Job::Measure(Box::new(request)));
+    }
+
+    /// Writes all frame times into the current folder.
+    fn export_timings(&mut self) {
+        let path = free_name(&self.session.folder, "frame-times", "csv");
+        match std::fs::write(&path, self.session.timings.csv()) {
+            Ok(()) => {
+                self.session.report(Level::Info, format!("Saved the frame times as {}", path.display()));
+                self.tab = Tab::Log;
+            }
+            Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),
+        }
     }
 
     /// Makes the stability report on a thread of its own.

@@ -7,9 +7,11 @@ use std::path::PathBuf;
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::judging::StabilityView;
 use super::session::{PictureSize, PointerMode};
+use super::timings::TimingsView;
 use crate::chain::Recipe;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
@@ -45,6 +47,8 @@ pub enum Command {
     SetRecipe(Recipe),
     /// Draw with the upscaler that stands at this place of the list.
     ChooseUpscaler(usize),
+    /// Change what is compared.
+    Compare(Change),
     /// Draw by the default recipe.
     ResetRecipe,
     /// Look from here.
@@ -81,6 +85,12 @@ pub enum Command {
     Measure,
     /// Stop timing.
     CancelMeasure,
+    /// Plot frame times this way.
+    ShowTimings(TimingsView),
+    /// Take in no more recent frame times, or do so again.
+    PauseTimings,
+    /// Write all frame times into a file.
+    ExportTimings,
     /// Forget all frame times.
     ClearTimings,
     /// Save the picture that the canvas shows.
@@ -165,6 +175,12 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::Num7, || Command::ChooseUpscaler(6), "1 … 9: choose the upscaler"),
     bind(Modifiers::NONE, Key::Num8, || Command::ChooseUpscaler(7), "1 … 9: choose the upscaler"),
     bind(Modifiers::NONE, Key::Num9, || Command::ChooseUpscaler(8), "1 … 9: choose the upscaler"),
+    bind(Modifiers::NONE, Key::T, || Command::Compare(Change::Toggle(Mode::Tiles)), "Compare in tiles, and back"),
+    bind(Modifiers::NONE, Key::W, || Command::Compare(Change::Toggle(Mode::Wipe)), "Wipe A over B, and back"),
+    bind(Modifiers::NONE, Key::B, || Command::Compare(Change::Toggle(Mode::Flip)), "Flip between A and B, and back"),
+    bind(Modifiers::NONE, Key::D, || Command::Compare(Change::Toggle(Mode::Difference)), "Difference, and back"),
+    bind(Modifiers::NONE, Key::S, || Command::Compare(Change::Swap), "Swap A and B"),
+    bind(Modifiers::NONE, Key::R, || Command::Compare(Change::ToggleRegion), "Comparing: drag a rectangle to measure"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),
@@ -183,5 +199,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Shift + middle-drag", "Shift the view"),
     ("Ctrl + wheel", "Come closer, go away"),
     ("Hold Alt", "Numbers in pixels as bits"),
+    ("Comparing: hold Shift", "See the other picture"),
+    ("Comparing: R, then drag", "Measure a rectangle"),
     ("C, then drag, wheel, W A S D Q E", "Camera mode: turn, come closer, fly"),
 ];

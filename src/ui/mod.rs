@@ -18,6 +18,8 @@ pub mod widgets;
 
 pub mod engine;
 
+pub mod compare;
+
 pub mod worker;
 
 pub mod command;
@@ -31,6 +33,10 @@ pub mod open_case;
 pub mod session;
 
 pub mod fault_bar;
+
+pub mod zoom;
+
+pub mod navigate;
 
 pub mod canvas;
 

@@ -9,6 +9,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::command::Command;
+use super::compare::compute::{CompareRequest, Compared};
+use super::compare::{Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
 use super::judging::Stability;
 use super::open_case::{self, OpenCase};
@@ -77,7 +79,7 @@ impl PointerMode {
 }
 
 /// Everything that undo covers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Undoable {
     /// How the scene is drawn.
     pub recipe: Recipe,
@@ -85,6 +87,8 @@ pub struct Undoable {
     pub camera: Camera,
     /// How large.
     pub size: PictureSize,
+    /// The pictures that are compared with the one that is drawn by `recipe`.
+    pub tiles: Tiles,
 }
 
 /// One line of the log.
@@ -161,6 +165,10 @@ pub struct Session {
     pub view: Option<View>,
     /// Counts and times of the stages of the last frame that stayed.
     pub stages: Option<StageFigures>,
+    /// What is compared, and how.
+    pub comparison: Comparison,
+    /// What is known of what is compared.
+    pub compared: Option<Compared>,
     /// Frame times.
     pub timings: Timings,
     /// A measurement that is running.
@@ -200,11 +208,12 @@ const FIRST_PICK: (f32, f32) = (0.53, 0.49);
 impl Session {
     /// Starts with a scene, drawn by `recipe`, seen from `camera`.
     pub fn new(scene: Arc<Scene>, source: SceneSource, recipe: Recipe, camera: Camera) -> Self {
-        let state = Undoable { recipe, camera, size: PictureSize::Canvas };
+        let state = Undoable { recipe, camera, size: PictureSize::Canvas, tiles: Tiles::default() };
         Self {
             scene,
             source,
             mirrored: false,
+            settled: state.clone(),
             state,
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
@@ -213,6 +222,8 @@ impl Session {
             canvas_px: (0, 0),
             view: None,
             stages: None,
+            comparison: Comparison::default(),
+            compared: None,
             timings: Timings::default(),
             measuring: None,
             case: None,
@@ -226,7 +237,6 @@ impl Session {
             camera_moved_at: f64::NEG_INFINITY,
             undo: Vec::new(),
             redo: Vec::new(),
-            settled: state,
         }
     }
 
@@ -250,6 +260,22 @@ impl Session {
             triangle_limit: self.triangle_limit,
             pick: self.pick,
         }
+    }
+
+    /// What the renderer should compare now, if anything.
+    pub fn compare_request(&self) -> Option<CompareRequest> {
+        let Comparison { mode, reference, region, difference, gain, .. } = self.comparison;
+        let shows_difference = mode == Mode::Difference;
+        let tiles = 0..self.comparison.shown(&self.state.tiles);
+        self.comparison.is_on().then(|| CompareRequest {
+            scene: self.scene.clone(),
+            camera: self.state.camera,
+            viewport: self.viewport(),
+            recipes: tiles.map(|tile| self.state.tiles.recipe(tile, self.state.recipe)).collect(),
+            reference,
+            region,
+            difference: shows_difference.then_some((difference, gain)),
+        })
     }
 
     /// What is kept between runs.
@@ -294,22 +320,23 @@ impl Session {
         self.mirrored = false;
         self.triangle_limit = None;
         (self.pick, self.first_pick) = (None, FirstPick::Due);
-        (self.stages, self.measuring) = (None, None);
+        (self.stages, self.measuring, self.compared) = (None, None, None);
         self.timings.clear();
         self.error = None;
         // Undo never leads back into another scene's view.
         self.undo.clear();
         self.redo.clear();
-        self.settled = self.state;
+        self.settled = self.state.clone();
     }
 
     /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
     /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
     pub fn settle(&mut self, now: f64) {
+        self.state.tiles.store(self.state.recipe);
         if self.state == self.settled {
             return;
         }
-        let only_camera = Undoable { camera: self.settled.camera, ..self.state } == self.settled;
+        let only_camera = Undoable { camera: self.settled.camera, ..self.state.clone() } == self.settled;
         let goes_on = only_camera && now - self.camera_moved_at < ONE_MOVE_SECONDS;
         if only_camera {
             self.camera_moved_at = now;
@@ -318,10 +345,10 @@ impl Session {
             if self.undo.len() == UNDO_STEPS {
                 self.undo.remove(0);
             }
-            self.undo.push(self.settled);
+            self.undo.push(self.settled.clone());
         }
         self.redo.clear();
-        self.settled = self.state;
+        self.settled = self.state.clone();
     }
 
     /// Picks a pixel of the first frame, unless one is picked already: the one nearest to [`FIRST_PICK`] that shows a
@@ -339,7 +366,7 @@ impl Session {
 
     /// Takes the present state as the one that undo ends at.
     pub fn settle_silently(&mut self) {
-        self.settled = self.state;
+        self.settled = self.state.clone();
     }
 
     /// Whether there is something to undo.
@@ -362,6 +389,10 @@ impl Session {
                 if let Some(upscaler) = method.and_then(|id| chosen.with_method(id)) {
                     self.state.recipe.upscaler = upscaler;
                 }
+            }
+            Command::Compare(change) => {
+                let Undoable { tiles, recipe, .. } = &mut self.state;
+                self.comparison.apply(change, tiles, recipe);
             }
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
@@ -395,6 +426,8 @@ impl Session {
             Command::ShowStability(view) => self.stability.view = view,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
+            Command::ShowTimings(view) => self.timings.view = view,
+            Command::PauseTimings => self.timings.paused ^= true,
             Command::ClearTimings => self.timings.clear(),
             other => return Some(other),
         }
@@ -471,9 +504,8 @@ impl Session {
     fn travel(&mut self, back: bool) {
         let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         if let Some(state) = from.pop() {
-            to.push(self.state);
-            self.state = state;
-            self.settled = state;
+            to.push(std::mem::replace(&mut self.state, state));
+            self.settled = self.state.clone();
             self.camera_moved_at = f64::NEG_INFINITY;
         }
     }

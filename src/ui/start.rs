@@ -6,7 +6,10 @@ use std::sync::Arc;
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
 use super::app::Workbench;
+use super::command::Command;
+use super::compare::Change;
 use super::headless::Headless;
+use super::panels::bottom::Tab;
 use super::session::{Preferences, Session};
 use super::theme;
 use super::worker::Worker;
@@ -56,6 +59,10 @@ pub struct ScreenshotRequest {
     pub theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
     pub measure: bool,
+    /// What is compared, if anything.
+    pub compare: Option<Change>,
+    /// The tab that is open, if not the first.
+    pub tab: Option<Tab>,
     /// The picked pixel; one near the middle if none is given.
     pub selected: Option<(u32, u32)>,
 }
@@ -141,6 +148,12 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
     let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
     app.session_mut().pick = request.selected;
+    if let Some(change) = request.compare {
+        app.session_mut().apply(Command::Compare(change));
+    }
+    if let Some(tab) = request.tab {
+        app.open_tab(tab);
+    }
     for _ in 0..SCREENSHOT_PASSES {
         headless.pass(Vec::new(), |ui| app.show(ui));
     }

@@ -1,47 +1,112 @@
-//! Frame times, kept apart by what they were measured on: the recent frames of the present scene, settings and size, and
-//! the last measurement of all upscalers. Times of different pictures never share a line.
+//! Frame times, kept apart by what they were measured on: the recent frames of the present scene, settings and size, a line
+//! for each upscaler, with the slowest of them all; and the last measurement of all upscalers. Times of different pictures
+//! never share a line.
 
 use std::collections::{BTreeMap, VecDeque};
 
 use super::engine::Request;
 use crate::chain::Recipe;
-use crate::measure::timing::summarize;
+use crate::measure::against::Figures;
+use crate::measure::timing::{Summary, summarize};
+use crate::report::upscaling::tradeoff::dominated_by;
 use crate::upscale::Upscaling;
 
-/// Recent frames kept.
+/// Recent frames kept of each upscaler.
 const RECENT: usize = 240;
+
+/// Slowest frames kept, however long ago they were.
+const SLOWEST: usize = 5;
+
+/// How frame times are plotted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TimingsView {
+    /// One after the other.
+    #[default]
+    Lines,
+    /// The share of frames that took no longer.
+    Distribution,
+}
 
 /// All frame times that the window knows, in ms.
 #[derive(Debug, Default)]
 pub struct Timings {
-    recent: VecDeque<f64>,
+    /// How they are plotted.
+    pub view: TimingsView,
+    /// Whether recent frames are no longer taken in, so that what is there can be looked at.
+    pub paused: bool,
+    recent: BTreeMap<Upscaling, VecDeque<f64>>,
+    slowest: Vec<(Upscaling, f64)>,
     recent_of: Option<Request>,
     measured: BTreeMap<Upscaling, Vec<f64>>,
+    errors: BTreeMap<Upscaling, Figures>,
     measured_of: Option<Request>,
 }
 
+/// What a method costs and how wrong it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TradeOff {
+    /// The method.
+    pub upscaling: Upscaling,
+    /// Frame times, ms.
+    pub ms: Summary,
+    /// Error against native.
+    pub error: Figures,
+    /// One that is at least as good in time and FLIP and better in one, if there is one.
+    pub dominated_by: Option<Upscaling>,
+}
+
 impl Timings {
-    /// Adds the time of a frame that was drawn for `request`. Frames of another scene, recipe or size start anew; the
-    /// view may move.
+    /// Adds the time of a frame that was drawn for `request`, unless they are paused. Frames of another scene, recipe or size
+    /// start anew; the view may move, and each upscaler has a line of its own.
     pub fn record_recent(&mut self, request: &Request, milliseconds: f64) {
+        if self.paused {
+            return;
+        }
         let goes_on = self.recent_of.as_ref().is_some_and(|old| {
             std::sync::Arc::ptr_eq(&old.scene, &request.scene)
-                && old.recipe == request.recipe
+                && Recipe { upscaler: request.recipe.upscaler, ..old.recipe } == request.recipe
                 && old.viewport == request.viewport
         });
         if !goes_on {
             self.recent.clear();
+            self.slowest.clear();
             self.recent_of = Some(request.clone());
         }
-        if self.recent.len() == RECENT {
-            self.recent.pop_front();
+        let recent = self.recent.entry(request.recipe.upscaler).or_default();
+        if recent.len() == RECENT {
+            recent.pop_front();
         }
-        self.recent.push_back(milliseconds);
+        recent.push_back(milliseconds);
+        self.slowest.push((request.recipe.upscaler, milliseconds));
+        self.slowest.sort_by(|a, b| b.1.total_cmp(&a.1));
+        self.slowest.truncate(SLOWEST);
+    }
+
+    /// The slowest of the recent frames with their upscalers, also those that are no longer in the lines; the slowest first.
+    pub fn slowest(&self) -> &[(Upscaling, f64)] {
+        &self.slowest
+    }
+
+    /// Every frame time that is known, as comma-separated values: one line per frame, with what it was taken on.
+    pub fn csv(&self) -> String {
+        let mut text = "scene,width,height,what,upscaler,frame,ms\n".to_owned();
+        let of = if self.has_measurement() { &self.measured_of } else { &self.recent_of };
+        let Some(request) = of else { return text };
+        let what = if self.has_measurement() { "measured" } else { "recent" };
+        let scene = request.scene.name.replace('"', "\"\"");
+        let (width, height) = (request.viewport.width, request.viewport.height);
+        for (upscaling, times) in self.series() {
+            for (frame, ms) in times.iter().enumerate() {
+                text += &format!("\"{scene}\",{width},{height},{what},\"{}\",{frame},{ms}\n", upscaling.label());
+            }
+        }
+        text
     }
 
     /// Starts a measurement.
     pub fn begin_measurement(&mut self, request: Request) {
         self.measured.clear();
+        self.errors.clear();
         self.measured_of = Some(request);
     }
 
@@ -52,9 +117,30 @@ impl Timings {
         }
     }
 
+    /// Adds the error of a method's picture.
+    pub fn record_error(&mut self, upscaling: Upscaling, error: Figures) {
+        if self.measured_of.is_some() {
+            self.errors.insert(upscaling, error);
+        }
+    }
+
+    /// Every method of the measurement whose time and error are known, in the order of the methods.
+    pub fn tradeoff(&self) -> Vec<TradeOff> {
+        let known = self.errors.iter().filter_map(|(upscaling, error)| {
+            let ms = summarize(self.measured.get(upscaling)?)?;
+            Some(TradeOff { upscaling: *upscaling, ms, error: *error, dominated_by: None })
+        });
+        let mut known: Vec<_> = known.collect();
+        let points: Vec<_> = known.iter().map(|point| (point.ms.median, point.error.flip)).collect();
+        for (place, by) in dominated_by(&points).into_iter().enumerate() {
+            known[place].dominated_by = by.map(|by| known[by].upscaling);
+        }
+        known
+    }
+
     /// Forgets everything.
     pub fn clear(&mut self) {
-        *self = Self::default();
+        *self = Self { view: self.view, paused: self.paused, ..Self::default() };
     }
 
     /// Whether there is a measurement to show, begun or complete.
@@ -87,9 +173,71 @@ impl Timings {
         if self.has_measurement() {
             return self.measured.iter().map(|(upscaling, times)| (*upscaling, times.clone())).collect();
         }
-        match &self.recent_of {
-            Some(request) => vec![(request.recipe.upscaler, self.recent.iter().copied().collect())],
-            None => Vec::new(),
+        self.recent.iter().map(|(upscaling, times)| (*upscaling, times.iter().copied().collect())).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::inspect::Buffer;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::SceneSource;
+    use crate::ui::engine::Shown;
+
+    fn request() -> Request {
+        let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
+        Request {
+            camera: scene.home,
+            scene: Arc::new(scene),
+            recipe: Recipe::default(),
+            viewport: Viewport { width: 8, height: 6 },
+            shown: Shown::Buffer(Buffer::Color),
+            triangle_limit: None,
+            pick: None,
         }
+    }
+
+    #[test]
+    fn each_upscaler_has_a_line_until_something_else_changes() {
+        let (mut timings, native) = (Timings::default(), request());
+        let nearest = Upscaling::new("nearest", 4).unwrap();
+        let mut other = native.clone();
+        other.recipe.upscaler = nearest;
+        timings.record_recent(&native, 4.0);
+        timings.record_recent(&other, 1.0);
+        timings.record_recent(&native, 5.0);
+        assert_eq!(timings.series(), [(Upscaling::NATIVE, vec![4.0, 5.0]), (nearest, vec![1.0])]);
+        other.recipe.wireframe = true;
+        timings.record_recent(&other, 2.0);
+        assert_eq!(timings.series(), [(nearest, vec![2.0])]);
+    }
+
+    #[test]
+    fn spikes_outlive_their_line_and_a_pause_takes_nothing_in() {
+        let (mut timings, request) = (Timings::default(), request());
+        timings.record_recent(&request, 90.0);
+        for _ in 0..2 * RECENT {
+            timings.record_recent(&request, 3.0);
+        }
+        assert_eq!(timings.series()[0].1, vec![3.0; RECENT]);
+        assert_eq!((timings.slowest().len(), timings.slowest()[0].1), (SLOWEST, 90.0));
+        timings.paused = true;
+        timings.record_recent(&request, 7.0);
+        assert!(!timings.series()[0].1.contains(&7.0));
+    }
+
+    #[test]
+    fn csv_has_a_line_for_each_frame() {
+        let (mut timings, request) = (Timings::default(), request());
+        assert_eq!(timings.csv().lines().count(), 1);
+        timings.record_recent(&request, 4.25);
+        let name = &request.scene.name;
+        assert_eq!(timings.csv().lines().nth(1), Some(&*format!("\"{name}\",8,6,recent,\"Native\",0,4.25")));
+        timings.begin_measurement(request);
+        timings.record_measured(Upscaling::NATIVE, 1.5);
+        assert!(timings.csv().ends_with("measured,\"Native\",0,1.5\n"));
     }
 }

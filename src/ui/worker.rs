@@ -8,8 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
+use super::compare::compute::{CompareRequest, Compared, Comparer};
 use super::engine::{Engine, Figuring, Request, StageFigures, View};
 use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::image::{Image, Rgba8};
+use crate::measure::against::{Figures, figures};
+use crate::measure::reference::Reference;
 use crate::upscale::Upscaling;
 
 /// Rounds of a measurement; every round times every method once, so that drift of the machine's speed hits all alike.
@@ -26,6 +30,8 @@ const SETTLED: Duration = Duration::from_millis(120);
 pub enum Job {
     /// Show this.
     Show(Box<Request>),
+    /// Compare these; nothing any more if none.
+    Compare(Option<Box<CompareRequest>>),
     /// Time every upscaler on this request's scene.
     Measure(Box<Request>),
     /// Stop timing.
@@ -37,6 +43,8 @@ pub enum Job {
 pub enum Answer {
     /// A view.
     View(Box<View>),
+    /// What is known by now of what is compared.
+    Compared(Box<Compared>),
     /// Counts and times of the stages of the last frame.
     Stages(Box<StageFigures>),
     /// One timed frame of a measurement, and how much of it is done, in [0, 1].
@@ -47,6 +55,13 @@ pub enum Answer {
         milliseconds: f64,
         /// Share of the measurement that is done.
         progress: f32,
+    },
+    /// The error of a method's picture against native.
+    Judged {
+        /// The method.
+        upscaling: Upscaling,
+        /// Every measure.
+        error: Box<Figures>,
     },
     /// The measurement is complete.
     Measured,
@@ -110,6 +125,8 @@ impl Worker {
 pub struct Loop {
     engine: Engine,
     to_show: Option<Box<Request>>,
+    comparer: Comparer,
+    to_compare: Option<Box<CompareRequest>>,
     to_time: Option<Box<Figuring>>,
     measurement: Option<Measurement>,
     done: std::collections::VecDeque<Answer>,
@@ -119,7 +136,11 @@ pub struct Loop {
 struct Measurement {
     request: Box<Request>,
     methods: Vec<Upscaling>,
+    /// Frames timed.
     next: usize,
+    /// Methods whose error is known.
+    judged: usize,
+    native: Option<Image<Rgba8>>,
     renderer: Renderer,
 }
 
@@ -154,13 +175,14 @@ impl Loop {
     /// Waits for a job as long as the present work allows: for ever without any, not at all for what a person waits for,
     /// and a moment before taking apart a frame that the next one may replace.
     fn wait(&self, inbox: &Receiver<Job>) -> Result<Option<Job>, RecvError> {
-        if self.to_show.is_some() || self.measurement.is_some() {
+        if self.to_show.is_some() || self.to_compare.is_some() || self.measurement.is_some() {
             return Ok(None);
         }
-        let Some(figuring) = &self.to_time else {
+        let figuring = self.to_time.as_ref();
+        if figuring.is_none() && !self.comparer.has_work() {
             return inbox.recv().map(Some);
-        };
-        if figuring.has_begun() {
+        }
+        if self.comparer.has_begun() || figuring.is_some_and(|figuring| figuring.has_begun()) {
             return Ok(None);
         }
         match inbox.recv_timeout(SETTLED) {
@@ -173,9 +195,15 @@ impl Loop {
     fn take(&mut self, job: Job) {
         match job {
             Job::Show(request) => self.to_show = Some(request),
+            Job::Compare(None) => {
+                self.to_compare = None;
+                self.comparer.clear();
+            }
+            Job::Compare(request) => self.to_compare = request,
             Job::Measure(request) => {
                 let methods = Upscaling::every().collect();
-                self.measurement = Some(Measurement { request, methods, next: 0, renderer: Renderer::default() });
+                let renderer = Renderer::default();
+                self.measurement = Some(Measurement { request, methods, next: 0, judged: 0, native: None, renderer });
             }
             Job::CancelMeasure => self.measurement = None,
         }
@@ -185,6 +213,10 @@ impl Loop {
     fn step(&mut self) -> bool {
         if let Some(request) = self.to_show.take() {
             self.show(*request);
+        } else if let Some(request) = self.to_compare.take() {
+            self.compare(|comparer| Some(comparer.ask(*request)));
+        } else if self.comparer.has_work() {
+            self.compare(Comparer::step);
         } else if let Some(mut figuring) = self.to_time.take() {
             match catch_unwind(AssertUnwindSafe(|| figuring.step())) {
                 Ok(Some(figures)) => self.done.push_back(Answer::Stages(Box::new(figures))),
@@ -210,6 +242,18 @@ impl Loop {
         true
     }
 
+    /// Does one piece of a comparison and tells what is known then. One that panicked is given up.
+    fn compare(&mut self, piece: impl FnOnce(&mut Comparer) -> Option<&Compared>) {
+        let comparer = &mut self.comparer;
+        match catch_unwind(AssertUnwindSafe(|| piece(comparer).cloned())) {
+            Ok(compared) => self.done.extend(compared.map(|compared| Answer::Compared(Box::new(compared)))),
+            Err(panic) => {
+                self.comparer.clear();
+                self.done.push_back(Answer::Panicked(panic_text(&*panic)));
+            }
+        }
+    }
+
     fn show(&mut self, request: Request) {
         let mut engine = std::mem::take(&mut self.engine);
         match catch_unwind(AssertUnwindSafe(|| (engine.answer(request), engine))) {
@@ -231,11 +275,20 @@ impl Measurement {
     }
 
     fn is_complete(&self) -> bool {
-        self.next >= self.total()
+        self.next >= self.total() && self.judged >= self.methods.len()
     }
 
-    /// Times one frame of the next method in turn. Nothing to report during warm-up.
+    /// How many methods should be judged by now: they are spread over the rounds, so that all come along alike.
+    fn judged_by_now(&self) -> usize {
+        let rounds = (self.next / self.methods.len().max(1)).saturating_sub(WARM_UP_ROUNDS);
+        (self.methods.len() * rounds).div_ceil(MEASURE_ROUNDS)
+    }
+
+    /// Times one frame of the next method in turn, or judges one between two rounds. Nothing to report during warm-up.
     fn step(&mut self) -> Option<Answer> {
+        if self.judged < self.judged_by_now() {
+            return self.judge();
+        }
         let upscaling = *self.methods.get(self.next % self.methods.len().max(1))?;
         let round = self.next / self.methods.len();
         self.next += 1;
@@ -247,6 +300,23 @@ impl Measurement {
         self.renderer.recycle(frame);
         let progress = self.next as f32 / self.total() as f32;
         (round >= WARM_UP_ROUNDS).then_some(Answer::Sample { upscaling, milliseconds, progress })
+    }
+}
+
+impl Measurement {
+    fn judge(&mut self) -> Option<Answer> {
+        let upscaling = *self.methods.get(self.judged)?;
+        self.judged += 1;
+        let Request { scene, camera, recipe, viewport, .. } = &*self.request;
+        let native = match self.native.take() {
+            Some(native) => native,
+            None => Reference::Native.picture(scene, camera, recipe, *viewport, |_| true)?,
+        };
+        let recipe = Recipe { upscaler: upscaling, wireframe: false, ..*recipe };
+        let frame = self.renderer.render(scene, camera, &recipe, *viewport, KeepDepth::No);
+        let error = figures(frame.image(), &native).map(|(error, _)| Box::new(error));
+        self.native = Some(native);
+        Some(Answer::Judged { upscaling, error: error? })
     }
 }
 

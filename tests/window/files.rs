@@ -103,7 +103,7 @@ fn undo_does_not_lead_back_into_another_scene() {
     bench.choose("Culling", "None");
     bench.click("Scene");
     bench.click(builtin::ALL[1].title);
-    let state = bench.session().state;
+    let state = bench.session().state.clone();
     bench.press_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(bench.session().state, state);
 }

@@ -64,3 +64,24 @@ fn wait(bench: &mut Bench, what: &str, done: impl Fn(&Bench) -> bool) {
         bench.window.run_steps(1);
     }
 }
+
+#[test]
+fn frame_times_are_paused_and_saved() {
+    let mut bench = Bench::small("triangle");
+    let folder = tempfile::tempdir().unwrap();
+    bench.session_mut().folder = folder.path().to_owned();
+    bench.click("Pause: keep what is plotted");
+    let before = bench.session().timings.series();
+    bench.session_mut().state.camera.orbit(0.2, 0.0);
+    bench.rest();
+    assert_eq!(bench.session().timings.series(), before);
+    bench.click("Take in frame times again");
+    bench.session_mut().state.camera.orbit(0.2, 0.0);
+    bench.rest();
+    let lines = |bench: &Bench| bench.session().timings.series().iter().map(|(_, t)| t.len()).sum::<usize>();
+    assert!(lines(&bench) > before.iter().map(|(_, times)| times.len()).sum());
+    bench.click("Distribution");
+    bench.click("Save all frame times as CSV");
+    let written = std::fs::read_to_string(folder.path().join("frame-times.csv")).unwrap();
+    assert_eq!(written.lines().count(), lines(&bench) + 1);
+}

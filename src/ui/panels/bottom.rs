@@ -2,7 +2,7 @@
 
 use eframe::egui::{ScrollArea, Ui};
 
-use super::{frame_times, log, plan, stability};
+use super::{frame_times, log, plan, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 
@@ -12,6 +12,10 @@ pub enum Tab {
     /// Frame time of each upscaler.
     #[default]
     FrameTime,
+    /// What each upscaler costs and how wrong it is.
+    ErrorTime,
+    /// What a pixel of the picture is made of.
+    Xray,
     /// What the scene needs and what is left out.
     Plan,
     /// How the engine does on hard cases.
@@ -20,8 +24,14 @@ pub enum Tab {
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 4] = [
+const TABS: [(Tab, &str, &str); 6] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
+    (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
+    (
+        Tab::Xray,
+        "X-ray",
+        "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
+    ),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (
         Tab::Stability,
@@ -42,16 +52,22 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 frame_times::controls(ui, session, commands);
             }
+            Tab::ErrorTime => {
+                ui.separator();
+                tradeoff::controls(ui, session, commands);
+            }
             Tab::Stability => {
                 ui.separator();
                 stability::controls(ui, session, commands);
             }
-            Tab::Plan | Tab::Log => {}
+            Tab::Xray | Tab::Plan | Tab::Log => {}
         }
     });
     ui.add_space(4.0);
     match tab {
         Tab::FrameTime => frame_times::ui(ui, session, commands),
+        Tab::ErrorTime => tradeoff::ui(ui, session, commands),
+        Tab::Xray => xray::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));

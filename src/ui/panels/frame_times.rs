@@ -10,17 +10,18 @@ use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
-use crate::ui::widgets::{empty_state, figure};
+use crate::ui::timings::TimingsView;
+use crate::ui::widgets::{empty_state, figure, icon_button};
 use crate::upscale::Upscaling;
 
 /// Width of the table, in points.
-const TABLE_POINTS: f32 = 430.0;
+const TABLE_POINTS: f32 = 520.0;
 
 /// The frame axis is at least this long.
 const LEAST_FRAMES: f64 = 10.0;
 
 /// Width of a column of the table, in points.
-const FIGURE_POINTS: f32 = 64.0;
+const FIGURE_POINTS: f32 = 56.0;
 
 /// A method with its figures.
 struct Series {
@@ -45,9 +46,18 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let height = ui.available_height();
     ui.horizontal_top(|ui| {
         let plots = (ui.available_width() - TABLE_POINTS - 24.0).max(200.0);
-        lines(ui, &series, egui::vec2((plots * 0.6).floor(), height));
+        let size = egui::vec2((plots * 0.6).floor(), height);
+        match session.timings.view {
+            TimingsView::Lines => lines(ui, &series, size),
+            TimingsView::Distribution => distribution(ui, &series, size),
+        }
         bars(ui, &series, egui::vec2((plots * 0.4).floor(), height));
-        ScrollArea::vertical().id_salt("times table").show(ui, |ui| table(ui, &series, session, commands));
+        ScrollArea::vertical().id_salt("times table").show(ui, |ui| {
+            ui.vertical(|ui| {
+                table(ui, &series, session, commands);
+                spikes(ui, session);
+            });
+        });
     });
 }
 
@@ -66,6 +76,23 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
         if ui.button("Clear").on_hover_text("Forget all frame times").clicked() {
             commands.push(Command::ClearTimings);
+        }
+    }
+    let paused = session.timings.paused;
+    let (icon, name) =
+        if paused { (Icon::Play, "Take in frame times again") } else { (Icon::Pause, "Pause: keep what is plotted") };
+    if icon_button(ui, icon, name).clicked() {
+        commands.push(Command::PauseTimings);
+    }
+    if icon_button(ui, Icon::Download, "Save all frame times as CSV").clicked() {
+        commands.push(Command::ExportTimings);
+    }
+    for (view, name, help) in [
+        (TimingsView::Lines, "Lines", "Frame after frame"),
+        (TimingsView::Distribution, "Distribution", "The share of frames that took no longer"),
+    ] {
+        if ui.selectable_label(session.timings.view == view, name).on_hover_text(help).clicked() {
+            commands.push(Command::ShowTimings(view));
         }
     }
     let viewport = session.viewport();
@@ -108,6 +135,12 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         })
         .show(ui, |plot| {
             for s in series {
+                // The slowest frame is marked, however many columns of the screen it shares with others.
+                let slowest = s.times_ms.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
+                if let Some((frame, ms)) = slowest {
+                    let at = PlotPoints::from(vec![[frame as f64, *ms]]);
+                    plot.points(Points::new(s.upscaling.label(), at).color(s.color).radius(2.5));
+                }
                 let points: PlotPoints<'_> = s.times_ms.iter().enumerate().map(|(i, t)| [i as f64, *t]).collect();
                 if s.times_ms.len() == 1 {
                     plot.points(Points::new(s.upscaling.label(), points).color(s.color).radius(3.0));
@@ -116,6 +149,48 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
                 }
             }
         });
+}
+
+/// For every time the share of frames that took no longer: steep is steady, a long tail at the right are spikes.
+fn distribution(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
+    Plot::new("distribution of frame times")
+        .width(size.x)
+        .height(size.y)
+        .x_axis_label("ms")
+        .y_axis_label("share of frames")
+        .include_y(0.0)
+        .include_y(1.0)
+        .allow_scroll(false)
+        .label_formatter(|position| match position {
+            HoverPosition::NearDataPoint { plot_name, position, .. } => {
+                Some(format!("{plot_name}: {} took up to {}", format::percent(position.y), format::ms(position.x)))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        })
+        .show(ui, |plot| {
+            for s in series {
+                let mut sorted = s.times_ms.clone();
+                sorted.sort_by(f64::total_cmp);
+                let count = sorted.len() as f64;
+                let steps = sorted
+                    .iter()
+                    .enumerate()
+                    .flat_map(|(below, ms)| [[*ms, below as f64 / count], [*ms, (below + 1) as f64 / count]]);
+                let points = PlotPoints::from(steps.collect::<Vec<_>>());
+                plot.line(Line::new(s.upscaling.label(), points).color(s.color).width(1.5));
+            }
+        });
+}
+
+/// The slowest of the recent frames, which may be long gone from the lines.
+fn spikes(ui: &mut Ui, session: &Session) {
+    if session.timings.has_measurement() || session.timings.slowest().is_empty() {
+        return;
+    }
+    let slowest = session.timings.slowest().iter();
+    let words: Vec<_> = slowest.map(|(upscaling, ms)| format!("{} {}", upscaling.label(), format::ms(*ms))).collect();
+    let text = RichText::new(format!("Slowest: {}", words.join(", "))).small().color(tokens(ui).text_weak);
+    ui.add(egui::Label::new(text).wrap()).on_hover_text("The slowest frames since scene, settings or size changed");
 }
 
 /// One bar per method up to its median, with a bracket from the 10th to the 90th percentile.
@@ -160,9 +235,9 @@ fn bracket(x: f64, series: &Series) -> Line<'static> {
 }
 
 fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<Command>) {
-    Grid::new("times").num_columns(5).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
+    Grid::new("times").num_columns(7).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
         ui.label(RichText::new("Upscaler").small().color(tokens(ui).text_weak));
-        for heading in ["n", "median ms", "p10 ms", "p90 ms"] {
+        for heading in ["n", "median", "p10", "p90", "p99", "max ms"] {
             figure(ui, heading, FIGURE_POINTS, tokens(ui).text_weak);
         }
         ui.end_row();
@@ -177,9 +252,9 @@ fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<C
                     commands.push(Command::SetRecipe(recipe));
                 }
             });
-            let Summary { n, median, p10, p90, .. } = s.summary;
-            let figures = [n.to_string(), format::fixed(median, 2), format::fixed(p10, 2), format::fixed(p90, 2)];
-            for text in figures {
+            let Summary { n, median, p10, p90, p99, max, .. } = s.summary;
+            let times = [median, p10, p90, p99, max].map(|ms| format::fixed(ms, 2));
+            for text in std::iter::once(n.to_string()).chain(times) {
                 figure(ui, &text, FIGURE_POINTS, tokens(ui).text);
             }
             ui.end_row();

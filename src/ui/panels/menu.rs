@@ -7,6 +7,7 @@ use crate::inspect::Buffer;
 use crate::pipeline::settings::Choice as _;
 use crate::scene::builtin;
 use crate::ui::command::{BINDINGS, Command};
+use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::session::Session;
@@ -23,6 +24,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.menu_button("Edit", |ui| edit(ui, session, commands));
         ui.menu_button("Scene", |ui| scene(ui, commands));
         ui.menu_button("View", |ui| view(ui, session, commands));
+        ui.menu_button("Compare", |ui| compare(ui, session, commands));
         ui.menu_button("Help", |ui| help(ui, commands));
         ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| figures(ui, session, commands));
     });
@@ -83,6 +85,17 @@ fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
             ui.close();
         }
     }
+}
+
+fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    for (mode, name, _) in Mode::ALL {
+        entry(ui, name, Command::Compare(Change::Toggle(mode)), commands);
+    }
+    ui.separator();
+    entry(ui, "All upscalers in tiles", Command::Compare(Change::Every), commands);
+    let is_on = session.comparison.is_on();
+    entry_if(ui, is_on, "Swap A and B", Command::Compare(Change::Swap), commands);
+    entry_if(ui, is_on, "Stop comparing", Command::Compare(Change::Mode(Mode::Off)), commands);
 }
 
 fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {

@@ -24,7 +24,11 @@ pub mod stability;
 
 pub mod switches;
 
+pub mod tradeoff;
+
 pub mod transport;
+
+pub mod xray;
 
 use eframe::egui::Ui;
 

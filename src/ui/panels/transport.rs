@@ -5,6 +5,7 @@ use eframe::egui::{self, Button, RichText, Slider, Ui, WidgetInfo};
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
+use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
 use crate::ui::session::{PointerMode, Session};
@@ -38,7 +39,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 260.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 288.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -57,6 +58,9 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if icon_button(ui, Icon::ChevronRight, "Show the stage after  (])").clicked() {
         commands.push(Command::StepStage(1));
+    }
+    if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
+        commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
     }
 }
 

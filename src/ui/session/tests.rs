@@ -27,7 +27,7 @@ fn camera_moves_that_follow_each_other_are_one_step_of_undo() {
 fn a_pause_or_another_setting_parts_camera_moves() {
     let mut session = session();
     move_camera(&mut session, 0.0);
-    let first = session.state;
+    let first = session.state.clone();
     move_camera(&mut session, 10.0);
     session.state.recipe.wireframe = true;
     session.settle(10.1);

@@ -1,0 +1,114 @@
+//! `rasterscope report`: error against run time of every upscaler, as a page, a table and JSON.
+
+use std::io::{IsTerminal as _, Write as _, stderr};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+use rasterscope::chain::Recipe;
+use rasterscope::measure::reference::Reference;
+use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::report::upscaling::csv::csv;
+use rasterscope::report::upscaling::page::page;
+use rasterscope::report::upscaling::sweep::{self, Plan, Progress, Subject, every_upscaler};
+use rasterscope::scene::obj::Loaded;
+
+use super::failure::Failure;
+use super::{output, parse, scene_args};
+
+/// What `report` takes.
+#[derive(Args, Debug)]
+pub(crate) struct ReportArgs {
+    /// Built-in scenes by their ids, or paths of OBJ files; the first built-in if omitted
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<PathBuf>,
+
+    /// The folder that the report is written into; made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    output: PathBuf,
+
+    /// Change one setting of everything that is drawn; may be given several times. The upscaler is what varies
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Width and height of the pictures in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
+    size: Viewport,
+
+    /// Rounds that count; each draws everything once
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    rounds: u16,
+
+    /// Threads to draw with; all that the machine has if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// What errors are against
+    #[arg(long, value_name = "REFERENCE", default_value = "native", value_parser = parse::choice::<Reference>())]
+    reference: Reference,
+}
+
+/// Measures and writes `index.html`, `report.csv` and `report.json`.
+pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
+    let plan = plan(args)?;
+    let shown = stderr().is_terminal();
+    let tell = |progress: Progress| {
+        if shown {
+            show(&progress);
+        }
+    };
+    let threads = args.threads.map_or(0, usize::from);
+    let pool =
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
+    let report = pool.install(|| sweep::run(&plan, &|progress| tell(progress), &|| false));
+    if shown {
+        clear();
+    }
+    // Nobody cancels.
+    let Some(report) = report else { return Ok(()) };
+    let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
+    std::fs::create_dir_all(&args.output).map_err(|source| file_failure(&args.output, source))?;
+    let index = args.output.join("index.html");
+    write(&index, &page(&report).map_err(|source| file_failure(&index, source))?)?;
+    write(&args.output.join("report.csv"), &csv(&report))?;
+    write(&args.output.join("report.json"), &(json + "\n"))?;
+    let rows = report.scenes.iter().map(|scene| scene.rows.len()).sum::<usize>();
+    output::print(&format!("{}: {rows} rows, with report.csv and report.json\n", output::display(&index)))
+}
+
+fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
+    let mut recipe = Recipe::default();
+    recipe.set_all(&args.set)?;
+    let names = args.scenes.iter().map(Some);
+    let names: Vec<Option<&PathBuf>> = if args.scenes.is_empty() { vec![None] } else { names.collect() };
+    let mut subjects = Vec::with_capacity(names.len());
+    for name in names {
+        let Loaded { scene, warnings } = scene_args::source(name.map(PathBuf::as_path))?.load()?;
+        warnings.iter().for_each(|warning| output::complain("warning", warning));
+        subjects.push(Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) });
+    }
+    Ok(Plan {
+        subjects,
+        recipes: every_upscaler(recipe),
+        viewport: args.size,
+        rounds: args.rounds.into(),
+        reference: args.reference,
+    })
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    std::fs::write(path, text).map_err(|source| file_failure(path, source))
+}
+
+fn file_failure(path: &Path, source: std::io::Error) -> Failure {
+    Failure::ResultFile { path: path.to_owned(), source }
+}
+
+/// One line on a terminal, over the one before. Where it cannot be written nobody misses it.
+fn show(Progress { scene, stage, done, of }: &Progress) {
+    let _ = write!(stderr(), "\r{scene}, {stage}: {done} of {of}        ");
+}
+
+fn clear() {
+    let _ = write!(stderr(), "\r{:60}\r", "");
+}

@@ -1,0 +1,57 @@
+//! A picture against a reference: every measure at once, of the whole picture or of a rectangle.
+
+use serde::Serialize;
+
+use super::error::{ImageError, compare};
+use super::flip;
+use super::region::Region;
+use crate::image::{Image, Rgba8};
+
+/// How far a picture is from another, by every measure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Figures {
+    /// Differences of codes.
+    #[serde(flatten)]
+    pub codes: ImageError,
+    /// Mean of FLIP, in [0, 1].
+    pub flip: f64,
+}
+
+/// A picture against another, and every pixel's FLIP. `None` if their sizes differ or they have no pixels.
+pub fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(Figures, Image<f32>)> {
+    let codes = compare(picture, reference)?;
+    let map = flip::map(picture, reference)?;
+    Some((Figures { codes, flip: mean(&map) }, map))
+}
+
+/// The same within a rectangle. FLIP there knows what lies around, SSIM does not. `None` if nothing of the pictures lies
+/// within.
+pub fn figures_within(
+    region: Region,
+    picture: &Image<Rgba8>,
+    reference: &Image<Rgba8>,
+    flip: &Image<f32>,
+) -> Option<Figures> {
+    Some(Figures { codes: region.compare(picture, reference)?, flip: region.mean(flip)? })
+}
+
+fn mean(errors: &Image<f32>) -> f64 {
+    errors.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / errors.pixels().len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rectangle_around_everything_has_the_figures_of_the_whole() {
+        let a = Image::from_fn(24, 16, |x, y| [(x * 9) as u8, (y * 13) as u8, 40, 255]);
+        let b = Image::from_fn(24, 16, |x, y| [(x * 9) as u8, (y * 11) as u8, 60, 255]);
+        let (whole, map) = figures(&a, &b).unwrap();
+        assert!(whole.codes.mse > 0.0 && whole.flip > 0.0);
+        let region = Region { left: 0, top: 0, right: 24, bottom: 16 };
+        assert_eq!(figures_within(region, &a, &b, &map), Some(whole));
+        assert_eq!(figures_within(Region { left: 24, right: 30, ..region }, &a, &b, &map), None);
+        assert_eq!(figures(&a, &Image::filled(24, 15, [0; 4])), None);
+    }
+}

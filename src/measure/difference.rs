@@ -1,0 +1,122 @@
+//! The difference of two pictures as a picture, by a colour map with a range that is told.
+
+use super::flip;
+use crate::image::color::luma;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::settings::{Choice, choice};
+
+choice! {
+    /// What is shown of a difference.
+    Difference {
+        Absolute = "absolute", "Absolute", "The largest difference of a code among red, green and blue.";
+        Signed = "signed", "Signed", "Which of the two is lighter: the difference of luma, A − B, in codes.";
+        Squared = "squared", "Squared", "The mean of the squared differences of red, green and blue: what MSE and PSNR count.";
+        Flip = "flip", "FLIP", "How strongly one sees the change when flipping between both, 0 to 1.";
+    }
+}
+
+/// Gains that can be chosen: so many times smaller is the range that the colours stand for.
+pub const GAINS: [u32; 9] = [1, 2, 4, 8, 16, 32, 64, 128, 256];
+
+/// Largest code.
+const CODES: f64 = 255.0;
+
+impl Difference {
+    /// The values that the two ends of the colour map stand for.
+    pub fn range(self, gain: u32) -> (f64, f64) {
+        let gain = f64::from(gain.max(1));
+        match self {
+            Self::Absolute => (0.0, CODES / gain),
+            Self::Signed => (-CODES / gain, CODES / gain),
+            Self::Squared => (0.0, CODES * CODES / gain),
+            Self::Flip => (0.0, 1.0 / gain),
+        }
+    }
+
+    /// Colour at a share of the way from one end of the map to the other. Signed differences have the middle for none.
+    pub fn color(self, share: f64) -> Rgba8 {
+        let share = share.clamp(0.0, 1.0);
+        let [r, g, b] = match self {
+            // From orange, B lighter, to violet, A lighter: the colours that A and B have everywhere.
+            Self::Signed => colorous::PURPLE_ORANGE.eval_continuous(1.0 - share).as_array(),
+            Self::Absolute | Self::Squared => colorous::VIRIDIS.eval_continuous(share).as_array(),
+            Self::Flip => colorous::MAGMA.eval_continuous(share).as_array(),
+        };
+        [r, g, b, 255]
+    }
+}
+
+/// The value of every pixel, in codes, squared codes or FLIP. `None` if the sizes differ or there are no pixels.
+pub fn values(kind: Difference, a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
+    if kind == Difference::Flip {
+        return flip::map(a, b);
+    }
+    if a.size() != b.size() || a.pixels().is_empty() {
+        return None;
+    }
+    let pixels = a.pixels().iter().zip(b.pixels()).map(|(a, b)| value(kind, *a, *b));
+    Some(Image::from_pixels(a.width(), a.height(), pixels.collect()))
+}
+
+fn value(kind: Difference, a: Rgba8, b: Rgba8) -> f32 {
+    let steps = [0, 1, 2].map(|channel: usize| a[channel].abs_diff(b[channel]));
+    match kind {
+        Difference::Signed => luma(a) - luma(b),
+        Difference::Squared => steps.map(|step| f32::from(step).powi(2)).iter().sum::<f32>() / 3.0,
+        Difference::Absolute | Difference::Flip => steps.into_iter().max().map_or(0.0, f32::from),
+    }
+}
+
+/// Values by the colour map.
+pub fn picture(kind: Difference, gain: u32, values: &Image<f32>) -> Image<Rgba8> {
+    let (low, high) = kind.range(gain);
+    values.map(|value| kind.color((f64::from(value) - low) / (high - low)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one_pixel(code: [u8; 3]) -> Image<Rgba8> {
+        Image::filled(1, 1, [code[0], code[1], code[2], 255])
+    }
+
+    fn value_of(kind: Difference, a: [u8; 3], b: [u8; 3]) -> f32 {
+        values(kind, &one_pixel(a), &one_pixel(b)).unwrap().at(0, 0)
+    }
+
+    #[test]
+    fn values_by_hand() {
+        assert_eq!(value_of(Difference::Absolute, [10, 200, 7], [13, 190, 7]), 10.0);
+        assert_eq!(value_of(Difference::Squared, [10, 200, 7], [13, 190, 7]), 109.0 / 3.0);
+        assert!((value_of(Difference::Signed, [20; 3], [50; 3]) + 30.0).abs() < 1e-4, "B is lighter");
+        assert!(value_of(Difference::Flip, [0; 3], [255; 3]) > 0.9);
+        assert_eq!(values(Difference::Absolute, &one_pixel([0; 3]), &Image::filled(2, 1, [0; 4])), None);
+    }
+
+    #[test]
+    fn equal_pictures_show_the_colour_of_none_at_every_gain() {
+        let picture_of = |kind: Difference, gain| {
+            let values = values(kind, &one_pixel([9, 80, 200]), &one_pixel([9, 80, 200])).unwrap();
+            picture(kind, gain, &values).at(0, 0)
+        };
+        for kind in Difference::ALL {
+            let none = kind.color(if *kind == Difference::Signed { 0.5 } else { 0.0 });
+            assert!(GAINS.iter().all(|gain| picture_of(*kind, *gain) == none), "{}", kind.name());
+        }
+    }
+
+    #[test]
+    fn signed_differences_have_the_colours_of_a_and_b() {
+        let ([r, _, b, _], [red, _, blue, _]) = (Difference::Signed.color(0.9), Difference::Signed.color(0.1));
+        assert!(b > r && red > blue, "violet where A is lighter, orange where B is");
+    }
+
+    #[test]
+    fn a_gain_brings_small_differences_to_the_end_of_the_map() {
+        let values = values(Difference::Absolute, &one_pixel([100; 3]), &one_pixel([101; 3])).unwrap();
+        let shown = |gain| picture(Difference::Absolute, gain, &values).at(0, 0);
+        assert_eq!(shown(256), Difference::Absolute.color(1.0));
+        assert_ne!(shown(1), shown(64));
+    }
+}

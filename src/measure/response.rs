@@ -1,0 +1,156 @@
+//! What a method of filling in makes of signals that are known: a single bright sample, a step, and a zone plate.
+//!
+//! The signals lie between codes 96 and 160, so that lobes of either sign are seen and nothing is clamped.
+
+use crate::image::{Image, Rgba8};
+use crate::upscale::{Drawn, Sampling, Upscaling};
+
+/// Code of what is dark in a signal.
+const DARK: f64 = 96.0;
+
+/// How many codes more what is bright has.
+const HEIGHT: f64 = 64.0;
+
+/// Samples along each axis of the signals for impulse and step.
+const SAMPLES: u32 = 16;
+
+/// Side of the zone plate, px.
+pub const PLATE: u32 = 96;
+
+/// The answers of a method. Positions are px from the sample or from the edge; heights are 0 for dark, 1 for bright.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Responses {
+    /// Along a row through one bright sample among dark ones.
+    pub impulse: Vec<[f64; 2]>,
+    /// Across a vertical edge, dark at the left.
+    pub step: Vec<[f64; 2]>,
+    /// What rings grow to when they become finer from the middle, of 2 px at the border, and are sampled on the way.
+    pub zone_plate: Image<Rgba8>,
+    /// The same with every pixel drawn.
+    pub zone_plate_native: Image<Rgba8>,
+}
+
+impl Responses {
+    /// Of a method.
+    pub fn of(how: Upscaling) -> Self {
+        let side = (f64::from(SAMPLES) * how.scale().value()) as u32;
+        let middle = f64::from(side) / 2.0;
+        let (nearest_x, nearest_y) = nearest_sample(how, side, middle);
+        let is_bright = |x: f64, y: f64| f64::from(u8::from((x, y) == (nearest_x, nearest_y)));
+        let impulse = respond(how, side, is_bright);
+        let step = respond(how, side, |x, _| f64::from(u8::from(x > middle)));
+        let row = |picture: &Image<Rgba8>, y: f64, zero: f64| {
+            let row = picture.row((y as u32).min(side - 1)).iter().enumerate();
+            row.map(|(x, code)| [x as f64 + 0.5 - zero, (f64::from(code[0]) - DARK) / HEIGHT]).collect()
+        };
+        Self {
+            impulse: row(&impulse, nearest_y, nearest_x),
+            step: row(&step, middle, middle),
+            zone_plate: respond(how, PLATE, zone_plate),
+            zone_plate_native: respond(Upscaling::NATIVE, PLATE, zone_plate),
+        }
+    }
+
+    /// The least and the greatest height across the edge: beyond 0 and 1 the method overshoots.
+    pub fn overshoot(&self) -> (f64, f64) {
+        let heights = || self.step.iter().map(|[_, height]| *height);
+        (heights().fold(0.0, f64::min), heights().fold(1.0, f64::max))
+    }
+}
+
+/// Circles around the middle of the plate whose distance falls to 2 px at its border: the finest that pixels can hold.
+fn zone_plate(x: f64, y: f64) -> f64 {
+    let middle = f64::from(PLATE) / 2.0;
+    let squared = (x - middle).powi(2) + (y - middle).powi(2);
+    // The phase grows by π per px at the border.
+    0.5 + 0.5 * (std::f64::consts::PI * squared / f64::from(PLATE)).cos()
+}
+
+/// Where a sample lies in the full picture, px.
+fn position(how: Upscaling, column: u32, row: u32) -> (f64, f64) {
+    match how.sampling() {
+        Sampling::Grid(grid) => {
+            let (x, y) = grid.pixel(column, row);
+            (f64::from(x) + 0.5, f64::from(y) + 0.5)
+        }
+        Sampling::Lattice(lattice) => (lattice.position_px(column), lattice.position_px(row)),
+    }
+}
+
+/// Columns and rows of samples for a square picture.
+fn samples(how: Upscaling, side: u32) -> (u32, u32) {
+    let sampling = how.sampling();
+    let (width, height) = sampling.raster_size(side, side);
+    sampling.grid().packed_size(width, height)
+}
+
+/// The position of the sample nearest to the middle.
+fn nearest_sample(how: Upscaling, side: u32, middle: f64) -> (f64, f64) {
+    let (columns, rows) = samples(how, side);
+    let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| position(how, column, row)));
+    let distance = |(x, y): &(f64, f64)| (x - middle).powi(2) + (y - middle).powi(2);
+    positions.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or((0.5, 0.5))
+}
+
+/// The full picture that a method makes of samples of a signal, whose heights lie within 0 and 1.
+fn respond(how: Upscaling, side: u32, signal: impl Fn(f64, f64) -> f64) -> Image<Rgba8> {
+    let (columns, rows) = samples(how, side);
+    let drawn = Image::from_fn(columns, rows, |column, row| {
+        let (x, y) = position(how, column, row);
+        let code = (DARK + HEIGHT * signal(x, y)).round() as u8;
+        [code, code, code, 255]
+    });
+    if how.is_native() { drawn } else { how.upscale(&Drawn::from(&drawn), side, side) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn responses(method: &str, scale: u32) -> Responses {
+        Responses::of(Upscaling::new(method, scale).unwrap())
+    }
+
+    #[test]
+    fn an_impulse_through_nearest_is_a_block_and_through_bilinear_a_tent() {
+        let bright = |responses: &Responses| responses.impulse.iter().filter(|[_, height]| *height > 0.0).count();
+        let nearest = responses("nearest", 4);
+        assert_eq!(bright(&nearest), 4);
+        assert!(nearest.impulse.iter().all(|[_, height]| *height == 0.0 || *height == 1.0));
+        let tent = responses("bilinear", 4);
+        assert_eq!(bright(&tent), 7);
+        for [offset, height] in &tent.impulse {
+            let expected = (1.0 - offset.abs() / 4.0).max(0.0);
+            assert!((height - expected).abs() <= 0.5 / HEIGHT, "{offset}: {height}");
+        }
+    }
+
+    #[test]
+    fn kernels_with_negative_lobes_overshoot_as_theory_says() {
+        // Known undershoots of a unit step; pixels of ×4 come near to the least place.
+        for (method, expected) in [("catmull-rom", 0.074), ("lanczos3", 0.118), ("bilinear", 0.0)] {
+            let (low, high) = responses(method, 4).overshoot();
+            let code = 1.0 / HEIGHT;
+            assert!(-low <= expected + code && high - 1.0 <= expected + code, "{method}: {low} {high}");
+            assert!(-low >= expected * 0.6 - code, "{method}: {low}");
+        }
+    }
+
+    #[test]
+    fn native_leaves_the_zone_plate_as_it_is() {
+        let native = Responses::of(Upscaling::NATIVE);
+        assert_eq!(native.zone_plate, native.zone_plate_native);
+        let fewer = responses("bicubic", 4);
+        assert_ne!(fewer.zone_plate, fewer.zone_plate_native);
+        assert_eq!(fewer.zone_plate.size(), (PLATE, PLATE));
+    }
+
+    #[test]
+    fn every_method_answers_with_as_many_pixels_as_samples_stand_for() {
+        for how in Upscaling::every() {
+            let responses = Responses::of(how);
+            assert_eq!(responses.impulse.len(), (f64::from(SAMPLES) * how.scale().value()) as usize, "{}", how.label());
+            assert_eq!(responses.step.len(), responses.impulse.len());
+        }
+    }
+}

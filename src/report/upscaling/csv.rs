@@ -1,0 +1,50 @@
+//! The report as comma-separated values: one line per scene and recipe.
+
+use super::sweep::{Report, Row, SceneReport};
+
+/// The columns.
+const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,label,drawn,rounds,frame_ms,frame_ms_p10,\
+    frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,dominated_by,\
+    noise";
+
+/// The whole table with its head. Text is quoted; what does not apply is left empty.
+pub fn csv(report: &Report) -> String {
+    let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
+    let lines = rows.map(|(scene, row)| line(report, scene, row));
+    std::iter::once(HEAD.to_owned()).chain(lines).map(|line| line + "\n").collect()
+}
+
+fn line(report: &Report, scene: &SceneReport, row: &Row) -> String {
+    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+    let [width, height] = report.size;
+    let (codes, parts, ms) = (row.error.codes, row.parts_ms, row.frame_ms);
+    [
+        quoted(&scene.scene),
+        scene.triangles.to_string(),
+        width.to_string(),
+        height.to_string(),
+        report.threads.to_string(),
+        quoted(report.reference),
+        row.recipe.upscaler.method().to_owned(),
+        row.recipe.upscaler.scale().to_string(),
+        quoted(&row.label),
+        row.drawn.to_string(),
+        ms.n.to_string(),
+        ms.median.to_string(),
+        ms.p10.to_string(),
+        ms.p90.to_string(),
+        ms.max.to_string(),
+        parts.geometry.to_string(),
+        parts.pixels.to_string(),
+        parts.upscale.to_string(),
+        codes.mse.to_string(),
+        codes.psnr_db.to_string(),
+        codes.ssim.to_string(),
+        row.error.flip.to_string(),
+        codes.max_abs.to_string(),
+        codes.differing_pixels.to_string(),
+        row.dominated_by.as_deref().map(quoted).unwrap_or_default(),
+        scene.noise.to_string(),
+    ]
+    .join(",")
+}

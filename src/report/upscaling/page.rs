@@ -1,0 +1,206 @@
+//! The report as one page for the browser: no scripts, nothing loaded from elsewhere, light or dark as the reader's system.
+
+use std::io;
+
+use super::plot;
+use super::skipping::Share;
+use super::sweep::{Report, Row, SceneReport};
+use crate::image::file::encode_png;
+use crate::image::{Image, Rgba8};
+
+/// Colours and layout that all reports share, and those of this one.
+const STYLE: [&str; 2] = [include_str!("../stability/html/style.css"), include_str!("page.css")];
+
+/// The whole page. Fails only where a crop cannot be encoded.
+pub fn page(report: &Report) -> io::Result<String> {
+    let mut body = head(report);
+    for scene in &report.scenes {
+        body += &section(scene)?;
+    }
+    body += &method(report);
+    Ok(format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\">\n<title>Error against run time · Rasterscope</title>\n<style>\n{}\
+         </style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n",
+        STYLE.concat()
+    ))
+}
+
+/// Text that is safe between tags and within quotation marks.
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+fn head(report: &Report) -> String {
+    let [width, height] = report.size;
+    let methods = report.scenes.first().map_or(0, |scene| scene.rows.len());
+    let tiles = [
+        (report.scenes.len().to_string(), "scenes"),
+        (methods.to_string(), "ways to draw each"),
+        (format!("{width} × {height}"), "pixels"),
+        (report.rounds.to_string(), "interleaved rounds"),
+        (report.threads.to_string(), "threads"),
+    ];
+    let tiles =
+        tiles.map(|(value, name)| format!("<div class=\"tile\"><b>{value}</b><span>{name}</span></div>")).concat();
+    format!(
+        "<h1>Error against run time</h1>\n<p class=\"soft\">What drawing fewer samples and filling in the rest saves, and what \
+         it costs the picture. Every error is against one named reference: <b>{}</b>. Rasterscope {}.</p>\n\
+         <div class=\"tiles\">{tiles}</div>\n",
+        escaped(report.reference),
+        escaped(report.machine.version)
+    )
+}
+
+fn section(scene: &SceneReport) -> io::Result<String> {
+    let native = scene.rows.iter().find(|row| row.recipe.upscaler.is_native());
+    let best = scene.rows.iter().filter(|row| row.dominated_by.is_none()).count();
+    Ok(format!(
+        "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} ways are beaten by no \
+         other in both, and the dashed line joins them. Grey ones are beaten. Bars run from the 10th to the 90th percentile, thin \
+         lines join one method's enlargements. Times closer than {:.1} % are the same: that far apart lay two runs of one \
+         recipe.</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
+         <p class=\"soft\">{} × {} px from column {}, row {}, as they are, enlarged without smoothing.</p>\n{}</section>\n",
+        escaped(&scene.scene),
+        scene.triangles,
+        scene.rows.len(),
+        scene.noise * 100.0,
+        plot::tradeoff(scene),
+        scene.shares.as_deref().map(shares).unwrap_or_default(),
+        table(&scene.rows, native),
+        scene.crop.right - scene.crop.left,
+        scene.crop.bottom - scene.crop.top,
+        scene.crop.left,
+        scene.crop.top,
+        crops(&scene.rows)?
+    ))
+}
+
+fn shares(shares: &[Share]) -> String {
+    format!(
+        "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>passing pixels over inside the loop, as published</span>\
+         <span class=\"visit\"><i></i>visiting the wanted pixels alone</span><span class=\"dashed\"><i></i>of these the raster \
+         part; what lies above is shading</span></div><figcaption>Both ways draw the same samples, triangle after triangle on one \
+         thread, by the same edge functions, depth test and shading. Passing over saves shading only: every pixel is still come \
+         by, so that the dashed line stays up.</figcaption></figure>",
+        plot::shares(shares)
+    )
+}
+
+fn table(rows: &[Row], native: Option<&Row>) -> String {
+    let mut order: Vec<&Row> = rows.iter().collect();
+    order.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
+    let lines: String = order.into_iter().map(|row| line(row, native)).collect();
+    format!(
+        "<div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>upscaler</th><th>drawn</th><th>median ms</th><th>p10</th>\
+         <th>p90</th><th>times native</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP</th><th>PSNR dB</th><th>SSIM</th>\
+         <th>MSE</th><th>max</th><th>differing px</th><th>beaten by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n"
+    )
+}
+
+fn line(row: &Row, native: Option<&Row>) -> String {
+    let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
+    let faster = native.map_or_else(|| "–".to_owned(), |native| format!("{:.2}×", native.frame_ms.median / ms.median));
+    let psnr = if codes.mse == 0.0 { "identical".to_owned() } else { format!("{:.2}", codes.psnr_db) };
+    let (style, by) = match &row.dominated_by {
+        Some(by) => ("beaten", by.as_str()),
+        None => ("best", "nobody"),
+    };
+    let cells = [
+        format!("{:.1} %", row.drawn * 100.0),
+        format!("{:.3}", ms.median),
+        format!("{:.3}", ms.p10),
+        format!("{:.3}", ms.p90),
+        faster,
+        format!("{:.3}", parts.geometry),
+        format!("{:.3}", parts.pixels),
+        format!("{:.3}", parts.upscale),
+        format!("{:.4}", row.error.flip),
+        psnr,
+        format!("{:.4}", codes.ssim),
+        format!("{:.2}", codes.mse),
+        codes.max_abs.to_string(),
+        codes.differing_pixels.to_string(),
+        escaped(by),
+    ];
+    format!(
+        "<tr class=\"{style}\"><td><span class=\"dot m{}\"></span>{}</td>{}</tr>\n",
+        plot::color(row),
+        escaped(&row.label),
+        cells.map(|cell| format!("<td>{cell}</td>")).concat()
+    )
+}
+
+/// Native, and every other method at its greatest enlargement.
+fn crops(rows: &[Row]) -> io::Result<String> {
+    let mut figures = String::new();
+    for family in rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
+        let Some(row) = family.last() else { continue };
+        figures += &format!(
+            "<figure><img alt=\"{label}\" src=\"data:image/png;base64,{}\"><figcaption><b>{label}</b> · FLIP {:.4} · {:.2} \
+             ms</figcaption></figure>\n",
+            png(&row.crop)?,
+            row.error.flip,
+            row.frame_ms.median,
+            label = escaped(&row.label)
+        );
+    }
+    Ok(format!("<div class=\"crops\">\n{figures}</div>\n"))
+}
+
+/// A picture as a PNG in base 64.
+fn png(picture: &Image<Rgba8>) -> io::Result<String> {
+    Ok(base64(&encode_png(picture)?))
+}
+
+/// Bytes in base 64, padded (RFC 4648).
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for group in bytes.chunks(3) {
+        let number = group.iter().fold(0_u32, |n, byte| n << 8 | u32::from(*byte)) << (8 * (3 - group.len()));
+        for place in 0..4 {
+            let letter = LETTERS[(number >> (18 - 6 * place)) as usize & 63];
+            text.push(if place <= group.len() { char::from(letter) } else { '=' });
+        }
+    }
+    text
+}
+
+fn method(report: &Report) -> String {
+    let machine = &report.machine;
+    let processor = machine.processor.as_deref().unwrap_or("unknown processor");
+    let load = machine.load.map(|load| format!(" Load when it began: {load:.2}.")).unwrap_or_default();
+    let build = if machine.optimized { "" } else { " The program was not optimised: its times say little." };
+    format!(
+        "<section>\n<h2>How it was measured</h2>\n<p>{}, {}, {} threads.{load}{build}</p>\n<p>Each round draws every recipe once, in an \
+         order that is dealt anew, after a round that does not count; all in one process with the same memory. Medians over {} \
+         rounds. The first recipe runs twice per round as if it were two, and the gap between the two is the noise floor. Reading \
+         files and measuring errors is not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 \
+         black against white. PSNR and MSE count sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ 1.5, on luma. A reference of \
+         one sample per pixel is aliased itself: a method that smooths is charged for that.</p>\n</section>\n",
+        escaped(&machine.platform),
+        escaped(processor),
+        report.threads,
+        report.rounds
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base_64_as_the_standard_has_it() {
+        let cases = [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
+        for (plain, coded) in cases {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+        assert_eq!(base64(&[0xFB, 0xFF, 0xBF]), "+/+/");
+    }
+
+    #[test]
+    fn text_cannot_leave_its_place() {
+        assert_eq!(escaped("<a \"b\" & c>"), "&lt;a &quot;b&quot; &amp; c&gt;");
+    }
+}

@@ -1,0 +1,215 @@
+//! Fewer pixels, two ways: visited and passed over inside the loop, as the source article does, or not visited at all.
+//!
+//! The published loop walks the box around a triangle pixel by pixel and passes over those that are not wanted; it saves
+//! their shading, but rasterization still comes by every pixel. A [`SampleGrid`] walks the wanted samples alone. Both give the
+//! same samples, and here both are timed on one thread, with the same edge functions, depth test and shading.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use serde::Serialize;
+
+use crate::chain::Recipe;
+use crate::measure::timing::{Summary, summarize};
+use crate::pipeline::depth::{Comparison, depth_at};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::interpolate::interpolate;
+use crate::pipeline::raster::{Fixed, Triangle};
+use crate::pipeline::settings::{Rasterizer, Settings};
+use crate::pipeline::shade::Shader;
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::scene::{Camera, Scene, Transparency};
+
+/// Shares of the pixels that are drawn: every pixel, half, a quarter, a ninth, a sixteenth.
+const GRIDS: [SampleGrid; 5] = [
+    SampleGrid::FULL,
+    SampleGrid::Checkerboard,
+    SampleGrid::Block { step: 2 },
+    SampleGrid::Block { step: 3 },
+    SampleGrid::Block { step: 4 },
+];
+
+/// Times at one share of the pixels, ms.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Share {
+    /// Share of the pixels that are drawn, in (0, 1].
+    pub drawn: f64,
+    /// Passing pixels over inside the loop.
+    pub skipping: Split,
+    /// Visiting the wanted ones alone.
+    pub visiting: Split,
+}
+
+/// A time in two parts, ms.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Split {
+    /// Finding samples and testing their depth, with clearing the framebuffer.
+    pub raster: Summary,
+    /// Everything, to shaded samples. What it takes longer than `raster` is shading.
+    pub whole: Summary,
+}
+
+impl Split {
+    /// Median of what shading takes; 0 if it is too short to tell.
+    pub fn shade_ms(&self) -> f64 {
+        (self.whole.median - self.raster.median).max(0.0)
+    }
+}
+
+/// Whether this scene can be drawn by the loop here: it knows no triangles that are seen through.
+pub fn applies(scene: &Scene, recipe: &Recipe, camera: &Camera, viewport: Viewport) -> bool {
+    let geometry = prepare(scene, camera, &settings(recipe), viewport, &mut ());
+    geometry.plans.iter().all(|plan| plan.transparency() == Transparency::Opaque)
+}
+
+/// The settings that both ways are drawn by.
+fn settings(recipe: &Recipe) -> Settings {
+    Settings { rasterizer: Rasterizer::BoundingBox, ..recipe.pipeline }
+}
+
+/// Times both ways at every share, in rounds that run everything once, after one that does not count. `None` if it was
+/// cancelled.
+pub fn measure(
+    scene: &Scene,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    rounds: usize,
+    cancelled: &dyn Fn() -> bool,
+) -> Option<Vec<Share>> {
+    let settings = settings(recipe);
+    let geometry = prepare(scene, camera, &settings, viewport, &mut ());
+    let runs = GRIDS.len() * 4;
+    let mut times = vec![Vec::with_capacity(rounds); runs];
+    for round in 0..=rounds {
+        for (place, times) in times.iter_mut().enumerate() {
+            if cancelled() {
+                return None;
+            }
+            let grid = GRIDS[place / 4];
+            let until = if place.is_multiple_of(2) { Until::Depth } else { Until::Shade };
+            let start = Instant::now();
+            black_box(if place % 4 < 2 {
+                draw_skipping(scene, &geometry, &settings, viewport, grid, until)
+            } else {
+                draw_visiting(scene, &geometry, &settings, viewport, grid, until)
+            });
+            if round > 0 {
+                times.push(start.elapsed().as_secs_f64() * 1e3);
+            }
+        }
+    }
+    let pixels = f64::from(viewport.width) * f64::from(viewport.height);
+    let summaries: Vec<Summary> = times.iter().filter_map(|times| summarize(times)).collect();
+    let shares = GRIDS.iter().zip(summaries.chunks_exact(4)).map(|(grid, s)| Share {
+        drawn: grid.drawn_pixels(viewport.width, viewport.height) as f64 / pixels,
+        skipping: Split { raster: s[0], whole: s[1] },
+        visiting: Split { raster: s[2], whole: s[3] },
+    });
+    Some(shares.collect())
+}
+
+fn draw_visiting(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    viewport: Viewport,
+    grid: SampleGrid,
+    until: Until,
+) -> Framebuffer {
+    let mut frame = Framebuffer::new(grid, viewport.width, viewport.height, scene.background, settings);
+    draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut frame, &mut ());
+    frame
+}
+
+/// The published loop: every pixel of the box around every triangle is visited, and those that are not wanted are passed over.
+fn draw_skipping(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    Viewport { width, height }: Viewport,
+    grid: SampleGrid,
+    until: Until,
+) -> Framebuffer {
+    let mut frame = Framebuffer::new(SampleGrid::FULL, width, height, scene.background, settings);
+    let comparison = Comparison::of(settings);
+    let shaders: Vec<Shader<'_>> = scene
+        .instances
+        .iter()
+        .zip(&geometry.plans)
+        .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
+        .collect();
+    for triangle in &geometry.triangles {
+        let corners_px = triangle.corners_px();
+        let Some(edges) = Triangle::<Fixed>::new(corners_px, settings.fill_rule) else { continue };
+        let shader = &shaders[triangle.instance as usize];
+        let attributes = shader.attributes();
+        let range = |axis: usize, size: u32| {
+            let all = corners_px.map(|corner| corner[axis]);
+            let (low, high) = (all[0].min(all[1]).min(all[2]), all[0].max(all[1]).max(all[2]));
+            (low.floor().max(0.0) as u32).min(size)..(high.ceil().max(0.0) as u32).min(size)
+        };
+        for y in range(1, height) {
+            for x in range(0, width) {
+                if grid.sample_at(x, y).is_none() || !edges.contains(x.into(), y.into()) {
+                    continue;
+                }
+                let sample = edges.sample((x, y), (x, y));
+                if let Some(depth) = &mut frame.depth {
+                    let new = depth_at(triangle, &sample);
+                    if !comparison.passes(new, depth.at(x, y)) {
+                        continue;
+                    }
+                    depth.set(x, y, new);
+                }
+                if until == Until::Shade {
+                    let fragment = interpolate(triangle, sample, attributes);
+                    frame.color.set(x, y, shader.shade(&fragment, triangle));
+                }
+            }
+        }
+    }
+    frame
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+    use crate::scene::builtin;
+
+    /// The wanted pixels of a full picture, packed.
+    fn packed<T: Copy>(full: &Image<T>, grid: SampleGrid) -> Image<T> {
+        let (width, height) = grid.packed_size(full.width(), full.height());
+        Image::from_fn(width, height, |column, row| {
+            let (x, y) = grid.pixel(column, row);
+            full.at(x.min(full.width() - 1), y)
+        })
+    }
+
+    #[test]
+    fn both_ways_draw_the_same_samples() {
+        let scene = builtin::by_id("chess").unwrap().build();
+        let settings = settings(&Recipe::default());
+        let viewport = Viewport { width: 96, height: 64 };
+        let geometry = prepare(&scene, &scene.home, &settings, viewport, &mut ());
+        for grid in GRIDS {
+            let skipped = draw_skipping(&scene, &geometry, &settings, viewport, grid, Until::Shade);
+            let visited = draw_visiting(&scene, &geometry, &settings, viewport, grid, Until::Shade);
+            assert_eq!(packed(&skipped.color, grid), visited.color, "{grid:?}");
+        }
+    }
+
+    #[test]
+    fn every_share_is_timed_both_ways_until_it_is_cancelled() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let (recipe, viewport) = (Recipe::default(), Viewport { width: 32, height: 32 });
+        assert!(applies(&scene, &recipe, &scene.home, viewport));
+        let shares = measure(&scene, &scene.home, &recipe, viewport, 3, &|| false).unwrap();
+        assert_eq!(shares.iter().map(|share| share.drawn).collect::<Vec<_>>()[..3], [1.0, 0.5, 0.25]);
+        assert!(shares.iter().all(|share| share.skipping.whole.n == 3 && share.visiting.whole.median > 0.0));
+        assert!(measure(&scene, &scene.home, &recipe, viewport, 3, &|| true).is_none());
+    }
+}

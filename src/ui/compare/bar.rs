@@ -1,0 +1,136 @@
+//! The bar over compared pictures: how they are compared, and what figures are against.
+
+use eframe::egui::{self, Button, Response, RichText, Ui, Vec2};
+
+use super::{Change, Mode};
+use crate::measure::difference::{Difference, GAINS};
+use crate::measure::reference::Reference;
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::widgets::combo;
+
+/// Numbers of tiles that have a button.
+const COUNTS: [usize; 2] = [2, 4];
+
+/// Draws the bar; `scale` is the enlargement on screen, in screen pixels per picture pixel.
+pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
+    let comparison = &session.comparison;
+    let mut changes = Vec::new();
+    ui.horizontal_wrapped(|ui| {
+        for (mode, name, help) in Mode::ALL {
+            if ui.selectable_label(comparison.mode == mode, name).on_hover_text(help).clicked() {
+                changes.push(Change::Mode(mode));
+            }
+        }
+        ui.separator();
+        match comparison.mode {
+            Mode::Tiles => counts(ui, session, &mut changes),
+            Mode::Difference => difference(ui, session, &mut changes),
+            Mode::Off | Mode::Wipe | Mode::Flip => {}
+        }
+        if icon_button(ui, Icon::ArrowLeftRight, "Swap A and B  (S)").clicked() {
+            changes.push(Change::Swap);
+        }
+        region(ui, session, &mut changes);
+        ui.separator();
+        reference(ui, session, &mut changes);
+        if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
+            let text = format!("shown at {:.0} %, smoothed", scale * 100.0);
+            ui.label(RichText::new(text).small().color(tokens(ui).warning))
+                .on_hover_text("Only the display is smaller: figures and differences are of the full pictures");
+        }
+        if icon_button(ui, Icon::X, "Stop comparing  (Esc)").clicked() {
+            changes.push(Change::Mode(Mode::Off));
+        }
+    });
+    commands.extend(changes.into_iter().map(Command::Compare));
+}
+
+/// A button with an icon only that begins a new row where the bar has no more room.
+fn icon_button(ui: &mut Ui, icon: Icon, name: &str) -> Response {
+    let button = Button::new(theme::icon(icon)).frame_when_inactive(false).min_size(Vec2::splat(theme::CONTROL_HEIGHT));
+    ui.add(button).on_hover_text(name)
+}
+
+fn counts(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+    let count = session.state.tiles.count();
+    for wanted in COUNTS {
+        let label = ui.selectable_label(count == wanted, wanted.to_string());
+        let name = format!("{wanted} tiles");
+        label.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, count == wanted, &name));
+        if label.on_hover_text(name).clicked() {
+            changes.push(Change::Count(wanted));
+        }
+    }
+    if ui.button("All").on_hover_text("Every upscaler, each with its greatest enlargement").clicked() {
+        changes.push(Change::Every);
+    }
+    if count < super::MOST_TILES && icon_button(ui, Icon::Plus, "One tile more").clicked() {
+        changes.push(Change::Count(count + 1));
+    }
+    ui.separator();
+}
+
+fn difference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+    let mut kind = session.comparison.difference;
+    ui.name_inputs("Shown difference", |ui| {
+        combo("difference", kind.name(), 84.0).show_ui(ui, |ui| {
+            for option in Difference::ALL {
+                ui.selectable_value(&mut kind, *option, option.name()).on_hover_text(option.help());
+            }
+        });
+    });
+    if kind != session.comparison.difference {
+        changes.push(Change::Difference(kind));
+    }
+    let mut gain = session.comparison.gain;
+    ui.name_inputs("Gain", |ui| {
+        combo("gain", &format!("×{gain}"), 60.0).show_ui(ui, |ui| {
+            for option in GAINS {
+                ui.selectable_value(&mut gain, option, format!("×{option}"));
+            }
+        });
+    });
+    if gain != session.comparison.gain {
+        changes.push(Change::Gain(gain));
+    }
+    ui.separator();
+}
+
+fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+    let comparison = &session.comparison;
+    let help = "Drag over a picture to measure that part alone  (R)";
+    let button = ui.selectable_label(comparison.draws_region, "Region");
+    if button.on_hover_text(help).clicked() {
+        changes.push(Change::ToggleRegion);
+    }
+    if let Some(region) = comparison.region {
+        let (width, height) = (region.right - region.left, region.bottom - region.top);
+        let text = RichText::new(format!("{width} × {height} at {}, {}", region.left, region.top)).monospace();
+        let forget = ui.add(Button::new((text, theme::icon(Icon::X))));
+        forget.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, "Forget the region"));
+        if forget.on_hover_text("Forget the region").clicked() {
+            changes.push(Change::Region(None));
+        }
+    }
+}
+
+fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+    ui.label(RichText::new("against").color(tokens(ui).text_weak));
+    let mut reference = session.comparison.reference;
+    ui.name_inputs("Reference", |ui| {
+        combo("reference", reference.name(), 124.0)
+            .show_ui(ui, |ui| {
+                for option in Reference::ALL {
+                    ui.selectable_value(&mut reference, *option, option.name()).on_hover_text(option.help());
+                }
+            })
+            .response
+            .on_hover_text(reference.help());
+    });
+    if reference != session.comparison.reference {
+        changes.push(Change::Reference(reference));
+    }
+}

@@ -1,0 +1,328 @@
+//! The renderer's part of comparing: draws all tiles, then measures them one by one, and keeps what is still valid.
+
+use std::sync::Arc;
+
+use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::image::{Image, Rgba8};
+use crate::measure::against::{Figures, figures, figures_within};
+use crate::measure::difference::{self, Difference};
+use crate::measure::reference::{Gathering, Reference};
+use crate::measure::region::Region;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene};
+use crate::upscale::Upscaling;
+
+/// What is to be compared.
+#[derive(Clone, Debug)]
+pub struct CompareRequest {
+    /// Scene; the same one as long as the pointer is the same.
+    pub scene: Arc<Scene>,
+    /// View.
+    pub camera: Camera,
+    /// Size of every picture.
+    pub viewport: Viewport,
+    /// How each is drawn.
+    pub recipes: Vec<Recipe>,
+    /// What they are measured against.
+    pub reference: Reference,
+    /// A rectangle with figures of its own.
+    pub region: Option<Region>,
+    /// The difference of the first two that is shown, and its gain.
+    pub difference: Option<(Difference, u32)>,
+}
+
+impl CompareRequest {
+    /// Whether the answer to both is the same.
+    pub fn same_as(&self, other: &Self) -> bool {
+        self.same_view(other)
+            && self.recipes == other.recipes
+            && self.reference == other.reference
+            && self.region == other.region
+            && self.difference == other.difference
+    }
+
+    fn same_view(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.scene, &other.scene) && self.camera == other.camera && self.viewport == other.viewport
+    }
+}
+
+/// What is known of a tile.
+#[derive(Clone, Debug)]
+pub struct Tile {
+    /// How it was drawn.
+    pub recipe: Recipe,
+    /// Its picture.
+    pub picture: Arc<Image<Rgba8>>,
+    /// Time of drawing it once, ms. A single frame: for comparing times there is the measurement in rounds.
+    pub frame_ms: f64,
+    /// Share of its pixels that were drawn, in [0, 1].
+    pub drawn_share: f64,
+    /// Against the reference, when that is found out.
+    pub measured: Option<Measured>,
+    /// Within the rectangle, if there is one with pixels in it.
+    pub within: Option<Figures>,
+}
+
+/// What is known of a picture against the reference.
+#[derive(Clone, Debug)]
+pub struct Measured {
+    /// Every measure; `None` if the pictures cannot be compared, as their sizes differ.
+    pub figures: Option<Figures>,
+    /// FLIP of every pixel.
+    flip: Option<Arc<Image<f32>>>,
+}
+
+/// The difference of the first two tiles.
+#[derive(Clone, Debug)]
+pub struct Differing {
+    /// What is shown of it, and the gain.
+    pub kind: (Difference, u32),
+    /// Its value at every pixel.
+    pub values: Arc<Image<f32>>,
+    /// By the colour map.
+    pub picture: Arc<Image<Rgba8>>,
+}
+
+/// The answer to a [`CompareRequest`], as far as it is known.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// What was asked.
+    pub request: CompareRequest,
+    /// As many as recipes.
+    pub tiles: Vec<Tile>,
+    /// If one was asked for.
+    pub difference: Option<Differing>,
+    /// Whether nothing is missing any more.
+    pub complete: bool,
+}
+
+/// Works on the newest request: pictures first, all at once, then figures tile by tile.
+#[derive(Debug, Default)]
+pub struct Comparer {
+    known: Option<Compared>,
+    begun: bool,
+    /// Each by the recipe without what makes no difference to it.
+    references: Vec<(Recipe, Arc<Image<Rgba8>>)>,
+    gathering: Option<(Recipe, Gathering)>,
+    renderer: Renderer,
+}
+
+impl Comparer {
+    /// Takes a request, and from the last answer what still holds.
+    pub fn ask(&mut self, request: CompareRequest) -> &Compared {
+        self.begun = false;
+        let same_view = self.known.as_ref().is_some_and(|known| known.request.same_view(&request));
+        let same_reference =
+            same_view && self.known.as_ref().is_some_and(|known| known.request.reference == request.reference);
+        if !same_reference {
+            self.references.clear();
+            self.gathering = None;
+        }
+        let old = self.known.take().filter(|_| same_view);
+        let tiles = request.recipes.iter().map(|recipe| {
+            let kept = old.iter().flat_map(|old| &old.tiles).find(|tile| tile.recipe == *recipe);
+            let mut tile = kept.cloned().unwrap_or_else(|| self.drawn(&request, *recipe));
+            tile.measured = tile.measured.filter(|_| same_reference);
+            tile.within = None;
+            tile
+        });
+        let tiles: Vec<_> = tiles.collect();
+        let difference = request.difference.and_then(|kind| {
+            let [a, b, ..] = &tiles[..] else { return None };
+            let kept = old.as_ref().filter(|old| {
+                let pictures = old.tiles.iter().take(2).map(|tile| &tile.picture);
+                pictures.zip([a, b]).all(|(old, new)| Arc::ptr_eq(old, &new.picture))
+            });
+            differing(kind, kept.and_then(|old| old.difference.as_ref()), a, b)
+        });
+        self.known.insert(Compared { request, tiles, difference, complete: false })
+    }
+
+    /// Finds out one more piece. `None` if that tells nothing new, or there is nothing left to find out.
+    pub fn step(&mut self) -> Option<&Compared> {
+        self.begun = true;
+        let known = self.known.as_ref().filter(|known| !known.complete)?;
+        let Some(place) = known.tiles.iter().position(|tile| tile.measured.is_none()) else {
+            return self.complete();
+        };
+        let (recipe, picture) = (known.tiles[place].recipe, known.tiles[place].picture.clone());
+        let Some(reference) = self.reference(recipe) else {
+            self.gather(recipe);
+            return None;
+        };
+        let (figures, flip) = figures(&picture, &reference).unzip();
+        let known = self.known.as_mut()?;
+        known.tiles[place].measured = Some(Measured { figures, flip: flip.map(Arc::new) });
+        self.known.as_ref()
+    }
+
+    /// Measures the rectangle in every tile, which costs little, and has done.
+    fn complete(&mut self) -> Option<&Compared> {
+        let known = self.known.clone()?;
+        let tiles = known.tiles.into_iter().map(|mut tile| {
+            let flip = tile.measured.as_ref().and_then(|measured| measured.flip.clone());
+            tile.within = known.request.region.zip(flip).and_then(|(region, flip)| {
+                figures_within(region, &tile.picture, &*self.reference(tile.recipe)?, &flip)
+            });
+            tile
+        });
+        let tiles = tiles.collect();
+        Some(self.known.insert(Compared { tiles, complete: true, ..known }))
+    }
+
+    /// Whether there is something left to find out.
+    pub fn has_work(&self) -> bool {
+        self.known.as_ref().is_some_and(|known| !known.complete)
+    }
+
+    /// Whether it has begun to find that out.
+    pub fn has_begun(&self) -> bool {
+        self.begun && self.has_work()
+    }
+
+    /// Stops, and forgets everything.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    fn drawn(&mut self, request: &CompareRequest, recipe: Recipe) -> Tile {
+        let CompareRequest { scene, camera, viewport, .. } = request;
+        let frame = self.renderer.render(scene, camera, &recipe, *viewport, KeepDepth::No);
+        let tile = Tile {
+            recipe,
+            picture: Arc::new(frame.image().clone()),
+            frame_ms: frame.times.total.as_secs_f64() * 1e3,
+            drawn_share: frame.drawn_share(),
+            measured: None,
+            within: None,
+        };
+        self.renderer.recycle(frame);
+        tile
+    }
+
+    /// The reference of pictures by `recipe`, if it is there; tiles whose settings agree share one.
+    fn reference(&self, recipe: Recipe) -> Option<Arc<Image<Rgba8>>> {
+        let wanted = reference_recipe(recipe);
+        self.references.iter().find(|(known, _)| *known == wanted).map(|(_, picture)| picture.clone())
+    }
+
+    /// Draws one sample more of the reference of pictures by `recipe`.
+    fn gather(&mut self, recipe: Recipe) {
+        let wanted = reference_recipe(recipe);
+        let Some(CompareRequest { scene, camera, viewport, reference, .. }) =
+            self.known.as_ref().map(|known| &known.request)
+        else {
+            return;
+        };
+        let same = self.gathering.take().filter(|(known, _)| *known == wanted);
+        let (_, mut gathering) = same.unwrap_or_else(|| (wanted, reference.begin(scene, camera, &wanted, *viewport)));
+        if gathering.step() {
+            self.gathering = Some((wanted, gathering));
+        } else {
+            self.references.push((wanted, Arc::new(gathering.picture())));
+        }
+    }
+}
+
+/// A recipe without what makes no difference to its reference.
+fn reference_recipe(recipe: Recipe) -> Recipe {
+    Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..recipe }
+}
+
+/// The difference of two pictures; only coloured anew where its values are known.
+fn differing(kind: (Difference, u32), old: Option<&Differing>, a: &Tile, b: &Tile) -> Option<Differing> {
+    let values = match old.filter(|old| old.kind.0 == kind.0) {
+        Some(old) if old.kind == kind => return Some(old.clone()),
+        Some(old) => old.values.clone(),
+        None => Arc::new(difference::values(kind.0, &a.picture, &b.picture)?),
+    };
+    let picture = Arc::new(difference::picture(kind.0, kind.1, &values));
+    Some(Differing { kind, values, picture })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::scene::SceneSource;
+
+    fn request(methods: &[(&str, u32)]) -> CompareRequest {
+        let scene = SceneSource::named("triangle".into()).load().unwrap().scene;
+        let recipe = |(method, scale): &(&str, u32)| Recipe {
+            upscaler: Upscaling::new(method, *scale).unwrap(),
+            ..Recipe::default()
+        };
+        CompareRequest {
+            camera: scene.home,
+            scene: Arc::new(scene),
+            viewport: Viewport { width: 48, height: 32 },
+            recipes: methods.iter().map(recipe).collect(),
+            reference: Reference::Native,
+            region: None,
+            difference: None,
+        }
+    }
+
+    fn finished(comparer: &mut Comparer, request: CompareRequest) -> Compared {
+        comparer.ask(request);
+        while comparer.has_work() {
+            comparer.step();
+        }
+        comparer.known.clone().unwrap()
+    }
+
+    #[test]
+    fn every_tile_is_what_the_chain_draws_and_native_has_no_error() {
+        let request = request(&[("native", 1), ("nearest", 4), ("bilinear", 2)]);
+        let compared = finished(&mut Comparer::default(), request.clone());
+        assert_eq!(compared.tiles.len(), 3);
+        for tile in &compared.tiles {
+            let frame = run(&request.scene, &request.camera, &tile.recipe, request.viewport, &mut ());
+            assert_eq!(*tile.picture, *frame.image());
+        }
+        let mse = |tile: usize| compared.tiles[tile].measured.as_ref().unwrap().figures.unwrap().codes.mse;
+        assert_eq!(mse(0), 0.0);
+        assert!(mse(1) > 0.0 && mse(2) > 0.0);
+    }
+
+    #[test]
+    fn what_still_holds_is_kept() {
+        let mut comparer = Comparer::default();
+        let first = finished(&mut comparer, request(&[("native", 1), ("nearest", 4)]));
+        let mut next = first.request.clone();
+        next.recipes[1].upscaler = Upscaling::new("bilinear", 4).unwrap();
+        next.region = Some(Region { left: 10, top: 10, right: 30, bottom: 25 });
+        let second = finished(&mut comparer, next.clone());
+        assert!(Arc::ptr_eq(&first.tiles[0].picture, &second.tiles[0].picture));
+        assert!(!Arc::ptr_eq(&first.tiles[1].picture, &second.tiles[1].picture));
+        assert_eq!(second.tiles[0].within.map(|figures| figures.codes.differing_pixels), Some(0));
+        next.viewport.width = 50;
+        let third = finished(&mut comparer, next);
+        assert!(!Arc::ptr_eq(&third.tiles[0].picture, &second.tiles[0].picture));
+        assert_eq!(third.tiles[0].picture.size(), (50, 32));
+    }
+
+    #[test]
+    fn another_gain_colours_the_same_values_anew() {
+        let mut comparer = Comparer::default();
+        let mut request = request(&[("native", 1), ("nearest", 4)]);
+        request.difference = Some((Difference::Absolute, 1));
+        let first = finished(&mut comparer, request.clone()).difference.unwrap();
+        request.difference = Some((Difference::Absolute, 16));
+        let second = finished(&mut comparer, request.clone()).difference.unwrap();
+        assert!(Arc::ptr_eq(&first.values, &second.values));
+        assert_ne!(first.picture, second.picture);
+        request.recipes.swap(0, 1);
+        request.difference = Some((Difference::Signed, 1));
+        let swapped = finished(&mut comparer, request).difference.unwrap();
+        assert!(!Arc::ptr_eq(&swapped.values, &second.values));
+    }
+
+    #[test]
+    fn a_finished_comparison_leaves_nothing_to_do() {
+        let mut comparer = Comparer::default();
+        finished(&mut comparer, request(&[("native", 1), ("nearest", 2)]));
+        assert!(!comparer.has_work());
+        assert!(comparer.step().is_none());
+    }
+}

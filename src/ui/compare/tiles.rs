@@ -1,0 +1,577 @@
+//! Compared pictures on the canvas: tiles with one zoom, position and pick, a wipe, a flip, or a difference.
+
+use eframe::egui::{
+    self, Align2, Color32, CursorIcon, FontId, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder,
+    Vec2, WidgetInfo, pos2, vec2,
+};
+
+use super::compute::{Compared, Differing, Tile};
+use super::{Change, Mode, letter};
+use crate::chain::Recipe;
+use crate::image::{Image, Rgba8};
+use crate::inspect::view::Value;
+use crate::measure::against::Figures;
+use crate::measure::difference::Difference;
+use crate::measure::region::Region;
+use crate::pipeline::settings::Choice as _;
+use crate::ui::canvas::{PictureTexture, grid, marker, numbers};
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::navigate::navigate;
+use crate::ui::session::{PictureSize, Session};
+use crate::ui::theme::{CONTROL_HEIGHT, MARK_EDGE, RADIUS, font_size, space, tokens};
+use crate::ui::widgets::{combo, icon_button};
+use crate::ui::zoom::{Placement, Zoom};
+use crate::upscale::Upscaling;
+
+/// Height of the row over a picture, in points.
+const HEADER: f32 = CONTROL_HEIGHT + space::XS;
+
+/// Height of a line of figures, in points.
+const LINE: f32 = 15.0;
+
+/// Room of one figure with its name, in points.
+const FIGURE: f32 = 108.0;
+
+/// Gap between tiles, in points.
+const GAP: f32 = space::XS;
+
+/// Within so many points of the wipe's line the pointer takes hold of it.
+const HOLD: f32 = 7.0;
+
+/// What dragging does besides moving the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Dragging {
+    /// Draws a rectangle between this pixel and the one under the pointer.
+    Region((u32, u32), (u32, u32)),
+    /// Moves the line of the wipe.
+    Wipe,
+}
+
+/// What the widgets of compared pictures hold.
+#[derive(Default)]
+pub struct TilesView {
+    textures: Vec<PictureTexture>,
+    difference: PictureTexture,
+    dragging: Option<Dragging>,
+}
+
+/// One tile of this frame of the window.
+#[derive(Clone, Copy)]
+struct Place {
+    header: Rect,
+    picture: Rect,
+    footer: Rect,
+}
+
+/// Where tiles lie on the canvas.
+fn places(canvas: Rect, session: &Session) -> Vec<Place> {
+    let comparison = &session.comparison;
+    let shown = if comparison.mode == Mode::Tiles { comparison.shown(&session.state.tiles) } else { 1 };
+    let aspect = match session.state.size {
+        PictureSize::Fixed(width, height) => width as f32 / height.max(1) as f32,
+        PictureSize::Canvas => 1.4,
+    };
+    // Room for them is there before the rectangle is drawn, so that the pictures do not change under it.
+    let blocks = if comparison.region.is_some() || comparison.draws_region { 2.0 } else { 1.0 };
+    let layout = |columns: usize| {
+        let rows = shown.div_ceil(columns);
+        let cell = (canvas.size() + Vec2::splat(GAP)) / vec2(columns as f32, rows as f32) - Vec2::splat(GAP);
+        let lines = if comparison.mode == Mode::Tiles { figure_lines(cell.x) } else { figure_lines(cell.x / 2.0) };
+        let footer = blocks * lines as f32 * LINE + space::XS;
+        let picture = vec2(cell.x, (cell.y - HEADER - footer).max(1.0));
+        (cell.floor(), picture.floor(), footer)
+    };
+    let area = |columns: &usize| {
+        let (_, picture, _) = layout(*columns);
+        let height = picture.y.min(picture.x / aspect);
+        // Of two ways that show much the same, the one without gaps.
+        height * height * aspect * shown as f32 / (*columns * shown.div_ceil(*columns)) as f32
+    };
+    let columns = (1..=shown.max(1)).max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or(1);
+    let (cell, picture, footer) = layout(columns);
+    let place = |index: usize| {
+        let step = (cell + Vec2::splat(GAP)) * vec2((index % columns) as f32, (index / columns) as f32);
+        let min = canvas.min + step;
+        let top = min + vec2(0.0, HEADER);
+        Place {
+            header: Rect::from_min_size(min, vec2(cell.x, HEADER)),
+            picture: Rect::from_min_size(top, picture),
+            footer: Rect::from_min_size(top + vec2(0.0, picture.y), vec2(cell.x, footer)),
+        }
+    };
+    (0..shown).map(place).collect()
+}
+
+/// Lines that the figures of a picture take in a column of this width, in points.
+fn figure_lines(width: f32) -> usize {
+    if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len().div_ceil((width / FIGURE) as usize) }
+}
+
+/// How many figures of a picture are shown in a column of this width, in points: the most telling ones.
+fn figure_count(width: f32) -> usize {
+    if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len() }
+}
+
+/// A figure's name, and how it is written.
+type Named = (&'static str, fn(&Figures) -> String);
+
+/// The figures with their names, the most telling first.
+const NAMED: [Named; 6] = [
+    ("PSNR", |f| {
+        if f.codes.mse == 0.0 { "identical".to_owned() } else { format!("{} dB", format::fixed(f.codes.psnr_db, 2)) }
+    }),
+    ("SSIM", |f| format::fixed(f.codes.ssim, 4)),
+    ("FLIP", |f| format::fixed(f.flip, 4)),
+    ("MSE", |f| format::fixed(f.codes.mse, 2)),
+    ("max", |f| f.codes.max_abs.to_string()),
+    ("differ", |f| format!("{} px", format::count(f.codes.differing_pixels))),
+];
+
+/// What figures mean, for those who ask.
+const FIGURES_HELP: &str = "Against the reference named above. PSNR and MSE of sRGB codes; SSIM: 1 is equal; FLIP: 0 is \
+    equal, 1 black against white; max: the largest difference of a code; differ: how many pixels are not the same";
+
+impl TilesView {
+    /// Size of a tile's picture in points, on a canvas of which `canvas` is left.
+    pub fn picture_size(canvas: Rect, session: &Session) -> Vec2 {
+        places(canvas, session).first().map_or(canvas.size(), |place| place.picture.size())
+    }
+
+    /// Draws everything and turns input into commands. Returns the pixel under the pointer.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        zoom: &mut Zoom,
+        session: &Session,
+        commands: &mut Vec<Command>,
+    ) -> Option<(u32, u32)> {
+        let canvas = ui.max_rect();
+        ui.painter().rect_filled(canvas, 0.0, tokens(ui).canvas);
+        let compared = session.compared.as_ref().filter(|compared| !compared.tiles.is_empty());
+        let places = places(canvas, session);
+        let size = compared.map_or((1, 1), |compared| compared.tiles[0].picture.size());
+        let hovered_before = ui.data(|data| data.get_temp::<Option<(u32, u32)>>(hover_id())).flatten();
+        let mut hovered = None;
+        let mut responses = Vec::new();
+        for (index, place) in places.iter().enumerate() {
+            headers(ui, index, *place, session, commands);
+            let response = ui.allocate_rect(place.picture, Sense::click_and_drag());
+            let placement = zoom.placement(ui, place.picture, size);
+            if compared.is_some() {
+                self.input(ui, (&response, placement, size), zoom, session, commands);
+                hovered = hovered.or(response.hover_pos().and_then(|at| placement.pixel_at(at, size)));
+                pick(&response, placement, size, (session, index), commands);
+            }
+            responses.push(response);
+        }
+        for (index, (place, response)) in places.iter().zip(&responses).enumerate() {
+            let placement = zoom.placement(ui, place.picture, size);
+            let cross = hovered_before.filter(|_| !response.hovered());
+            match compared {
+                Some(compared) => self.picture(ui, index, (*place, placement, response), compared, session),
+                None => waiting(ui, place.picture),
+            }
+            let painter = ui.painter().with_clip_rect(place.picture);
+            if compared.is_some() {
+                marks(ui, &painter, placement, size, (session, self.dragging), cross);
+            }
+            frame(ui, index, *place, session);
+        }
+        ui.data_mut(|data| data.insert_temp(hover_id(), hovered));
+        hovered
+    }
+
+    /// Dragging of rectangles and lines, and all that a picture of the scene does with the pointer.
+    fn input(
+        &mut self,
+        ui: &Ui,
+        (response, placement, size): (&Response, Placement, (u32, u32)),
+        zoom: &mut Zoom,
+        session: &Session,
+        commands: &mut Vec<Command>,
+    ) {
+        let comparison = &session.comparison;
+        let rect = response.rect;
+        let nearest = |at: egui::Pos2| {
+            let p = placement.to_picture(at);
+            let clamped = |v: f32, size: u32| (v.max(0.0) as u32).min(size.saturating_sub(1));
+            (clamped(p.x, size.0), clamped(p.y, size.1))
+        };
+        let near_line = |at: egui::Pos2| {
+            comparison.mode == Mode::Wipe && (at.x - line_x(rect, comparison.wipe)).abs() <= HOLD && rect.contains(at)
+        };
+        if response.hover_pos().is_some_and(near_line) || self.dragging == Some(Dragging::Wipe) {
+            ui.set_cursor_icon(CursorIcon::ResizeHorizontal);
+        }
+        if response.drag_started_by(egui::PointerButton::Primary)
+            && let Some(at) = ui.input(|i| i.pointer.press_origin())
+        {
+            self.dragging = match () {
+                () if near_line(at) => Some(Dragging::Wipe),
+                () if comparison.draws_region => Some(Dragging::Region(nearest(at), nearest(at))),
+                () => None,
+            };
+        }
+        let at = response.interact_pointer_pos().filter(|_| response.dragged() || response.drag_stopped());
+        if let Some(at) = at {
+            match &mut self.dragging {
+                Some(Dragging::Wipe) => {
+                    commands.push(Command::Compare(Change::Wipe((at.x - rect.left()) / rect.width().max(1.0))));
+                }
+                Some(Dragging::Region(_, to)) => *to = nearest(at),
+                None => {}
+            }
+        }
+        let is_free = self.dragging.is_none();
+        if response.drag_stopped()
+            && let Some(dragging) = self.dragging.take()
+            && let Dragging::Region(from, to) = dragging
+        {
+            commands.push(Command::Compare(Change::Region(Some(between(from, to)))));
+            commands.push(Command::Compare(Change::DrawRegion(false)));
+        }
+        navigate(ui, (response, placement, size.1), is_free, zoom, session, commands);
+    }
+
+    fn picture(
+        &mut self,
+        ui: &Ui,
+        index: usize,
+        (place, placement, response): (Place, Placement, &Response),
+        compared: &Compared,
+        session: &Session,
+    ) {
+        let (shift, ctrl) = ui.input(|i| (i.modifiers.shift, i.modifiers.ctrl || i.modifiers.command));
+        let mode = session.comparison.mode;
+        let name = match mode {
+            Mode::Tiles => format!("Picture {}", letter(index)),
+            Mode::Off | Mode::Wipe | Mode::Flip | Mode::Difference => "Compared pictures".to_owned(),
+        };
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &name));
+        let whole = place.picture;
+        match mode {
+            Mode::Off | Mode::Tiles => {
+                let shown = if shift { 0 } else { index };
+                self.tile(ui, shown, placement, whole, compared);
+                if shift && index > 0 {
+                    badge(ui, whole, 0, "A for comparison");
+                }
+                figures_of(ui, index, place.footer, compared, session);
+            }
+            Mode::Flip => {
+                let shown = usize::from(shift);
+                self.tile(ui, shown, placement, whole, compared);
+                badge(ui, whole, shown, if shift { "B" } else { "A, hold Shift for B" });
+                figures_of_both(ui, place.footer, compared, session);
+            }
+            Mode::Wipe => {
+                let x = if shift { whole.left() } else { line_x(whole, session.comparison.wipe) };
+                self.tile(ui, 0, placement, whole.with_max_x(x), compared);
+                self.tile(ui, 1, placement, whole.with_min_x(x), compared);
+                if !shift {
+                    let painter = ui.painter().with_clip_rect(whole);
+                    painter.vline(x, whole.y_range(), Stroke::new(3.0, MARK_EDGE));
+                    painter.vline(x, whole.y_range(), Stroke::new(1.0, tokens(ui).text_strong));
+                    painter.circle(pos2(x, whole.center().y), 5.0, tokens(ui).text_strong, Stroke::new(2.0, MARK_EDGE));
+                }
+                figures_of_both(ui, place.footer, compared, session);
+            }
+            Mode::Difference => {
+                if shift || ctrl {
+                    self.tile(ui, usize::from(shift), placement, whole, compared);
+                    badge(ui, whole, usize::from(shift), if shift { "B" } else { "A" });
+                } else if let Some(differing) = &compared.difference {
+                    self.difference(ui, placement, whole, differing);
+                } else {
+                    let why = "No difference: the sizes of A and B differ, or they are still being drawn";
+                    ui.painter().text(whole.center(), Align2::CENTER_CENTER, why, small(), tokens(ui).text_weak);
+                }
+                figures_of_both(ui, place.footer, compared, session);
+            }
+        }
+    }
+
+    /// One tile's picture, on no more of the window than `clip`.
+    fn tile(&mut self, ui: &Ui, tile: usize, placement: Placement, clip: Rect, compared: &Compared) {
+        let Some(Tile { picture, .. }) = compared.tiles.get(tile) else { return waiting(ui, clip) };
+        while self.textures.len() <= tile {
+            self.textures.push(PictureTexture::default());
+        }
+        let texture = self.textures[tile].show(ui, picture);
+        let painter = ui.painter().with_clip_rect(clip);
+        paint(&painter, texture, placement, picture.size());
+        numbers(&painter, placement, picture, ui.input(|i| i.modifiers.alt), |x, y| Value::Color(picture.at(x, y)));
+    }
+
+    fn difference(&mut self, ui: &Ui, placement: Placement, clip: Rect, differing: &Differing) {
+        let picture: &Image<Rgba8> = &differing.picture;
+        let texture = self.difference.show(ui, &differing.picture);
+        let painter = ui.painter().with_clip_rect(clip);
+        paint(&painter, texture, placement, picture.size());
+        let bits = ui.input(|i| i.modifiers.alt);
+        numbers(&painter, placement, picture, bits, |x, y| Value::Number(differing.values.at(x, y)));
+        legend(ui, clip, differing.kind);
+    }
+}
+
+fn hover_id() -> egui::Id {
+    egui::Id::unique("compared pixel under the pointer")
+}
+
+fn small() -> FontId {
+    FontId::proportional(font_size::SMALL)
+}
+
+fn line_x(rect: Rect, share: f32) -> f32 {
+    rect.left() + rect.width() * share
+}
+
+/// The rectangle that has both pixels in its corners.
+fn between(a: (u32, u32), b: (u32, u32)) -> Region {
+    Region { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
+}
+
+fn paint(painter: &Painter, texture: egui::TextureId, placement: Placement, size: (u32, u32)) {
+    let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+    painter.image(texture, placement.rect_of_all(size), uv, Color32::WHITE);
+    grid(painter, placement, size);
+}
+
+fn waiting(ui: &Ui, rect: Rect) {
+    ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Drawing …", small(), tokens(ui).text_weak);
+}
+
+fn pick(
+    response: &Response,
+    placement: Placement,
+    size: (u32, u32),
+    (session, index): (&Session, usize),
+    commands: &mut Vec<Command>,
+) {
+    let questioned = response.clicked_by(egui::PointerButton::Primary)
+        || response.clicked_by(egui::PointerButton::Secondary)
+        || response.dragged_by(egui::PointerButton::Secondary);
+    let Some(at) = response.interact_pointer_pos().filter(|_| questioned) else { return };
+    let comparison = &session.comparison;
+    let tile = match comparison.mode {
+        Mode::Tiles => index,
+        Mode::Wipe => usize::from(at.x >= line_x(response.rect, comparison.wipe)),
+        Mode::Off | Mode::Flip | Mode::Difference => session.state.tiles.active,
+    };
+    if tile != session.state.tiles.active {
+        commands.push(Command::Compare(Change::Activate(tile)));
+    }
+    if let Some(pixel) = placement.pixel_at(at, size) {
+        commands.push(Command::Pick(Some(pixel)));
+    }
+}
+
+/// The picked pixel, the rectangle, and where the pointer is in another tile.
+fn marks(
+    ui: &Ui,
+    painter: &Painter,
+    placement: Placement,
+    (width, height): (u32, u32),
+    (session, dragging): (&Session, Option<Dragging>),
+    cross: Option<(u32, u32)>,
+) {
+    if let Some(pixel) = session.pick.filter(|(x, y)| *x < width && *y < height) {
+        marker(painter, placement, pixel, tokens(ui).accent);
+    }
+    if let Some((x, y)) = cross {
+        let pixel = placement.rect_of(x, y);
+        let arm = 8.0 + pixel.width() / 2.0;
+        for color in [Stroke::new(3.0, MARK_EDGE), Stroke::new(1.0, tokens(ui).text_strong)] {
+            let center = pixel.center();
+            painter.hline(center.x - arm..=center.x - pixel.width() / 2.0 - 2.0, center.y, color);
+            painter.hline(center.x + pixel.width() / 2.0 + 2.0..=center.x + arm, center.y, color);
+            painter.vline(center.x, center.y - arm..=center.y - pixel.width() / 2.0 - 2.0, color);
+            painter.vline(center.x, center.y + pixel.width() / 2.0 + 2.0..=center.y + arm, color);
+        }
+    }
+    let drawn = match dragging {
+        Some(Dragging::Region(from, to)) => Some(between(from, to)),
+        _ => session.comparison.region,
+    };
+    if let Some(Region { left, top, right, bottom }) = drawn {
+        let (first, last) = (placement.rect_of(left, top), placement.rect_of(right, bottom));
+        let rect = Rect::from_min_max(first.min, last.min);
+        painter.rect_stroke(rect, 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
+        painter.rect_stroke(rect, 0.0, Stroke::new(1.0, tokens(ui).accent), StrokeKind::Outside);
+    }
+}
+
+/// The colour of a tile's letter.
+fn color(ui: &Ui, tile: usize) -> Color32 {
+    match tile {
+        0 => tokens(ui).a,
+        1 => tokens(ui).b,
+        _ => tokens(ui).text_weak,
+    }
+}
+
+/// The active tile has a frame; A and B have a line of their colours.
+fn frame(ui: &Ui, index: usize, place: Place, session: &Session) {
+    if session.comparison.mode != Mode::Tiles {
+        return;
+    }
+    let top = place.picture.with_max_y(place.picture.top() + 2.0);
+    ui.painter().rect_filled(top, 0.0, color(ui, index));
+    if index == session.state.tiles.active {
+        ui.painter().rect_stroke(place.picture, 0.0, Stroke::new(1.5, tokens(ui).accent), StrokeKind::Inside);
+    }
+}
+
+/// A few words on the picture itself, so that one never loses track of which is shown.
+fn badge(ui: &Ui, picture: Rect, tile: usize, words: &str) {
+    let painter = ui.painter().with_clip_rect(picture);
+    let text = painter.layout_no_wrap(words.to_owned(), FontId::proportional(font_size::TITLE), color(ui, tile));
+    let at = picture.min + Vec2::splat(space::S);
+    painter.rect_filled(
+        Rect::from_min_size(at, text.size()).expand(space::XS),
+        RADIUS,
+        tokens(ui).panel.gamma_multiply(0.92),
+    );
+    painter.galley(at, text, color(ui, tile));
+}
+
+/// What stands over a picture: one row, or one half of it for each of A and B.
+fn headers(ui: &mut Ui, index: usize, place: Place, session: &Session, commands: &mut Vec<Command>) {
+    if session.comparison.mode == Mode::Tiles {
+        header(ui, index, place.header, session, commands);
+    } else {
+        let (left, right) = place.header.split_left_right_at_fraction(0.5);
+        header(ui, 0, left, session, commands);
+        header(ui, 1, right, session, commands);
+    }
+}
+
+/// Letter and upscaler of a tile, to be changed there.
+fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mut Vec<Command>) {
+    let recipe = session.state.tiles.recipe(tile, session.state.recipe);
+    let builder = UiBuilder::new()
+        .id_salt(("tile header", tile))
+        .max_rect(rect.shrink2(vec2(space::XS, 1.0)))
+        .layout(egui::Layout::left_to_right(egui::Align::Center));
+    let mut row = ui.new_child(builder);
+    let removable = session.comparison.mode == Mode::Tiles && session.state.tiles.count() > 2;
+    let name = letter(tile);
+    let text = egui::RichText::new(name).strong().color(color(ui, tile));
+    let active = tile == session.state.tiles.active;
+    let label = row.selectable_label(active, text);
+    label.widget_info(|| WidgetInfo::selected(Role::Button, true, active, format!("Tile {name}")));
+    if label.on_hover_text("Edit this one at the left and question it at the right").clicked() {
+        commands.push(Command::Compare(Change::Activate(tile)));
+    }
+    let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
+    let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe));
+    if let Some(upscaler) = chosen {
+        commands.push(Command::Compare(Change::Recipe(tile, Recipe { upscaler, ..recipe })));
+    }
+    if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Take {name} away")).clicked() {
+        commands.push(Command::Compare(Change::Remove(tile)));
+    }
+}
+
+/// All upscalers to choose from; the one that was chosen anew.
+fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe) -> Option<Upscaling> {
+    let mut chosen = recipe.upscaler;
+    combo("tile upscaler", &recipe.upscaler.label(), width).height(480.0).show_ui(ui, |ui| {
+        for upscaling in Upscaling::every() {
+            ui.selectable_value(&mut chosen, upscaling, upscaling.label()).on_hover_text(upscaling.upscaler().help());
+        }
+    });
+    (chosen != recipe.upscaler).then_some(chosen)
+}
+
+fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, session: &Session) {
+    let (left, right) = footer.split_left_right_at_fraction(0.5);
+    figures_of(ui, 0, left, compared, session);
+    figures_of(ui, 1, right, compared, session);
+}
+
+/// The figures of a tile, and below those of the rectangle.
+fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
+    let Some(tile) = compared.tiles.get(index) else { return };
+    let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
+    let drawn = format!(
+        "{} of the pixels drawn; this one frame took {}",
+        format::percent(tile.drawn_share),
+        format::ms(tile.frame_ms)
+    );
+    let lines = figure_lines(footer.width()) as f32 * LINE;
+    let words = match &tile.measured {
+        None => "measuring …".to_owned(),
+        Some(measured) => match &measured.figures {
+            None => "no figures: this picture and the reference have other sizes".to_owned(),
+            Some(figures) => draw_figures(ui, footer, figures, tokens(ui).text),
+        },
+    };
+    if tile.measured.as_ref().is_none_or(|measured| measured.figures.is_none()) {
+        let at = footer.min + vec2(space::XS, 2.0);
+        ui.painter().with_clip_rect(footer).text(at, Align2::LEFT_TOP, &words, small(), tokens(ui).text_weak);
+    }
+    if let Some(figures) = &tile.within {
+        draw_figures(ui, footer.translate(vec2(0.0, lines)), figures, tokens(ui).accent);
+    }
+    let name = format!("Figures of {}: {words}", letter(index));
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &name));
+    response.on_hover_ui(|ui| {
+        ui.label(egui::RichText::new(tile.recipe.upscaler.label()).strong());
+        ui.label(&drawn);
+        for (figures, of) in
+            [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.within, "Region")]
+        {
+            if let Some(figures) = figures {
+                ui.label(format!("{of}: {}", words_of(&figures, NAMED.len())));
+            }
+        }
+        ui.label(format!("{FIGURES_HELP}: {}", session.comparison.reference.name()));
+    });
+}
+
+fn words_of(figures: &Figures, count: usize) -> String {
+    let words = NAMED[..count].iter().map(|(name, value)| format!("{name} {}", value(figures)));
+    words.collect::<Vec<_>>().join(" · ")
+}
+
+/// Figures in columns from the top of a rectangle on; also as words.
+fn draw_figures(ui: &Ui, rect: Rect, figures: &Figures, color: Color32) -> String {
+    let painter = ui.painter();
+    let count = figure_count(rect.width());
+    let columns = count.div_ceil(figure_lines(rect.width()));
+    let step = rect.width() / columns as f32;
+    for (place, (name, value)) in NAMED[..count].iter().enumerate() {
+        let at = rect.min + vec2((place % columns) as f32 * step + space::XS, (place / columns) as f32 * LINE + 2.0);
+        let name = painter.text(at, Align2::LEFT_TOP, name, small(), tokens(ui).text_weak);
+        let font = FontId::monospace(font_size::SMALL);
+        painter.text(pos2(name.right() + space::XS, at.y), Align2::LEFT_TOP, value(figures), font, color);
+    }
+    words_of(figures, count)
+}
+
+/// What the colours of the difference stand for, in the lower left corner.
+fn legend(ui: &Ui, picture: Rect, (kind, gain): (Difference, u32)) {
+    const WIDTH: f32 = 220.0;
+    const BAR: f32 = 8.0;
+    let painter = ui.painter().with_clip_rect(picture);
+    let text = format!("{} difference ×{gain}: {}", kind.name(), kind.help());
+    let text = painter.layout(text, small(), tokens(ui).text, WIDTH);
+    let size = vec2(WIDTH, text.size().y + BAR + 20.0) + Vec2::splat(2.0 * space::S);
+    let frame = Rect::from_min_size(picture.left_bottom() + vec2(space::S, -space::S - size.y), size);
+    painter.rect_filled(frame, RADIUS, tokens(ui).panel.gamma_multiply(0.92));
+    let inner = frame.shrink(space::S);
+    let bar = Rect::from_min_size(inner.min + vec2(0.0, text.size().y + 4.0), vec2(WIDTH, BAR));
+    painter.galley(inner.min, text, tokens(ui).text);
+    for step in 0..WIDTH as u32 {
+        let [r, g, b, _] = kind.color(f64::from(step) / f64::from(WIDTH - 1.0));
+        let column = Rect::from_min_size(bar.min + vec2(step as f32, 0.0), vec2(1.0, BAR));
+        painter.rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
+    }
+    let (low, high) = kind.range(gain);
+    let mono = FontId::monospace(font_size::SMALL);
+    let number = |value: f64| format::fixed(value, if high >= 10.0 { 0 } else { 3 });
+    painter.text(bar.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, number(low), mono.clone(), tokens(ui).text);
+    painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, number(high), mono, tokens(ui).text);
+}

@@ -1,0 +1,95 @@
+//! What the pointer and the flying keys do over a picture of the scene: move and enlarge the picture, or turn and near the
+//! scene.
+
+use eframe::egui::{self, Pos2, Response, Ui, Vec2};
+
+use super::command::Command;
+use super::session::{PointerMode, Session};
+use super::zoom::{Placement, Zoom};
+
+/// How fast the wheel enlarges: e^(points · this).
+const WHEEL_RATE: f32 = 0.004;
+
+/// How fast dragging turns the scene, radians per point.
+const ORBIT_RATE: f32 = 0.008;
+
+/// How fast a held key flies, in distances to the target per second.
+const FLY_RATE: f32 = 0.8;
+
+/// Keys that fly in camera mode: right, left, up, down, forwards, backwards.
+pub const FLYING_KEYS: [egui::Key; 6] =
+    [egui::Key::D, egui::Key::A, egui::Key::E, egui::Key::Q, egui::Key::W, egui::Key::S];
+
+/// Turns pointer input over a picture of `height_px` rows into a new place of the picture or a new view of the scene.
+/// Dragging moves the picture only if it is not taken for something else.
+pub fn navigate(
+    ui: &Ui,
+    (response, placement, height_px): (&Response, Placement, u32),
+    drag_is_free: bool,
+    zoom: &mut Zoom,
+    session: &Session,
+    commands: &mut Vec<Command>,
+) {
+    let delta = response.drag_delta();
+    let camera_mode = session.pointer_mode == PointerMode::Camera;
+    let shift = ui.input(|i| i.modifiers.shift);
+    let turning = response.dragged_by(egui::PointerButton::Middle)
+        || camera_mode && drag_is_free && response.dragged_by(egui::PointerButton::Primary);
+    if turning && delta != Vec2::ZERO {
+        let mut camera = session.state.camera;
+        if shift {
+            let height = height_px as f32 * placement.points_per_px;
+            camera.pan(glam::Vec2::new(delta.x / height, delta.y / height));
+        } else {
+            camera.orbit(delta.x * ORBIT_RATE, delta.y * ORBIT_RATE);
+        }
+        commands.push(Command::SetCamera(camera));
+    } else if drag_is_free && response.dragged_by(egui::PointerButton::Primary) && delta != Vec2::ZERO {
+        zoom.pan(ui, placement, delta);
+    }
+    if let Some(pointer) = response.hover_pos() {
+        wheel(ui, pointer, placement, zoom, session, commands);
+    }
+    if camera_mode && response.hovered() {
+        fly(ui, session, commands);
+    }
+}
+
+fn wheel(
+    ui: &Ui,
+    pointer: Pos2,
+    placement: Placement,
+    zoom: &mut Zoom,
+    session: &Session,
+    commands: &mut Vec<Command>,
+) {
+    let (scroll, pinch, ctrl) =
+        ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta(), i.modifiers.command || i.modifiers.ctrl));
+    if session.pointer_mode == PointerMode::Camera || ctrl {
+        let factor = (-scroll * WHEEL_RATE).exp() / pinch;
+        if factor != 1.0 {
+            let mut camera = session.state.camera;
+            camera.dolly(factor);
+            commands.push(Command::SetCamera(camera));
+        }
+        return;
+    }
+    let factor = (scroll * WHEEL_RATE).exp() * pinch;
+    if factor != 1.0 {
+        zoom.enlarge(ui, placement, pointer, factor);
+    }
+}
+
+fn fly(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+    let [right, left, up, down, forwards, backwards] = FLYING_KEYS;
+    let (steps, dt) = ui.input(|i| {
+        let axis = |plus, minus| f32::from(i8::from(i.key_down(plus)) - i8::from(i.key_down(minus)));
+        (glam::Vec3::new(axis(right, left), axis(up, down), axis(forwards, backwards)), i.stable_dt.min(0.1))
+    });
+    if steps != glam::Vec3::ZERO {
+        let mut camera = session.state.camera;
+        camera.fly(steps * FLY_RATE * dt);
+        commands.push(Command::SetCamera(camera));
+        ui.request_repaint();
+    }
+}

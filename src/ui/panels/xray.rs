@@ -1,0 +1,270 @@
+//! The upscaler seen through: the samples that the picked pixel was made of with their weights, sum and clamping; the
+//! pixels that a sample feeds; and what the method makes of an impulse, a step and a zone plate.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use eframe::egui::{
+    self, Align2, Color32, ColorImage, FontId, Rect, RichText, Role, ScrollArea, Sense, Stroke, StrokeKind,
+    TextureHandle, TextureOptions, Ui, WidgetInfo, pos2, vec2,
+};
+use egui_plot::{HLine, Line, Plot, PlotPoints};
+
+use crate::image::color::luma;
+use crate::image::{Image, Rgba8};
+use crate::inspect::feeds::{Mixture, Source, fed_by};
+use crate::inspect::view::magnitude_color;
+use crate::measure::response::Responses;
+use crate::ui::command::Command;
+use crate::ui::engine::View;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, ON_PIXEL, tokens};
+use crate::ui::widgets::{empty_state, figure};
+use crate::upscale::{Light, Upscaling};
+
+/// Sides of a cell of the grids, least and greatest, in points.
+const CELL: (f32, f32) = (16.0, 44.0);
+
+/// Cells narrower than this have no room for their weight, in points.
+const WEIGHT_FROM: f32 = 30.0;
+
+/// Width of each plot and of the zone plate's two pictures, in points.
+const PLOT: f32 = 190.0;
+
+/// Draws the panel.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let picked = session.view.as_ref().and_then(|view| {
+        let how = view.request.recipe.upscaler;
+        let at = session.pick?;
+        Some((view, how, at, Mixture::of(&view.frame, how, at)?))
+    });
+    let Some((view, how, at, mixture)) = picked else {
+        let how =
+            "Click a pixel of the picture: here stand the samples that the upscaler made it of, each with its weight.";
+        empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
+        return;
+    };
+    let height = ui.available_height();
+    // The tab stays as high as it is, however few samples there are.
+    ui.set_min_height(height);
+    ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            let hovered = ui.vertical(|ui| sources(ui, how, at, &mixture, height)).inner;
+            ui.separator();
+            let sample = hovered.or_else(|| heaviest(&mixture));
+            ui.vertical(|ui| {
+                if let Some(sample) = sample {
+                    feeds(ui, view, how, (sample, at), height, commands);
+                }
+            });
+            ui.separator();
+            ui.vertical(|ui| sums(ui, how, &mixture, height));
+            ui.separator();
+            responses(ui, how, height);
+        });
+    });
+}
+
+fn heaviest(mixture: &Mixture) -> Option<(u32, u32)> {
+    let weight = |source: &&Source| source.tap.weight;
+    let heaviest = mixture.sources.iter().max_by(|a, b| weight(a).total_cmp(&weight(b)))?;
+    Some((heaviest.tap.x, heaviest.tap.y))
+}
+
+fn heading(ui: &mut Ui, text: &str, help: &str) {
+    ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
+}
+
+/// Places of values along an axis, without the gaps between them.
+fn ranks(values: impl Iterator<Item = u32>) -> Vec<u32> {
+    values.collect::<BTreeSet<_>>().into_iter().collect()
+}
+
+fn cell_of(columns: usize, rows: usize, height: f32) -> f32 {
+    let room = (height - 24.0) / rows.max(1) as f32;
+    room.min(260.0 / columns.max(1) as f32).clamp(CELL.0, CELL.1).floor()
+}
+
+/// The samples as they lie to each other. The one under the pointer.
+fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, height: f32) -> Option<(u32, u32)> {
+    let title = format!("Pixel {}, {} · {} · {} samples", at.0, at.1, how.label(), mixture.sources.len());
+    heading(ui, &title, "The drawn samples that this pixel was made of, with their weights");
+    let columns = ranks(mixture.sources.iter().map(|source| source.tap.x));
+    let rows = ranks(mixture.sources.iter().map(|source| source.tap.y));
+    let cell = cell_of(columns.len(), rows.len(), height);
+    let (area, _) = ui.allocate_exact_size(vec2(columns.len() as f32, rows.len() as f32) * cell, Sense::hover());
+    let mut hovered = None;
+    for source in &mixture.sources {
+        let place = |ranks: &[u32], value: u32| ranks.binary_search(&value).unwrap_or(0) as f32;
+        let min = area.min + vec2(place(&columns, source.tap.x), place(&rows, source.tap.y)) * cell;
+        let rect = Rect::from_min_size(min, egui::Vec2::splat(cell - 1.0));
+        let [r, g, b, _] = source.color;
+        ui.painter().rect_filled(rect, 1.0, Color32::from_rgb(r, g, b));
+        let ink = ON_PIXEL[usize::from(luma(source.color) >= 128.0)];
+        if cell >= WEIGHT_FROM {
+            let text = format::fixed(f64::from(source.tap.weight), 3);
+            ui.painter().text(rect.center(), Align2::CENTER_CENTER, text, FontId::monospace(10.0), ink);
+        }
+        let id = ui.scope_id().with(("source", source.tap.x, source.tap.y));
+        let response = ui.interact(rect, id, Sense::hover());
+        let words = format!("Sample {}, {}: weight {}", source.tap.x, source.tap.y, source.tap.weight);
+        response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &words));
+        if response.hovered() {
+            hovered = Some((source.tap.x, source.tap.y));
+            ui.painter().rect_stroke(rect, 1.0, Stroke::new(2.0, tokens(ui).accent), StrokeKind::Inside);
+        }
+        response.on_hover_text(format!("{words}\ncodes {r} {g} {b}"));
+    }
+    hovered
+}
+
+/// The pixels of the full picture that a sample is part of; a click picks one.
+fn feeds(
+    ui: &mut Ui,
+    view: &View,
+    how: Upscaling,
+    (sample, picked): ((u32, u32), (u32, u32)),
+    height: f32,
+    commands: &mut Vec<Command>,
+) {
+    let fed = fed_by(&view.frame, how, sample);
+    let title = format!("Sample {}, {} feeds {} pixels", sample.0, sample.1, fed.len());
+    heading(
+        ui,
+        &title,
+        "Its weight in each: brighter is more; negative weights have a mark. Hover another sample at the left",
+    );
+    let (columns, rows) = (ranks(fed.iter().map(|(at, _)| at.0)), ranks(fed.iter().map(|(at, _)| at.1)));
+    let room = (height - 24.0) / rows.len().max(1) as f32;
+    let cell = room.clamp(3.0, CELL.0);
+    let (area, response) = ui
+        .allocate_exact_size(vec2((columns.len() as f32 * cell).max(150.0), rows.len() as f32 * cell), Sense::click());
+    let most = fed.iter().map(|(_, weight)| weight.abs()).fold(f32::MIN_POSITIVE, f32::max);
+    let pointer = response.hover_pos();
+    for ((x, y), weight) in &fed {
+        let place = |ranks: &[u32], value: u32| ranks.binary_search(&value).unwrap_or(0) as f32;
+        let min = area.min + vec2(place(&columns, *x), place(&rows, *y)) * cell;
+        let rect = Rect::from_min_size(min, egui::Vec2::splat(cell));
+        let [r, g, b, _] = magnitude_color(weight.abs() / most);
+        ui.painter().rect_filled(rect, 0.0, Color32::from_rgb(r, g, b));
+        if *weight < 0.0 {
+            ui.painter().circle_filled(rect.center(), cell * 0.18, tokens(ui).b);
+        }
+        if (*x, *y) == picked {
+            ui.painter().rect_stroke(rect, 0.0, Stroke::new(1.5, tokens(ui).accent), StrokeKind::Inside);
+        }
+        if pointer.is_some_and(|at| rect.contains(at)) {
+            let words = format!("Pixel {x}, {y}: weight {weight}");
+            response.clone().on_hover_text(words);
+            if response.clicked() {
+                commands.push(Command::Pick(Some((*x, *y))));
+            }
+        }
+    }
+}
+
+/// Weights in numbers, their sum, the sum of colours, and what clamping and rounding make of it.
+fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
+    const COLUMN: f32 = 66.0;
+    let what = if how.light() == Light::Linear { "linear light" } else { "codes" };
+    heading(ui, &format!("Weighted sum of {what}"), "Red, green, blue of each sample times its weight, added up");
+    ScrollArea::vertical().id_salt("weights").max_height((height - 20.0).max(60.0)).show(ui, |ui| {
+        egui::Grid::new("sums").num_columns(4).spacing([6.0, 1.0]).show(ui, |ui| {
+            let mut line = |name: &str, values: [String; 3], strong: bool| {
+                let color = if strong { tokens(ui).text_strong } else { tokens(ui).text };
+                ui.label(RichText::new(name).small().color(tokens(ui).text_weak));
+                values.iter().for_each(|value| {
+                    figure(ui, value, COLUMN, color);
+                });
+                ui.end_row();
+            };
+            let codes = |values: [f64; 3]| values.map(|value| format::fixed(value, 3));
+            line("Σ weights", [format::fixed(mixture.weight, 6), String::new(), String::new()], false);
+            line("Σ weight · colour", codes(mixture.sum), false);
+            line("clamped to 0…255", codes(mixture.clamped()), false);
+            let [r, g, b, _] = mixture.pixel;
+            line("the pixel", [r, g, b].map(|code| code.to_string()), true);
+        });
+        let clamps = mixture.sum != mixture.clamped();
+        let far = mixture.clamped().iter().zip(mixture.pixel).any(|(sum, code)| (sum - f64::from(code)).abs() > 2.0);
+        let note = match (clamps, far) {
+            (_, true) => {
+                "The method does more than weigh: it keeps the result between the nearest samples, or sharpens it."
+            }
+            (true, false) => "The sum left the range of codes: what goes beyond was cut off.",
+            (false, false) => "Nothing was cut off.",
+        };
+        ui.add(egui::Label::new(RichText::new(note).small().color(tokens(ui).text_weak)).wrap());
+    });
+}
+
+/// Answers of a method, and its zone plates on the graphics card.
+#[derive(Clone)]
+struct Known {
+    how: Upscaling,
+    responses: Arc<Responses>,
+    plates: [TextureHandle; 2],
+}
+
+fn known(ui: &Ui, how: Upscaling) -> Known {
+    let id = egui::Id::unique("responses of the upscaler");
+    if let Some(known) = ui.data(|data| data.get_temp::<Known>(id)).filter(|known| known.how == how) {
+        return known;
+    }
+    let responses = Responses::of(how);
+    let texture = |name: &str, picture: &Image<Rgba8>| {
+        let (width, height) = picture.size();
+        let image = ColorImage::from_rgba_premultiplied([width as usize, height as usize], picture.as_bytes());
+        ui.ctx().load_texture(name, image, TextureOptions::NEAREST)
+    };
+    let plates =
+        [texture("zone plate", &responses.zone_plate), texture("native zone plate", &responses.zone_plate_native)];
+    let known = Known { how, responses: Arc::new(responses), plates };
+    ui.data_mut(|data| data.insert_temp(id, known.clone()));
+    known
+}
+
+fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
+    let Known { responses, plates, .. } = known(ui, how);
+    let (low, high) = responses.overshoot();
+    let overshoot = format!("Step: {} under, {} over", format::percent(-low), format::percent(high - 1.0));
+    curve(ui, "Impulse", "One bright sample among dark ones, along its row", &responses.impulse, height);
+    curve(ui, &overshoot, "An edge from dark to bright: what goes beyond 0 and 1 rings", &responses.step, height);
+    let side = (height - 24.0).clamp(48.0, PLOT);
+    let names = ["Zone plate", "Native"];
+    for (texture, name) in plates.iter().zip(names) {
+        ui.vertical(|ui| {
+            heading(
+                ui,
+                name,
+                "Rings as fine as 2 px at the border: where they turn into other rings, the picture lies",
+            );
+            let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
+            let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(texture.id(), rect, uv, Color32::WHITE);
+            response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+        });
+    }
+}
+
+fn curve(ui: &mut Ui, title: &str, help: &str, points: &[[f64; 2]], height: f32) {
+    ui.vertical(|ui| {
+        heading(ui, title, help);
+        let color = tokens(ui).series[0];
+        let weak = tokens(ui).border;
+        Plot::new(("response", help))
+            .width(PLOT)
+            .height((height - 24.0).max(48.0))
+            .allow_scroll(false)
+            .allow_drag(false)
+            .allow_zoom(false)
+            .include_y(-0.2)
+            .include_y(1.2)
+            .show(ui, |plot| {
+                plot.hline(HLine::new("0", 0.0).color(weak));
+                plot.hline(HLine::new("1", 1.0).color(weak));
+                plot.line(Line::new(title, PlotPoints::from(points.to_vec())).color(color).width(1.5));
+            });
+    });
+}

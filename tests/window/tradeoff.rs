@@ -1,0 +1,70 @@
+//! Error against time in the window, and the upscaler seen through.
+
+use eframe::egui::{Role, Vec2};
+use egui_kittest::kittest::Queryable as _;
+use rasterscope::measure::against::figures;
+use rasterscope::ui::compare::Mode;
+use rasterscope::upscale::Upscaling;
+
+use crate::bench::Bench;
+
+#[test]
+fn every_upscaler_becomes_a_point_with_its_error_against_native() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Error vs time");
+    assert!(bench.mentions("No error was measured yet"));
+    bench.click("Measure error and time");
+    let points = bench.session().timings.tradeoff();
+    assert_eq!(points.len(), Upscaling::every().count());
+    let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
+    assert_eq!((native.error.codes.mse, native.dominated_by), (0.0, None));
+    for point in &points {
+        if let Some(by) = point.dominated_by {
+            let better = points.iter().find(|other| other.upscaling == by).expect("it is one of them");
+            assert!(better.ms.median <= point.ms.median && better.error.flip <= point.error.flip);
+        }
+    }
+    // The error is that of the picture which the window draws by this method, too.
+    let wanted = Upscaling::new("nearest", 4).expect("there is one");
+    let before = bench.image();
+    let recipe = rasterscope::chain::Recipe { upscaler: wanted, ..bench.session().state.recipe };
+    bench.session_mut().state.recipe = recipe;
+    bench.rest();
+    let (expected, _) = figures(&bench.image(), &before).expect("same size");
+    let point = points.iter().find(|point| point.upscaling == wanted).expect("it is measured");
+    assert_eq!(point.error, expected);
+}
+
+#[test]
+fn a_row_becomes_picture_a_or_b() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Error vs time");
+    bench.click("Measure error and time");
+    let (first, second) = (Upscaling::new("lanczos3", 2), Upscaling::new("nearest", 4));
+    let (first, second) = (first.expect("there is one"), second.expect("there is one"));
+    bench.click(&format!("Show {} as B", first.label()));
+    assert_eq!(bench.session().comparison.mode, Mode::Wipe);
+    bench.click(&format!("Show {} as A", second.label()));
+    let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
+    assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [second, first]);
+}
+
+#[test]
+fn the_picked_pixel_s_samples_are_shown_with_their_weights() {
+    let mut bench = Bench::small("triangle");
+    bench.click("X-ray");
+    bench.session_mut().state.recipe.set_all(&["upscaler.method=bilinear", "upscaler.scale=4"]).unwrap();
+    bench.session_mut().pick = Some((82, 50));
+    bench.rest();
+    // Half way between columns 80 and 84, and between rows 48 and 52.
+    for (x, y) in [(80, 48), (84, 48), (80, 52), (84, 52)] {
+        assert!(bench.says(&format!("Sample {x}, {y}: weight 0.25")), "{x}, {y}");
+    }
+    assert!(bench.mentions("Pixel 82, 50 · Bilinear ×4 · 4 samples"));
+    assert!(bench.mentions("feeds 49 pixels"), "a tent of ±4 px, without its ends");
+    let plate = bench.window.get_by_role_and_label(Role::Image, "Zone plate").rect();
+    assert!(plate.size() != Vec2::ZERO);
+    bench.session_mut().pick = None;
+    bench.rest();
+    assert!(bench.mentions("No pixel is picked"));
+}
