@@ -10,6 +10,8 @@ pub mod image;
 
 pub mod flat2d;
 
+pub mod drawing;
+
 pub mod scene;
 
 pub mod pipeline;
@@ -27,6 +29,8 @@ pub mod inspect;
 pub mod case;
 
 pub mod report;
+
+pub mod lab;
 
 #[cfg(feature = "ui")]
 pub mod ui;

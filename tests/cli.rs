@@ -6,15 +6,19 @@ use std::process::{Command, Output};
 
 use rasterscope::case::Task;
 use rasterscope::chain::Recipe;
+use rasterscope::drawing::file::EXTENSIONS;
 use rasterscope::image::{Image, Rgba8, file};
+use rasterscope::inspect::outline::OutlineKind;
 use rasterscope::inspect::{Buffer, Stage};
+use rasterscope::lab::Page;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::report::stability::catalogue;
 use rasterscope::scene::builtin;
 use rasterscope::upscale;
 use tempfile::TempDir;
 
-const COMMANDS_WITH_SETTINGS: [&[&str]; 6] = [&[], &["render"], &["pixel"], &["plan"], &["screenshot"], &["window"]];
+const COMMANDS_WITH_SETTINGS: [&[&str]; 7] =
+    [&[], &["render"], &["vector"], &["pixel"], &["plan"], &["screenshot"], &["window"]];
 
 /// The program, to be run in a folder of its own and with no display in reach.
 fn program(folder: &TempDir, args: &[&str]) -> Command {
@@ -101,7 +105,8 @@ fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_case
     let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
     let kinds = Task::KINDS.iter().map(|kind| (*kind).to_owned());
     let classes = catalogue::all().map(|class| class.id.to_owned());
-    let names = settings.chain(scenes).chain(methods).chain(buffers).chain(kinds).chain(classes);
+    let pages = Page::ALL.iter().map(|page| page.id().to_owned());
+    let names = settings.chain(scenes).chain(methods).chain(buffers).chain(kinds).chain(classes).chain(pages);
     for name in names {
         assert!(readme.contains(&format!("`{name}`")), "{name}");
     }
@@ -700,6 +705,22 @@ mod workbench {
     }
 
     #[test]
+    fn a_screenshot_may_show_a_page_of_the_lab() {
+        let folder = folder();
+        let shot = |options: &[&str]| {
+            let args = [&["screenshot", "triangle", "--size", "1000x640", "-o", "lab.png"], options].concat();
+            assert_success(&run(&folder, &args));
+            picture(&folder, "lab.png")
+        };
+        let (pipeline, lines) = (shot(&[]), shot(&["--lab", "lines"]));
+        assert!(lines != pipeline && lines != shot(&["--lab", "lines", "--lab-step", "3"]));
+        assert_ne!(lines, shot(&["--lab", "seed-fill"]));
+        let args = ["screenshot", "-o", "out.png"];
+        assert_failure(&run(&folder, &[&args[..], &["--lab", "cooking"]].concat()), 2, "cooking");
+        assert_failure(&run(&folder, &[&args[..], &["--lab-step", "3"]].concat()), 2, "--lab");
+    }
+
+    #[test]
     fn a_screenshot_may_be_as_wide_as_any_picture() {
         let folder = folder();
         assert_success(&run(&folder, &["screenshot", "triangle", "--size", "16384x640", "-o", "out.png"]));
@@ -721,6 +742,37 @@ mod workbench {
             assert_failure(&run(&folder(), &["screenshot", "-o", "out.png", option, value]), 2, value);
         }
     }
+}
+
+#[test]
+fn every_page_of_the_lab_is_told_and_written() {
+    let folder = folder();
+    for page in Page::ALL {
+        let told = run(&folder, &["lab", page.id(), "--step", "3"]);
+        assert_success(&told);
+        assert!(stdout(&told).contains("    3  ") && !stdout(&told).contains("    4  "), "{}", stdout(&told));
+        let written = run(&folder, &["lab", page.id(), "--step", "3", "-o", "page.svg"]);
+        assert_success(&written);
+        assert!(stdout(&written).starts_with("page.svg: 3 of "), "{}", stdout(&written));
+        assert!(fs::read_to_string(folder.path().join("page.svg")).unwrap().starts_with("<svg"));
+    }
+    let compared = run(&folder, &["lab", "lines", "--step", "0", "--compare"]);
+    assert!(stdout(&compared).contains("greatest distance") && stdout(&compared).contains("µs"));
+}
+
+#[test]
+fn a_scene_is_written_in_every_format_of_drawings() {
+    let folder = folder();
+    for (kind, (end, _)) in OutlineKind::ALL.iter().cycle().zip(EXTENSIONS) {
+        let name = format!("cubes.{end}");
+        let args = ["vector", "cubes", "--size", "80x60", "--kind", kind.id(), "-o", &name];
+        let output = run(&folder, &args);
+        assert_success(&output);
+        assert!(stdout(&output).ends_with(" shapes on 80 × 60 px\n"), "{}", stdout(&output));
+        assert!(fs::metadata(folder.path().join(&name)).unwrap().len() > 500, "{name}");
+    }
+    assert_failure(&run(&folder, &["vector", "cubes", "-o", "cubes.webp"]), 2, "cubes.webp");
+    assert_failure(&run(&folder, &["lab", "lines", "-o", "nowhere/lines.svg"]), 2, "nowhere/lines.svg");
 }
 
 #[test]

@@ -115,6 +115,13 @@ fn check_all(recipes: &[Recipe]) {
 }
 
 #[test]
+fn every_scene_runs_tile_by_tile_whatever_is_seen_through() {
+    for builtin in builtin::ALL {
+        assert_eq!(execution(&builtin.build(), &Recipe::default()), (Execution::Tiled, None), "{}", builtin.id);
+    }
+}
+
+#[test]
 fn every_switch_gives_the_same_picture() {
     check_all(&single_switches());
 }

@@ -5,6 +5,7 @@ use std::process::ExitCode;
 
 use rasterscope::case::CaseError;
 use rasterscope::chain::SetError;
+use rasterscope::drawing::file::DrawingFileError;
 use rasterscope::image::file::ImageFileError;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneError;
@@ -40,6 +41,9 @@ pub(crate) enum Failure {
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] ImageFileError),
+    /// A drawing cannot be written.
+    #[error(transparent)]
+    Drawing(#[from] DrawingFileError),
     /// A case cannot be read.
     #[error(transparent)]
     Case(#[from] CaseError),

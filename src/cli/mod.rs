@@ -6,6 +6,7 @@
 mod bench;
 mod case;
 mod failure;
+mod lab;
 mod output;
 mod parse;
 mod pixel;
@@ -13,10 +14,12 @@ mod pixel_text;
 mod plan;
 mod render;
 mod report;
+mod scaling;
 mod scene_args;
 mod scenes;
 mod screenshot;
 mod stability;
+mod vector;
 mod window;
 #[cfg(feature = "ui")]
 mod workbench;
@@ -68,6 +71,9 @@ enum Command {
     /// Time frames: in all and per stage, with counts and memory
     #[command(after_help = EXIT_CODES)]
     Bench(bench::BenchArgs),
+    /// Tell what a frame costs against triangles, pixels, layers and threads, as a table or a page
+    #[command(after_help = EXIT_CODES)]
+    Scaling(scaling::ScalingArgs),
     /// Answer numerical cases: small inputs to one algorithm each, to be compared with exact answers
     #[command(after_help = EXIT_CODES)]
     Case(case::CaseArgs),
@@ -77,6 +83,12 @@ enum Command {
     /// Measure error against run time of every upscaler, and write a page, a table and JSON
     #[command(after_help = EXIT_CODES)]
     Report(report::ReportArgs),
+    /// Write a scene as drawing commands: wireframe, without hidden lines, or as polygons
+    #[command(after_help = EXIT_CODES)]
+    Vector(vector::VectorArgs),
+    /// Run a page of the 2D lab, and write its drawing or tell its steps
+    #[command(after_help = EXIT_CODES)]
+    Lab(lab::LabArgs),
     /// List the built-in scenes
     #[command(after_help = EXIT_CODES)]
     Scenes,
@@ -106,9 +118,12 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Plan(args)) => plan::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
         Some(Command::Bench(args)) => bench::run(args),
+        Some(Command::Scaling(args)) => scaling::run(args),
         Some(Command::Case(args)) => case::run(args),
         Some(Command::Stability(args)) => stability::run(args),
         Some(Command::Report(args)) => report::run(args),
+        Some(Command::Vector(args)) => vector::run(args),
+        Some(Command::Lab(args)) => lab::run(args),
         Some(Command::Scenes) => scenes::run(),
     }
 }

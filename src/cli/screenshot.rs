@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
@@ -44,7 +45,7 @@ pub(crate) struct Look {
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
 
-    /// Time all upscalers first, some seconds, and show their frame times
+    /// Time all upscalers first, some seconds, and show their frame times; in the lab, all ways to do the same
     #[arg(long)]
     pub(crate) measure: bool,
 
@@ -55,6 +56,14 @@ pub(crate) struct Look {
     /// The tab that is open
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
+
+    /// Show this page of the 2D lab
+    #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
+    pub(crate) lab: Option<Page>,
+
+    /// Steps of the lab that are done; all if omitted
+    #[arg(long, value_name = "STEPS", requires = "lab")]
+    pub(crate) lab_step: Option<usize>,
 }
 
 impl Default for Look {
@@ -67,6 +76,8 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            lab: None,
+            lab_step: None,
         }
     }
 }
@@ -108,6 +119,8 @@ pub(crate) enum Tab {
     Xray,
     /// What the scene needs and what is left out
     Plan,
+    /// How cost grows
+    Scaling,
     /// How the engine does on hard cases
     Stability,
     /// Messages

@@ -41,6 +41,7 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
+        lab: look.lab.map(|page| (page, look.lab_step)),
     };
     ui::screenshot(&request).map_err(|picture| {
         let (x, y) = look.at.unwrap_or_default();
@@ -65,6 +66,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Xray => bottom::Tab::Xray,
         Tab::Plan => bottom::Tab::Plan,
+        Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
         Tab::Log => bottom::Tab::Log,
     }

@@ -10,25 +10,56 @@
 
 use std::cmp::Ordering;
 
+/// The walk along a line; see [`midpoint_line`].
+#[derive(Clone, Debug)]
+pub struct MidpointLine {
+    /// The pixel that comes next; none at the end.
+    next: Option<(i64, i64)>,
+    last: (i64, i64),
+    /// The step that stays on the row or column, and the one that leaves it.
+    straight: (i64, i64),
+    slanted: (i64, i64),
+    /// Extents along the longer and the shorter axis. Differences of any two i64 and their doubles fit i128.
+    major: i128,
+    minor: i128,
+    decision: i128,
+}
+
 /// The pixels from `p0` to `p1`, both included, in that order: max(|Δx|, |Δy|) + 1 of them. Any coordinates.
-pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> impl Iterator<Item = (i64, i64)> {
+pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     let (width, height) = (p0.0.abs_diff(p1.0), p0.1.abs_diff(p1.1));
-    let (step_x, step_y) = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));
-    let (straight_x, straight_y) = if width >= height { (step_x, 0) } else { (0, step_y) };
-    // Differences of any two i64 and their doubles fit i128.
+    let slanted = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));
+    let straight = if width >= height { (slanted.0, 0) } else { (0, slanted.1) };
     let (major, minor) = (i128::from(width.max(height)), i128::from(width.min(height)));
-    let mut decision = 2 * minor - major;
-    std::iter::successors(Some(p0), move |&(x, y)| {
-        if (x, y) == p1 {
-            None
-        } else if decision > 0 {
-            decision += 2 * (minor - major);
-            Some((x + step_x, y + step_y))
+    MidpointLine { next: Some(p0), last: p1, straight, slanted, major, minor, decision: 2 * minor - major }
+}
+
+impl MidpointLine {
+    /// Positive if the line passes beyond the midpoint between the two candidates for the pixel after the next one, so that
+    /// the row or column will be left.
+    pub fn decision(&self) -> i128 {
+        self.decision
+    }
+}
+
+impl Iterator for MidpointLine {
+    type Item = (i64, i64);
+
+    fn next(&mut self) -> Option<(i64, i64)> {
+        let pixel = self.next?;
+        let (step, change) = if self.decision > 0 {
+            (self.slanted, 2 * (self.minor - self.major))
         } else {
-            decision += 2 * minor;
-            Some((x + straight_x, y + straight_y))
+            (self.straight, 2 * self.minor)
+        };
+        if pixel == self.last {
+            self.next = None;
+        } else {
+            self.next = Some((pixel.0 + step.0, pixel.1 + step.1));
+            self.decision += change;
         }
-    })
+        Some(pixel)
+    }
 }
 
 fn step_towards(from: i64, to: i64) -> i64 {

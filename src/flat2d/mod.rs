@@ -4,17 +4,35 @@
 //! a shape is decided without rounding. For that, real coordinates must be 0 or have a magnitude from 2⁻¹⁴⁹ to 2¹²⁸, as
 //! all finite values of f32 have; more digits than those of f32 do no harm.
 
+pub mod barycentric;
+
 pub mod circle;
 
+pub mod circle_forms;
+
+pub mod convolve;
+
+pub mod ellipse;
+
 pub mod distance_line;
+
+pub mod slope_line;
 
 pub mod line;
 
 pub mod polygon;
 
+pub mod ear_clip;
+
+pub mod hull;
+
+pub mod primitives;
+
 pub mod real_line;
 
 pub mod seed_fill;
+
+pub mod stack_fill;
 
 use std::cmp::Ordering;
 use std::ops::Range;
@@ -37,8 +55,8 @@ pub struct Span {
 /// along, equal is on it.
 pub(crate) fn side(a: DVec2, b: DVec2, p: DVec2) -> Ordering {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
-    // The crate looks at axes with y up, where what is right here is left.
-    orient2d(coord(a), coord(b), coord(p)).total_cmp(&0.0)
+    // The crate looks at axes with y up, where what is right here is left. It may answer −0, which is on the line, too.
+    (orient2d(coord(a), coord(b), coord(p)) + 0.0).total_cmp(&0.0)
 }
 
 /// Those of `length` pixels in a row or column whose whole numbers lie in the closed range.
@@ -59,6 +77,11 @@ mod tests {
         assert_eq!(side(a, b, DVec2::new(3.0, 2.0)), Ordering::Greater, "below, y down");
         assert_eq!(side(a, b, DVec2::new(3.0, 0.0)), Ordering::Less);
         assert_eq!(side(a, b, DVec2::new(300.0, 1.0)), Ordering::Equal);
+        let lattice = || (-3..=3).map(f64::from);
+        for (x, y) in lattice().flat_map(|x| lattice().map(move |y| (x, y))) {
+            let (from, to) = (DVec2::new(x, y), DVec2::new(-x, y));
+            assert_eq!(side(from, to, DVec2::new(0.5, y)), Ordering::Equal, "zero has no sign: {from} {to}");
+        }
         let tiny = 2.0_f64.powi(-149);
         assert_eq!(side(DVec2::ZERO, DVec2::new(3e38, tiny), DVec2::new(1.0, 0.0)), Ordering::Less);
         assert_eq!(side(DVec2::ZERO, DVec2::new(-3e38, tiny), DVec2::new(-1.0, 0.0)), Ordering::Greater);

@@ -40,7 +40,7 @@ pub enum ImageFileError {
         source: std::io::Error,
     },
     /// The content is no picture of a supported kind.
-    #[error("{}: not a picture that this program reads (PNG, JPEG, BMP, TGA, GIF); {hint}", path.display())]
+    #[error("{}: not a picture that this program reads (PNG, JPEG, BMP, TGA, GIF, TIFF); {hint}", path.display())]
     Unsupported {
         /// The file.
         path: PathBuf,
@@ -114,6 +114,7 @@ fn recognize(path: &Path, bytes: &[u8]) -> Result<(ImageFormat, &'static str), I
         Ok(ImageFormat::Jpeg) => return Ok((ImageFormat::Jpeg, "JPEG")),
         Ok(ImageFormat::Bmp) => return Ok((ImageFormat::Bmp, "BMP")),
         Ok(ImageFormat::Gif) => return Ok((ImageFormat::Gif, "GIF")),
+        Ok(ImageFormat::Tiff) => return Ok((ImageFormat::Tiff, "TIFF")),
         Ok(other) => format!("it looks like {other:?}"),
         Err(_) if bytes.is_empty() => "it is empty".to_owned(),
         Err(_) if named_tga => return Ok((ImageFormat::Tga, "TGA")),
@@ -189,6 +190,23 @@ mod tests {
     fn the_content_counts_and_not_the_name() {
         let (_folder, path) = written("picture.jpg", &encode_png(&picture(255)).unwrap());
         assert_eq!(read(&path).unwrap(), picture(255));
+    }
+
+    #[test]
+    fn every_format_without_loss_reads_as_the_same_picture() {
+        let rgb: Vec<u8> = picture(255).pixels().iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+        let rgb = image::RgbImage::from_raw(5, 3, rgb).unwrap();
+        for (name, format) in [
+            ("picture.png", ImageFormat::Png),
+            ("picture.bmp", ImageFormat::Bmp),
+            ("picture.tga", ImageFormat::Tga),
+            ("picture.tiff", ImageFormat::Tiff),
+        ] {
+            let mut bytes = Cursor::new(Vec::new());
+            rgb.write_to(&mut bytes, format).unwrap();
+            let (_folder, path) = written(name, bytes.get_ref());
+            assert_eq!(read(&path).unwrap(), picture(255), "{name}");
+        }
     }
 
     #[test]

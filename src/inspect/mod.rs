@@ -12,6 +12,8 @@ pub mod feeds;
 
 pub mod hits;
 
+pub mod outline;
+
 pub mod pixel;
 
 pub mod stages;

@@ -18,6 +18,8 @@ pub mod region;
 
 pub mod response;
 
+pub mod scaling;
+
 pub mod stages;
 
 pub mod timing;

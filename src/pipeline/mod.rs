@@ -122,9 +122,14 @@ impl Geometry {
     }
 
     fn mean_distance(&self, triangle: &ScreenTriangle) -> f64 {
-        let [a, b, c] = triangle.vertices.each_ref().map(|corner| self.depth_scale.distance(corner));
-        (a + b + c) / 3.0
+        mean_distance(&self.depth_scale, triangle)
     }
+}
+
+/// Mean distance of the corners of a triangle: what blended ones are sorted by.
+fn mean_distance(depth_scale: &DepthScale, triangle: &ScreenTriangle) -> f64 {
+    let [a, b, c] = triangle.vertices.each_ref().map(|corner| depth_scale.distance(corner));
+    (a + b + c) / 3.0
 }
 
 /// Wall-clock time per geometry stage.

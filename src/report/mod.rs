@@ -2,7 +2,13 @@
 
 pub mod comparison;
 
+mod html;
+
 pub mod plan;
+
+mod plot;
+
+pub mod scaling;
 
 pub mod stability;
 

@@ -3,6 +3,7 @@
 //! the session.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
@@ -14,7 +15,8 @@ use super::compare::compute::CompareRequest;
 use super::compare::tiles::TilesView;
 use super::compare::{self, Change, Mode};
 use super::engine::{Request, Shown};
-use super::judging::{Judging, Listening};
+use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
+use super::lab;
 use super::navigate::FLYING_KEYS;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
@@ -22,12 +24,19 @@ use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::session::{Level, Measuring, PointerMode, Session};
+use super::task::{Listening, Task};
 use super::theme;
 use super::worker::{Answer, Job, Worker};
 use crate::case::{Case, MinimalCase};
-use crate::image::file::{ImageFileError, write_png};
+use crate::drawing;
+use crate::image::file::write_png;
 use crate::inspect::Buffer;
-use crate::report::stability::sweep::Plan;
+use crate::inspect::outline::{OutlineKind, outline};
+use crate::lab::drawing::write_recording;
+use crate::measure::leaving_out::savings;
+use crate::measure::scaling::{self, Quantity};
+use crate::pipeline::settings::Choice as _;
+use crate::report::stability::sweep::{self, Plan, Progress, Stage};
 use crate::scene::obj::Loaded;
 use crate::scene::{SceneError, SceneSource};
 
@@ -62,8 +71,10 @@ pub struct Workbench {
     asked_at: Option<Instant>,
     loading: Option<Loading>,
     judging: Option<Judging>,
+    measuring_savings: Option<MeasuringSavings>,
+    measuring_growth: Option<MeasuringGrowth>,
     case_view: CaseView,
-    saving: Option<Receiver<Result<PathBuf, ImageFileError>>>,
+    saving: Option<Receiver<Result<PathBuf, String>>>,
     canvas: Canvas,
     tiles: TilesView,
     asked_to_compare: Option<CompareRequest>,
@@ -86,6 +97,8 @@ impl Workbench {
             asked: None,
             loading: None,
             judging: None,
+            measuring_savings: None,
+            measuring_growth: None,
             case_view: CaseView::default(),
             saving: None,
             asked_at: None,
@@ -135,14 +148,27 @@ impl Workbench {
 
     fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let frame = theme::panel_frame(ui);
-        // In a narrow window the canvas still has the largest share.
-        let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
-        let (left, right) = (share(292.0), share(316.0));
         Panel::top("menu").frame(frame).show(ui, |ui| menu::ui(ui, &self.session, commands));
         let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, 2));
         Panel::top("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
             message::ui(ui, &self.session, self.slow_load(), commands);
         });
+        if self.session.lab.open {
+            lab::ui(ui, &self.session.lab, commands);
+        } else {
+            self.pipeline_layout(ui, frame, commands);
+        }
+        self.dialog.ui(ui, &self.session, commands);
+        if self.loading.is_some() {
+            ui.request_repaint_after(SLOW_LOAD);
+        }
+    }
+
+    /// Everything below the message, but for the lab.
+    fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
+        // In a narrow window the canvas still has the largest share.
+        let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
+        let (left, right) = (share(292.0), share(316.0));
         Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(90.0).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
@@ -155,10 +181,6 @@ impl Workbench {
         CentralPanel::default().frame(theme::canvas_frame(ui)).show(ui, |ui| {
             self.center(ui, commands);
         });
-        self.dialog.ui(ui, &self.session, commands);
-        if self.loading.is_some() {
-            ui.request_repaint_after(SLOW_LOAD);
-        }
     }
 
     fn center(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -235,7 +257,7 @@ impl Workbench {
         while let Some(answer) = self.worker.poll() {
             self.hear(answer);
         }
-        self.hear_judging();
+        self.hear_tasks();
         if let Some(outcome) = self.saving.as_ref().and_then(|saving| saving.try_recv().ok()) {
             self.saving = None;
             self.saved(outcome);
@@ -327,6 +349,18 @@ impl Workbench {
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             Command::SaveCase => self.save_case(),
             Command::RunStability => self.judge(ui),
+            Command::MeasurePlan => self.measure_plan(ui),
+            Command::CancelPlan => {
+                if let Some(task) = &self.measuring_savings {
+                    task.cancel();
+                }
+            }
+            Command::MeasureGrowth => self.measure_growth(ui),
+            Command::CancelGrowth => {
+                if let Some(task) = &self.measuring_growth {
+                    task.cancel();
+                }
+            }
             Command::CancelStability => {
                 if let Some(judging) = &self.judging {
                     judging.cancel();
@@ -345,7 +379,9 @@ impl Workbench {
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
+            Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::SavePicture => self.save_picture(ui),
+            Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),
             Command::ToggleTheme => {
                 let dark = ui.visuals().dark_mode;
@@ -410,19 +446,53 @@ impl Workbench {
     /// Makes the stability report on a thread of its own.
     fn judge(&mut self, ui: &Ui) {
         self.tab = Tab::Stability;
-        self.judging = Some(Judging::start(Plan::default(), ui.ctx().clone(), &mut self.session.stability));
+        self.session.stability.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
+        let plan = Plan::default();
+        self.judging = Some(Task::start(ui.ctx().clone(), move |tell, stop| sweep::run(&plan, tell, stop)));
     }
 
-    fn hear_judging(&mut self) {
-        let Some(judging) = &self.judging else { return };
-        match judging.listen(&mut self.session.stability) {
-            Listening::GoesOn => return,
-            Listening::Ended => {}
-            Listening::BrokeOff => {
-                self.session.report(Level::Error, "The stability report stopped by an error of the program");
-            }
+    /// Measures what the plan of the present view saves.
+    fn measure_plan(&mut self, ui: &Ui) {
+        /// Rounds that count.
+        const ROUNDS: usize = 21;
+        let request = self.session.request();
+        self.session.savings.progress = Some(0.0);
+        self.measuring_savings = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
+            let Request { scene, camera, recipe, viewport, .. } = &request;
+            savings(scene, camera, recipe, *viewport, ROUNDS, tell, stop)
+        }));
+    }
+
+    /// Measures how cost grows, with the present recipe.
+    fn measure_growth(&mut self, ui: &Ui) {
+        /// Triangles at most, and rounds that count: it shall take seconds, not minutes.
+        const MOST: (usize, usize) = (1_000_000, 7);
+        let recipe = self.session.state.recipe;
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        self.session.growth.progress = Some((Quantity::Triangles, 0.0));
+        self.measuring_growth = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
+            let plan = scaling::Plan::new(recipe, MOST.0, threads, MOST.1);
+            scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok()
+        }));
+    }
+
+    /// Takes what long measurements have said.
+    fn hear_tasks(&mut self) {
+        let session = &mut self.session;
+        let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
+            session.stability.report = Some(Arc::from(report));
+        });
+        let name = &session.scene.name;
+        let broke_off = broke_off
+            | hear(&mut self.measuring_savings, &mut session.savings.progress, |found| {
+                session.savings.found = Some((Arc::from(found), name.clone()));
+            })
+            | hear(&mut self.measuring_growth, &mut session.growth.progress, |found| {
+                session.growth.found = Some(Arc::from(found));
+            });
+        if broke_off {
+            session.report(Level::Error, "A measurement stopped by an error of the program");
         }
-        self.judging = None;
     }
 
     /// Writes the triangle that the picked pixel shows as a case into the current folder.
@@ -507,13 +577,38 @@ impl Workbench {
     /// Writes the picture on a thread of its own: encoding a large one takes a while.
     fn save_picture(&mut self, ui: &Ui) {
         let Some(view) = &self.session.view else { return };
-        let (picture, context) = (view.picture.clone(), ui.ctx().clone());
+        let picture = view.picture.clone();
         let path = free_name(&self.session.folder, "picture", "png");
+        self.save(ui, move || write_png(&path, &picture).map(|()| path).map_err(|error| error.to_string()));
+    }
+
+    /// Writes the scene on screen as drawing commands.
+    fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
+        let Request { scene, camera, recipe, viewport, .. } = self.session.request();
+        let path = free_name(&self.session.folder, kind.id(), end);
+        self.save(ui, move || {
+            let drawing = outline(&scene, &camera, &recipe, viewport, kind);
+            drawing::file::write(&path, &drawing, 1.0).map(|()| path).map_err(|error| error.to_string())
+        });
+    }
+
+    /// Writes what the lab shows.
+    fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
+        let lab = &self.session.lab;
+        let (recording, step) = (lab.recording.clone(), lab.step);
+        let path = free_name(&self.session.folder, lab.page.id(), end);
+        self.save(ui, move || {
+            write_recording(&path, &recording, step).map(|()| path).map_err(|error| error.to_string())
+        });
+    }
+
+    /// Runs what writes a file, on a thread of its own.
+    fn save(&mut self, ui: &Ui, write: impl FnOnce() -> Result<PathBuf, String> + Send + 'static) {
+        let context = ui.ctx().clone();
         let (sender, result) = channel();
         let save = move || {
-            let outcome = write_png(&path, &picture).map(|()| path);
             // The window may be gone by now.
-            drop(sender.send(outcome));
+            drop(sender.send(write()));
             context.request_repaint();
         };
         if self.waits {
@@ -524,13 +619,13 @@ impl Workbench {
         self.saving = Some(result);
     }
 
-    fn saved(&mut self, outcome: Result<PathBuf, ImageFileError>) {
+    fn saved(&mut self, outcome: Result<PathBuf, String>) {
         match outcome {
             Ok(path) => {
                 self.session.report(Level::Info, format!("Saved the picture as {}", path.display()));
                 self.tab = Tab::Log;
             }
-            Err(error) => self.session.report(Level::Error, error.to_string()),
+            Err(error) => self.session.report(Level::Error, error),
         }
     }
 
@@ -568,4 +663,27 @@ fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
         return first;
     }
     (2..).map(|n| folder.join(format!("{stem}-{n}.{extension}"))).find(|p| !p.exists()).unwrap_or(first)
+}
+
+/// Takes what a task has said; whether it broke off.
+fn hear<P: Send + 'static, T: Send + 'static>(
+    task: &mut Option<Task<P, T>>,
+    progress: &mut Option<P>,
+    done: impl FnOnce(Box<T>),
+) -> bool {
+    let Some(running) = task else { return false };
+    let listening = running.listen(progress);
+    if !matches!(listening, Listening::GoesOn) {
+        *task = None;
+    }
+    match listening {
+        Listening::GoesOn => false,
+        Listening::Ended(result) => {
+            if let Some(result) = result {
+                done(result);
+            }
+            false
+        }
+        Listening::BrokeOff => true,
+    }
 }

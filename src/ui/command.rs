@@ -10,9 +10,11 @@ use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::judging::StabilityView;
+use super::lab;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
 use crate::chain::Recipe;
+use crate::inspect::outline::OutlineKind;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
 
@@ -41,6 +43,14 @@ pub enum Command {
     CancelStability,
     /// Show the report this way.
     ShowStability(StabilityView),
+    /// Measure what the plan of the present view saves.
+    MeasurePlan,
+    /// Stop measuring that.
+    CancelPlan,
+    /// Measure how cost grows with triangles, pixels, layers and threads.
+    MeasureGrowth,
+    /// Stop measuring that.
+    CancelGrowth,
     /// Stop waiting for a model.
     CancelLoading,
     /// Draw by this recipe.
@@ -95,6 +105,8 @@ pub enum Command {
     ClearTimings,
     /// Save the picture that the canvas shows.
     SavePicture,
+    /// Save the scene as drawing commands, in the format of this end of a file name.
+    SaveOutline(OutlineKind, &'static str),
     /// Put the picture on the clipboard.
     CopyPicture,
     /// Take back the last change of a setting.
@@ -115,6 +127,10 @@ pub enum Command {
     AskForPixel,
     /// Drop what is selected, innermost first.
     Escape,
+    /// Show the lab, or the pipeline again.
+    ToggleLab,
+    /// Change something in the lab.
+    Lab(lab::Change),
 }
 
 /// A key, what it does, and the words for it.
@@ -181,6 +197,8 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::D, || Command::Compare(Change::Toggle(Mode::Difference)), "Difference, and back"),
     bind(Modifiers::NONE, Key::S, || Command::Compare(Change::Swap), "Swap A and B"),
     bind(Modifiers::NONE, Key::R, || Command::Compare(Change::ToggleRegion), "Comparing: drag a rectangle to measure"),
+    bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
+    bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),

@@ -1,12 +1,11 @@
-//! The stability report in the window: what is known of it, and the thread that makes it.
+//! What the window knows of measurements that take a while: the stability report, what the plan saves, how cost grows.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-use eframe::egui::Context;
-
-use crate::report::stability::sweep::{Plan, Progress, Report, Stage, run};
+use super::task::Task;
+use crate::measure::leaving_out::Savings;
+use crate::measure::scaling::{Quantity, Scaling};
+use crate::report::stability::sweep::{Progress, Report};
 
 /// How the stability report is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,74 +28,29 @@ pub struct Stability {
     pub view: StabilityView,
 }
 
-/// A stability report that is being made on a thread of its own.
-#[derive(Debug)]
-pub struct Judging {
-    heard: Receiver<News>,
-    stop: Arc<AtomicBool>,
+/// What is known of what leaving out saves.
+#[derive(Clone, Debug, Default)]
+pub struct PlanSavings {
+    /// The last that was measured, and the scene's name and triangles that it is of.
+    pub found: Option<(Arc<Savings>, String)>,
+    /// Share of the present measurement that is done.
+    pub progress: Option<f32>,
 }
 
-/// What that thread has to say.
-enum News {
-    Progress(Progress),
-    /// Without a report if it was cancelled.
-    Done(Option<Box<Report>>),
+/// What is known of how cost grows.
+#[derive(Clone, Debug, Default)]
+pub struct Growth {
+    /// The last that was measured.
+    pub found: Option<Arc<Scaling>>,
+    /// What is being measured, and the share of it that is done.
+    pub progress: Option<(Quantity, f32)>,
 }
 
-/// Whether there is more to come from the thread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Listening {
-    /// It works on.
-    GoesOn,
-    /// It has said all.
-    Ended,
-    /// It is gone without a last word.
-    BrokeOff,
-}
+/// A stability report that is being made.
+pub type Judging = Task<Progress, Report>;
 
-impl Judging {
-    /// Makes a report by `plan`; `context` is asked for a frame whenever there is news.
-    pub fn start(plan: Plan, context: Context, known: &mut Stability) -> Self {
-        let (sender, heard) = channel();
-        let stop = Arc::new(AtomicBool::new(false));
-        known.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
-        let cancelled = stop.clone();
-        std::thread::spawn(move || {
-            let tell = Mutex::new(sender);
-            let say = |news| {
-                // Nobody listens any more if the window is closed.
-                drop(tell.lock().map(|sender| sender.send(news)));
-                context.request_repaint();
-            };
-            let report = run(&plan, &|progress| say(News::Progress(progress)), &cancelled);
-            say(News::Done(report.map(Box::new)));
-        });
-        Self { heard, stop }
-    }
+/// Savings that are being measured.
+pub type MeasuringSavings = Task<f32, Savings>;
 
-    /// Has the thread end soon; the last report stays.
-    pub fn cancel(&self) {
-        self.stop.store(true, Ordering::Relaxed);
-    }
-
-    /// Takes what the thread has said since into what is `known`.
-    pub fn listen(&self, known: &mut Stability) -> Listening {
-        loop {
-            match self.heard.try_recv() {
-                Ok(News::Progress(progress)) => known.progress = Some(progress),
-                Ok(News::Done(report)) => {
-                    known.progress = None;
-                    if let Some(report) = report {
-                        known.report = Some(Arc::from(report));
-                    }
-                    return Listening::Ended;
-                }
-                Err(TryRecvError::Empty) => return Listening::GoesOn,
-                Err(TryRecvError::Disconnected) => {
-                    known.progress = None;
-                    return Listening::BrokeOff;
-                }
-            }
-        }
-    }
-}
+/// Growth that is being measured.
+pub type MeasuringGrowth = Task<(Quantity, f32), Scaling>;

@@ -10,6 +10,8 @@ pub mod cpu_painter;
 
 pub mod headless;
 
+pub mod task;
+
 pub mod theme;
 
 pub mod format;
@@ -21,6 +23,8 @@ pub mod engine;
 pub mod compare;
 
 pub mod worker;
+
+pub mod lab;
 
 pub mod command;
 

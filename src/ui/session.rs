@@ -12,7 +12,8 @@ use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
 use super::compare::{Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
-use super::judging::Stability;
+use super::judging::{Growth, PlanSavings, Stability};
+use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
 use super::timings::Timings;
 use crate::case::Case;
@@ -177,6 +178,12 @@ pub struct Session {
     pub case: Option<OpenCase>,
     /// The stability report.
     pub stability: Stability,
+    /// What the plan saves.
+    pub savings: PlanSavings,
+    /// How cost grows.
+    pub growth: Growth,
+    /// The 2D lab.
+    pub lab: Lab,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -228,6 +235,9 @@ impl Session {
             measuring: None,
             case: None,
             stability: Stability::default(),
+            savings: PlanSavings::default(),
+            growth: Growth::default(),
+            lab: Lab::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -381,7 +391,11 @@ impl Session {
 
     /// Applies a command that concerns nothing but this state. Returns it if it concerns the window or the disk.
     pub fn apply(&mut self, command: Command) -> Option<Command> {
-        match command {
+        match self.lab.claim(command)? {
+            Command::ToggleLab => {
+                self.lab.apply(lab::Change::Open(!self.lab.open));
+            }
+            Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());

@@ -9,12 +9,14 @@ use super::app::Workbench;
 use super::command::Command;
 use super::compare::Change;
 use super::headless::Headless;
+use super::lab;
 use super::panels::bottom::Tab;
 use super::session::{Preferences, Session};
 use super::theme;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
+use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource, Warning};
 
@@ -65,6 +67,8 @@ pub struct ScreenshotRequest {
     pub tab: Option<Tab>,
     /// The picked pixel; one near the middle if none is given.
     pub selected: Option<(u32, u32)>,
+    /// The page of the lab to show, and how many of its steps, instead of the pipeline.
+    pub lab: Option<(Page, Option<usize>)>,
 }
 
 /// Passes of a picture: the first finds the canvas's size, the second has a frame, the rest let sizes settle.
@@ -154,8 +158,17 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     if let Some(tab) = request.tab {
         app.open_tab(tab);
     }
+    if let Some((page, step)) = request.lab {
+        let changes = [lab::Change::Open(true), lab::Change::Page(page), lab::Change::Go(step.unwrap_or(usize::MAX))];
+        changes.into_iter().chain(request.measure.then_some(lab::Change::Compare)).for_each(|change| {
+            app.session_mut().lab.apply(change);
+        });
+    }
     for _ in 0..SCREENSHOT_PASSES {
         headless.pass(Vec::new(), |ui| app.show(ui));
+    }
+    if request.lab.is_some() {
+        return Ok(headless.picture());
     }
     let picture = app.session().viewport();
     if request.selected.is_some_and(|(x, y)| x >= picture.width || y >= picture.height) {

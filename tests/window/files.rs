@@ -107,3 +107,16 @@ fn undo_does_not_lead_back_into_another_scene() {
     bench.press_with(Modifiers::COMMAND, Key::Z);
     assert_eq!(bench.session().state, state);
 }
+
+#[test]
+fn a_scene_is_saved_as_drawing_commands() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::small("triangle");
+    bench.session_mut().folder = folder.path().to_owned();
+    bench.click("File");
+    bench.click("Save as drawing");
+    bench.click("Wireframe, SVG");
+    assert_eq!(bench.session().error, None);
+    let text = std::fs::read_to_string(folder.path().join("wireframe.svg")).unwrap();
+    assert_eq!(text.matches("<line").count(), 3);
+}

@@ -6,6 +6,8 @@ mod camera;
 mod cases;
 mod comparing;
 mod files;
+mod growth;
+mod lab;
 mod measuring;
 mod picking;
 mod settings;

@@ -16,6 +16,7 @@ mod geometry;
 mod kernel;
 mod lattice;
 mod record;
+mod see_through;
 mod setup;
 mod shade;
 mod shader;
@@ -32,7 +33,7 @@ use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
-use record::{Entrants, Slot};
+use record::{Entrant, Entrants, Slot};
 use setup::{Batch, Corner, Setup};
 use shade::{Canvas, shade_tile};
 use shader::DrawShader;
@@ -42,7 +43,7 @@ use super::clip::guard_band_widening;
 use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
-use super::plan::{DrawPlan, Part, transparency};
+use super::plan::{DrawPlan, Part};
 use super::settings::{Arithmetic, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
@@ -63,12 +64,6 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         Some("the published weights are computed one by one")
     } else if scene.triangle_count() > MOST_TRIANGLES {
         Some("there are more triangles than tiles can number")
-    } else if scene
-        .instances
-        .iter()
-        .any(|instance| transparency(&scene.library, instance, settings.shading) != Transparency::Opaque)
-    {
-        Some("what is cut out or blended is drawn one triangle after the other")
     } else {
         None
     }
@@ -159,15 +154,27 @@ struct Workspace {
     entrants: Entrants,
     batch: Batch,
     queue: Queue,
+    /// Triangles that are blended over the rest.
+    blended: Vec<Slot>,
 }
 
 impl Workspace {
     fn new() -> Self {
-        Self { tile: Tile::new(), entrants: Entrants::default(), batch: Batch::default(), queue: Queue::default() }
+        Self {
+            tile: Tile::new(),
+            entrants: Entrants::default(),
+            batch: Batch::default(),
+            queue: Queue::default(),
+            blended: Vec::new(),
+        }
     }
 
     fn bytes(&self) -> usize {
-        self.tile.bytes() + self.entrants.bytes() + size_of::<Batch>() + size_of::<Queue>()
+        self.tile.bytes()
+            + self.entrants.bytes()
+            + size_of::<Batch>()
+            + size_of::<Queue>()
+            + self.blended.capacity() * size_of::<Slot>()
     }
 }
 
@@ -350,11 +357,12 @@ impl Frame<'_> {
         work: &Work,
     ) {
         let start = Instant::now();
-        let Workspace { tile, entrants, batch, queue } = workspace;
+        let Workspace { tile, entrants, batch, queue, blended } = workspace;
         let crowd = self.chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>();
         tile.clear(&self.rules, crowd < CROWDED);
         let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
         entrants.clear();
+        blended.clear();
         let nowhere = Vertex::default();
         let mut keys = self.chunks.iter().flat_map(|chunk| chunk.keys(number)).copied();
         let mut draw = 0;
@@ -375,9 +383,18 @@ impl Frame<'_> {
             let settings = self.settings;
             let alive = batch.set_up(simd, &triangles, settings.fill_rule, &self.scale, &self.lattice, origin);
             for lane in (0..count).filter(|lane| alive >> lane & 1 != 0) {
-                let triangle = batch.triangle(lane, Slot((first + lane) as u32));
+                let slot = Slot((first + lane) as u32);
+                let triangle = batch.triangle(lane, slot);
                 let owner = |slot| self.set_up_again(entrants, slot, origin);
-                tile.draw(simd, &triangle, &self.lattice, &self.rules, owner);
+                let Entrant { key, draw, .. } = entrants.get(slot);
+                match self.shader(draw as usize).shader.transparency() {
+                    Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, owner),
+                    Transparency::CutOut => {
+                        let keep = self.keeper(key, draw as usize, place);
+                        tile.draw_cut_out(simd, &triangle, &self.lattice, &self.rules, owner, keep);
+                    }
+                    Transparency::Blended => blended.push(slot),
+                }
             }
         }
         if let Some(depths) = depths {
@@ -393,7 +410,10 @@ impl Frame<'_> {
             }
         }
         let rasterized = Instant::now();
-        let shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: colors });
+        let mut shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: colors });
+        if !blended.is_empty() {
+            shaded.samples += self.blend(simd, tile, entrants, blended, place, origin, colors);
+        }
         work.rasterize_ns.fetch_add((rasterized - start).as_nanos() as u64, Ordering::Relaxed);
         work.shade_ns.fetch_add(rasterized.elapsed().as_nanos() as u64, Ordering::Relaxed);
         work.visited.fetch_add(tile.counts.visited, Ordering::Relaxed);

@@ -328,6 +328,93 @@ impl Tile {
         );
     }
 
+    /// Draws a triangle of which some samples may not be there. `keep` is asked for eight of a row, given by edge values, column
+    /// and row, which of those that passed the depth test are.
+    #[inline(never)]
+    pub(super) fn draw_cut_out<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        lattice: &Lattice,
+        rules: &DepthRules,
+        owner: impl Fn(Slot) -> Option<Setup>,
+        keep: impl Fn(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
+    ) {
+        for (bx, by) in blocks(triangle) {
+            let block = by * BLOCKS + bx;
+            if !self.may_show(triangle, block, rules) {
+                continue;
+            }
+            self.write_out(simd, block, lattice, rules, &owner);
+            for row in rows_in(triangle, by) {
+                let place = (bx * BLOCK, row);
+                let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
+                let kept = if passed == 0 { 0 } else { keep(&edges, place, passed) };
+                if kept != 0 {
+                    let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
+                    self.write(simd, triangle, e, kept, place, rules);
+                }
+            }
+            self.counts.visited += (BLOCK * BLOCK) as u64;
+            if self.bounded && rules.stored {
+                self.measure_bounds(simd, (bx, by));
+            }
+        }
+    }
+
+    /// Hands eight samples of a row at a time to `sink` that a triangle covers in front of what is stored, by edge values,
+    /// column, row and bits. Nothing is stored.
+    #[inline(never)]
+    pub(super) fn each_in_front<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        lattice: &Lattice,
+        rules: &DepthRules,
+        owner: impl Fn(Slot) -> Option<Setup>,
+        mut sink: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64),
+    ) {
+        for (bx, by) in blocks(triangle) {
+            let block = by * BLOCKS + bx;
+            if !self.may_show(triangle, block, rules) {
+                continue;
+            }
+            self.write_out(simd, block, lattice, rules, &owner);
+            for row in rows_in(triangle, by) {
+                let place = (bx * BLOCK, row);
+                let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
+                if passed != 0 {
+                    sink(&edges, place, passed);
+                }
+            }
+            self.counts.visited += (BLOCK * BLOCK) as u64;
+        }
+    }
+
+    /// Edge values at eight samples of a row, and bits of those that are covered and pass the depth test.
+    #[inline(never)]
+    fn test<S: Simd>(
+        &self,
+        simd: S,
+        triangle: &Setup,
+        (column, row): (usize, usize),
+        lattice: &Lattice,
+        rules: &DepthRules,
+    ) -> ([[f64; LANES]; 3], u64) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let e = edge_values(simd, triangle, (column, row), lattice);
+                let mut passed = inside(simd, triangle, e);
+                if rules.stored {
+                    let stored = F32::from_slice(simd, &self.depths[row * STRIDE + column..][..LANES]);
+                    passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison);
+                }
+                (each!(i in [0, 1, 2] => e[i].to_array()), passed)
+            },
+        )
+    }
+
     /// The samples of one block.
     #[inline(always)]
     fn draw_block<S: Simd>(
@@ -457,6 +544,18 @@ impl Tile {
         let block = by * BLOCKS + bx;
         (self.least[block], self.greatest[block]) = (least.reduce_min(), greatest.reduce_max());
     }
+}
+
+/// Columns and rows of the blocks that a triangle may touch.
+fn blocks(triangle: &Setup) -> impl Iterator<Item = (usize, usize)> + use<> {
+    let Setup { columns: [left, right], rows: [top, bottom], .. } = *triangle;
+    (top / BLOCK..=bottom / BLOCK).flat_map(move |by| (left / BLOCK..=right / BLOCK).map(move |bx| (bx, by)))
+}
+
+/// The rows of a triangle that lie in a row of blocks.
+fn rows_in(triangle: &Setup, by: usize) -> std::ops::RangeInclusive<usize> {
+    let [top, bottom] = triangle.rows;
+    top.max(by * BLOCK)..=bottom.min((by + 1) * BLOCK - 1)
 }
 
 /// Bits of the depths that pass.

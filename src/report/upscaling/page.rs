@@ -7,9 +7,10 @@ use super::skipping::Share;
 use super::sweep::{Report, Row, SceneReport};
 use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
+use crate::report::html::{document, escaped, tiles};
 
-/// Colours and layout that all reports share, and those of this one.
-const STYLE: [&str; 2] = [include_str!("../stability/html/style.css"), include_str!("page.css")];
+/// What this page has of its own.
+const STYLE: &str = include_str!("page.css");
 
 /// The whole page. Fails only where a crop cannot be encoded.
 pub fn page(report: &Report) -> io::Result<String> {
@@ -18,37 +19,25 @@ pub fn page(report: &Report) -> io::Result<String> {
         body += &section(scene)?;
     }
     body += &method(report);
-    Ok(format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\">\n<title>Error against run time · Rasterscope</title>\n<style>\n{}\
-         </style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n",
-        STYLE.concat()
-    ))
-}
-
-/// Text that is safe between tags and within quotation marks.
-pub(super) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    Ok(document("Error against run time", STYLE, &body))
 }
 
 fn head(report: &Report) -> String {
     let [width, height] = report.size;
     let methods = report.scenes.first().map_or(0, |scene| scene.rows.len());
-    let tiles = [
+    let figures = [
         (report.scenes.len().to_string(), "scenes"),
         (methods.to_string(), "ways to draw each"),
         (format!("{width} × {height}"), "pixels"),
         (report.rounds.to_string(), "interleaved rounds"),
         (report.threads.to_string(), "threads"),
     ];
-    let tiles =
-        tiles.map(|(value, name)| format!("<div class=\"tile\"><b>{value}</b><span>{name}</span></div>")).concat();
     format!(
         "<h1>Error against run time</h1>\n<p class=\"soft\">What drawing fewer samples and filling in the rest saves, and what \
-         it costs the picture. Every error is against one named reference: <b>{}</b>. Rasterscope {}.</p>\n\
-         <div class=\"tiles\">{tiles}</div>\n",
+         it costs the picture. Every error is against one named reference: <b>{}</b>. Rasterscope {}.</p>\n{}",
         escaped(report.reference),
-        escaped(report.machine.version)
+        escaped(report.machine.version),
+        tiles(figures)
     )
 }
 
@@ -197,10 +186,5 @@ mod tests {
             assert_eq!(base64(plain.as_bytes()), coded);
         }
         assert_eq!(base64(&[0xFB, 0xFF, 0xBF]), "+/+/");
-    }
-
-    #[test]
-    fn text_cannot_leave_its_place() {
-        assert_eq!(escaped("<a \"b\" & c>"), "&lt;a &quot;b&quot; &amp; c&gt;");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! In: nothing. Out: a [`Scene`], the same one every time. A scene is one file that holds its name, its sentence and
 //! the function that drafts it; menus, command line and tests read [`ALL`]. `shapes` and `revolve` make the meshes,
-//! `textures` and `noise` the pictures, `draft` puts them together.
+//! `textures` and `noise` the pictures, `draft` puts them together. `workload` makes scenes of any size, to measure with.
 //!
 //! Meshes have counter-clockwise front faces; textures are read with v downwards; colours are sRGB values.
 
@@ -17,6 +17,7 @@ mod revolve;
 mod shapes;
 mod textures;
 mod triangles;
+pub mod workload;
 mod z_fighting;
 
 use super::Scene;

@@ -2,7 +2,7 @@
 
 use eframe::egui::{ScrollArea, Ui};
 
-use super::{frame_times, log, plan, stability, tradeoff, xray};
+use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 
@@ -18,13 +18,15 @@ pub enum Tab {
     Xray,
     /// What the scene needs and what is left out.
     Plan,
+    /// How cost grows.
+    Scaling,
     /// How the engine does on hard cases.
     Stability,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 6] = [
+const TABS: [(Tab, &str, &str); 7] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -33,6 +35,7 @@ const TABS: [(Tab, &str, &str); 6] = [
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
+    (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
     (
         Tab::Stability,
         "Stability",
@@ -60,7 +63,15 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 stability::controls(ui, session, commands);
             }
-            Tab::Xray | Tab::Plan | Tab::Log => {}
+            Tab::Plan => {
+                ui.separator();
+                plan::controls(ui, session, commands);
+            }
+            Tab::Scaling => {
+                ui.separator();
+                scaling::controls(ui, session, commands);
+            }
+            Tab::Xray | Tab::Log => {}
         }
     });
     ui.add_space(4.0);
@@ -68,6 +79,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
+        Tab::Scaling => scaling::ui(ui, session),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));

@@ -4,6 +4,7 @@ use eframe::egui::{self, Button, Layout, MenuBar, RichText, Ui};
 
 use crate::chain::Recipe;
 use crate::inspect::Buffer;
+use crate::inspect::outline::OutlineKind;
 use crate::pipeline::settings::Choice as _;
 use crate::scene::builtin;
 use crate::ui::command::{BINDINGS, Command};
@@ -26,8 +27,24 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.menu_button("View", |ui| view(ui, session, commands));
         ui.menu_button("Compare", |ui| compare(ui, session, commands));
         ui.menu_button("Help", |ui| help(ui, commands));
+        ui.separator();
+        workspaces(ui, session, commands);
         ui.with_layout(Layout::right_to_left(egui::Align::Center), |ui| figures(ui, session, commands));
     });
+}
+
+/// The switch between the pipeline and the lab.
+fn workspaces(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let places = [
+        (false, "Pipeline", "A scene, stage by stage and pixel by pixel  (L)"),
+        (true, "2D lab", "Lines, circles, polygons, fills and sampling, step by step  (L)"),
+    ];
+    for (open, name, help) in places {
+        let button = ui.add(Button::selectable(session.lab.open == open, name)).on_hover_text(help);
+        if button.clicked() && session.lab.open != open {
+            commands.push(Command::ToggleLab);
+        }
+    }
 }
 
 /// A menu entry for a command, with its key from the key map.
@@ -63,6 +80,17 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     ui.separator();
     entry(ui, "Save picture", Command::SavePicture, commands);
+    ui.menu_button("Save as drawing", |ui| {
+        for kind in OutlineKind::ALL {
+            for end in ["svg", "pdf"] {
+                let name = format!("{}, {}", kind.name(), end.to_uppercase());
+                if ui.button(name).on_hover_text(kind.help()).clicked() {
+                    commands.push(Command::SaveOutline(*kind, end));
+                    ui.close();
+                }
+            }
+        }
+    });
     entry(ui, "Copy picture", Command::CopyPicture, commands);
     entry(ui, "Save triangle as case", Command::SaveCase, commands);
     ui.separator();
@@ -142,7 +170,7 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, theme_icon, "Switch between dark and light").clicked() {
         commands.push(Command::ToggleTheme);
     }
-    let Some(view) = &session.view else { return };
+    let Some(view) = session.view.as_ref().filter(|_| !session.lab.open) else { return };
     let drawn = (
         format!("{} drawn", format::percent(view.frame.drawn_share())),
         "Share of the picture's pixels that are really rasterized and shaded",

@@ -14,6 +14,9 @@ use crate::ui::widgets::icon_button;
 
 const HINT: &str = "Click a pixel and read its story at the right. The wheel enlarges, middle-drag turns the scene, ] shows the next stage, ? all keys.";
 
+const LAB_HINT: &str =
+    "Step with , and . or play with K; drag the blue rings; the wheel enlarges; L leads back to the pipeline.";
+
 /// How strongly an error colours the line.
 const ERROR_TINT: f32 = 0.25;
 
@@ -30,6 +33,8 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<&Path>, commands: &mut
                 commands.push(Command::CancelLoading);
             }
             ui.add(Label::new(format!("Loading {} …", path.display())).truncate());
+        } else if session.lab.open {
+            line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {
             line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
         } else {

@@ -20,6 +20,7 @@ pub mod pipeline;
 
 pub mod plan;
 
+pub mod scaling;
 pub mod stability;
 
 pub mod switches;

@@ -1,8 +1,8 @@
 //! Heat maps: classes down, configurations across, a number and a colour in each cell.
 
-use super::escaped;
 use super::worst::anchor;
 use crate::pipeline::settings::Choice as _;
+use crate::report::html::escaped;
 use crate::report::stability::catalogue::Family;
 use crate::report::stability::column::Column;
 use crate::report::stability::metric::{LEVELS, Metric, Verdict, short};

@@ -10,9 +10,7 @@ use super::metric::{Metric, Verdict};
 use super::sweep::Report;
 use super::text::machine;
 use crate::pipeline::settings::Choice as _;
-
-/// Colours and layout.
-const STYLE: &str = include_str!("style.css");
+use crate::report::html::{document, escaped, tiles};
 
 /// The whole page.
 pub fn html(report: &Report) -> String {
@@ -25,24 +23,14 @@ pub fn html(report: &Report) -> String {
         worst::section(report),
         method(report),
     ];
-    format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width, initial-scale=1\">\n<title>Stability report · Rasterscope</title>\n<style>\n{STYLE}\
-         </style>\n</head>\n<body>\n<main>\n{}</main>\n</body>\n</html>\n",
-        body.concat()
-    )
-}
-
-/// Text that is safe between tags and within quotation marks.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+    document("Stability report", "", &body.concat())
 }
 
 fn head(report: &Report) -> String {
     let verdicts = || report.classes.iter().flat_map(|class| &class.cells).map(|cell| cell.verdict);
     let count = |verdict: Verdict| verdicts().filter(|v| *v == verdict).count();
     let total = |of: fn(&super::sweep::ClassReport) -> usize| report.classes.iter().map(of).sum::<usize>();
-    let tiles = [
+    let figures = [
         (report.classes.len().to_string(), "classes of cases"),
         (total(|class| class.cases).to_string(), "cases"),
         (Metric::Pixels.format(total(|class| class.triangles) as f64), "triangles"),
@@ -51,15 +39,12 @@ fn head(report: &Report) -> String {
         (count(Verdict::Refused).to_string(), "cells REFUSED"),
         (format!("{:.0} s", report.duration.as_secs_f64()), "to make"),
     ];
-    let tiles: String = tiles
-        .iter()
-        .map(|(value, name)| format!("<div class=\"tile\"><b>{value}</b><span>{name}</span></div>"))
-        .collect();
     format!(
         "<h1>Stability report</h1>\n<p class=\"soft\">How wrong, and at what cost: stiff and extreme cases against every \
          rasterizer, arithmetic and depth format of Rasterscope {}. What is right is decided in exact arithmetic that shares no \
-         code with what is judged.</p>\n<div class=\"tiles\">{tiles}</div>\n",
-        escaped(report.machine.version)
+         code with what is judged.</p>\n{}",
+        escaped(report.machine.version),
+        tiles(figures)
     )
 }
 

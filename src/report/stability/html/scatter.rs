@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::escaped;
 use crate::pipeline::settings::{Arithmetic, Choice as _, Interpolation, Rasterizer};
+use crate::report::html::escaped;
 use crate::report::stability::column::Column;
 use crate::report::stability::metric::short;
 use crate::report::stability::sweep::Report;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::escaped;
 use crate::pipeline::settings::Choice as _;
+use crate::report::html::escaped;
 use crate::report::stability::metric::Measures;
 use crate::report::stability::sweep::{ClassReport, Report, Worst};
 

@@ -1,0 +1,74 @@
+//! `rasterscope scaling`: what a frame costs against triangles, pixels, layers and threads.
+
+use std::io::{IsTerminal as _, Write as _, stderr};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use rasterscope::chain::Recipe;
+use rasterscope::measure::scaling::{Plan, Quantity, Scaling, measure};
+use rasterscope::report::scaling::{csv, page, text};
+
+use super::failure::Failure;
+use super::output;
+
+/// What `scaling` takes.
+#[derive(Args, Debug)]
+pub(crate) struct ScalingArgs {
+    /// A folder for a page, a table and JSON; made if it is not there. Without one the table is printed
+    #[arg(short, long, value_name = "DIR")]
+    output: Option<PathBuf>,
+
+    /// Change one setting of everything that is drawn; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+
+    /// Up to how many triangles: 1000, 10000 … 10000000, which takes some 3 GB of memory
+    #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1000..=10_000_000))]
+    most_triangles: u32,
+
+    /// Up to how many threads; as many as the machine runs at once if not given
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+
+    /// Rounds that count
+    #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    rounds: u16,
+}
+
+/// Measures and prints or writes `index.html`, `scaling.csv` and `scaling.json`.
+pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
+    let mut recipe = Recipe::default();
+    recipe.set_all(&args.set)?;
+    let machine = std::thread::available_parallelism().map_or(1, usize::from);
+    let threads = args.threads.map_or(machine, usize::from);
+    let plan = Plan::new(recipe, args.most_triangles as usize, threads, args.rounds.into());
+    let shown = stderr().is_terminal();
+    let tell = |quantity: Quantity, share: f32| {
+        if shown {
+            // Where it cannot be written nobody misses it.
+            let _ = write!(stderr(), "\r{}: {:3.0} %    ", quantity.name(), share * 100.0);
+        }
+    };
+    // Nobody cancels but with the program.
+    let scaling = measure(&plan, &tell, &AtomicBool::new(false)).map_err(|e| Failure::Threads(e.to_string()))?;
+    if shown {
+        let _ = write!(stderr(), "\r{:40}\r", "");
+    }
+    match &args.output {
+        None => output::print(&text(&scaling)),
+        Some(folder) => write_all(folder, &scaling),
+    }
+}
+
+fn write_all(folder: &Path, scaling: &Scaling) -> Result<(), Failure> {
+    let failed = |path: &Path, source| Failure::ResultFile { path: path.to_owned(), source };
+    let json = serde_json::to_string_pretty(scaling).map_err(|e| Failure::Output(e.into()))?;
+    std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
+    for (name, content) in [("index.html", page(scaling)), ("scaling.csv", csv(scaling)), ("scaling.json", json + "\n")]
+    {
+        let path = folder.join(name);
+        std::fs::write(&path, content).map_err(|source| failed(&path, source))?;
+    }
+    output::print(&format!("{}, with scaling.csv and scaling.json\n", output::display(&folder.join("index.html"))))
+}

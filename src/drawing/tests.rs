@@ -1,0 +1,108 @@
+//! Drawings written, read back by decoders, and compared with areas that are known.
+
+use super::file::{EXTENSIONS, Format, format_of, write, write_animation};
+use super::*;
+
+const RED: Rgb = [200, 30, 30];
+
+fn example() -> Drawing {
+    let stroke = Stroke { color: [20, 40, 60], width: 0.5 };
+    let corners = [(1.0, 1.0), (9.0, 1.0), (5.0, 7.0)].map(DVec2::from).to_vec();
+    let shapes = vec![
+        Shape::Polygon { corners, fill: Some(RED), stroke: None },
+        Shape::Line { from: DVec2::new(0.0, 8.0), to: DVec2::new(10.0, 8.0), stroke },
+        Shape::Ellipse {
+            center: DVec2::new(5.0, 3.0),
+            radii: DVec2::new(2.0, 1.0),
+            fill: Some([0, 0, 255]),
+            stroke: None,
+        },
+        Shape::Text { at: DVec2::new(5.0, 5.0), text: "a < b & −1".to_owned(), color: [0; 3], size: 1.0 },
+    ];
+    Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes }
+}
+
+/// How much of a bitmap one black shape on white darkens, in square units.
+fn area(shape: Shape) -> f64 {
+    const SCALE: f64 = 20.0;
+    let drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes: vec![shape] };
+    let image = bitmap::bitmap(&drawing, SCALE);
+    assert_eq!(image.size(), (200, 180));
+    image.pixels().iter().map(|pixel| 1.0 - f64::from(pixel[0]) / 255.0).sum::<f64>() / (SCALE * SCALE)
+}
+
+#[test]
+fn a_bitmap_has_the_areas_of_its_shapes() {
+    let [polygon, line, ellipse, text] = example().shapes.try_into().unwrap();
+    let black = |shape| match shape {
+        Shape::Polygon { corners, .. } => Shape::Polygon { corners, fill: Some([0; 3]), stroke: None },
+        Shape::Line { from, to, .. } => Shape::Line { from, to, stroke: Stroke { color: [0; 3], width: 0.5 } },
+        Shape::Ellipse { center, radii, .. } => Shape::Ellipse { center, radii, fill: Some([0; 3]), stroke: None },
+        text => text,
+    };
+    for (shape, expected) in [(polygon, 24.0), (line, 5.0), (ellipse, 2.0 * std::f64::consts::PI), (text, 0.0)] {
+        let found = area(black(shape.clone()));
+        assert!((found - expected).abs() <= 0.005 * expected, "{shape:?}: {found}");
+    }
+}
+
+#[test]
+fn pixel_formats_read_back_as_the_bitmap() {
+    let folder = tempfile::tempdir().unwrap();
+    let drawing = example();
+    let expected = bitmap::bitmap(&drawing, 8.0);
+    for (end, format) in EXTENSIONS {
+        let path = folder.path().join(format!("drawing.{end}"));
+        assert_eq!(format_of(&path).unwrap(), format);
+        write(&path, &drawing, 8.0).unwrap();
+        if !matches!(format, Format::Pixels(_)) {
+            continue;
+        }
+        let decoded = ::image::open(&path).unwrap().into_rgb8();
+        assert_eq!(decoded.dimensions(), expected.size(), "{end}");
+        let off = |(found, expected): (&::image::Rgb<u8>, &[u8; 4])| {
+            found.0.iter().zip(expected).map(|(a, b)| f64::from(a.abs_diff(*b))).sum::<f64>()
+        };
+        let mean = decoded.pixels().zip(expected.pixels()).map(off).sum::<f64>() / expected.pixels().len() as f64;
+        let bound = if end.starts_with("jp") { 12.0 } else { 0.0 };
+        assert!(mean <= bound, "{end}: {mean}");
+    }
+}
+
+#[test]
+fn an_animation_holds_all_its_frames() {
+    use ::image::AnimationDecoder as _;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("steps.gif");
+    let frames = (0..5).map(|count| {
+        let mut drawing = example();
+        drawing.shapes.truncate(count);
+        drawing
+    });
+    write_animation(&path, frames, 4.0, std::time::Duration::from_millis(100)).unwrap();
+    let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
+    let frames = ::image::codecs::gif::GifDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
+    assert_eq!(frames.len(), 5);
+    assert_eq!(frames[0].delay().numer_denom_ms().0 / frames[0].delay().numer_denom_ms().1, 100);
+}
+
+#[test]
+fn vector_formats_hold_shapes_and_no_pixels() {
+    let text = svg::text(&example(), 10.0);
+    for part in ["<polygon", "1,1 9,1 5,7", "<ellipse", "<line", "#c81e1e", "a &lt; b &amp; −1", "viewBox=\"0 0 10 9\""]
+    {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let page = pdf::bytes(&example(), 10.0);
+    assert!(page.starts_with(b"%PDF-"));
+    let has = |part: &[u8]| page.windows(part.len()).any(|window| window == part);
+    assert!(has(b"/MediaBox [0 0 100 90]") && has(b"1 1 m") && has(b"(a < b & -1)"));
+}
+
+#[test]
+fn names_that_end_in_nothing_known_are_refused() {
+    for name in ["drawing", "drawing.webp", "svg"] {
+        let message = write(name.as_ref(), &example(), 1.0).unwrap_err().to_string();
+        assert!(message.contains(name) && message.contains("svg, pdf, png"), "{message}");
+    }
+}

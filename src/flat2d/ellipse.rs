@@ -1,0 +1,141 @@
+//! Ellipses with upright axes, pixel by pixel, in integers alone (the midpoint form of Van Aken 1984).
+//!
+//! One quadrant is walked from its top. Of the three pixels that may follow, right, right and down, and down, the midpoints
+//! between them choose: if (x + 1, y − ½) lies inside of the ellipse, the next one is to the right; otherwise (x + ½, y − 1)
+//! tells whether x grows at all. With F(x, y) = b²x² + a²y² − a²b² the sign of F tells on which side a midpoint lies. The
+//! textbook asks only one of the two, by whether the ellipse is flatter than 45°, and cuts the tips off thin ellipses. The
+//! other three quadrants are reflections.
+
+/// The walk around an ellipse; see [`midpoint_ellipse`].
+#[derive(Clone, Debug)]
+pub struct Ellipse {
+    center: (i32, i32),
+    /// Half axes along x and y.
+    half: (i128, i128),
+    /// Place in the quadrant, relative to the centre; y below 0 is the end.
+    x: i128,
+    y: i128,
+    /// The next of the four reflections: bit 0 mirrors x, bit 1 mirrors y.
+    reflection: u8,
+}
+
+const REFLECTIONS: u8 = 4;
+
+/// The pixels of an ellipse around a pixel, with half axes of whole numbers, each once: all reflections of the topmost one
+/// first, and so on to the sides.
+pub fn midpoint_ellipse(center: (i32, i32), half_width: u32, half_height: u32) -> Ellipse {
+    let half = (i128::from(half_width), i128::from(half_height));
+    Ellipse { center, half, x: 0, y: half.1, reflection: 0 }
+}
+
+impl Ellipse {
+    /// Where the walk is in its quadrant, relative to the centre; `None` at the end.
+    pub fn quadrant(&self) -> Option<(i128, i128)> {
+        (self.y >= 0 && self.x <= self.half.0).then_some((self.x, self.y))
+    }
+
+    /// Whether the ellipse is flatter than 45° ahead, so that x grows at every step.
+    pub fn is_flat(&self) -> bool {
+        let (a, b) = self.half;
+        a * a * (2 * self.y - 1) > 2 * b * b * (self.x + 1)
+    }
+
+    /// Four times F at the midpoint (x + 1, y − ½), between right and right and down: negative inside.
+    pub fn right_or_diagonal(&self) -> i128 {
+        self.quadruple_at(2 * self.x + 2, 2 * self.y - 1)
+    }
+
+    /// Four times F at the midpoint (x + ½, y − 1), between right and down and down: negative inside.
+    pub fn diagonal_or_down(&self) -> i128 {
+        self.quadruple_at(2 * self.x + 1, 2 * self.y - 2)
+    }
+
+    fn quadruple_at(&self, doubled_x: i128, doubled_y: i128) -> i128 {
+        let (a, b) = self.half;
+        b * b * doubled_x * doubled_x + a * a * doubled_y * doubled_y - 4 * a * a * b * b
+    }
+
+    fn step(&mut self) {
+        // A thin ellipse is on its axis before it has come to its tip.
+        let on_axis = self.y == 0 && self.x < self.half.0;
+        let (right, down) =
+            if on_axis || self.right_or_diagonal() < 0 { (1, 0) } else { (i128::from(self.diagonal_or_down() < 0), 1) };
+        self.x += right;
+        self.y -= down;
+        self.reflection = 0;
+    }
+
+    fn is_repeated(&self, reflection: u8) -> bool {
+        reflection & 1 != 0 && self.x == 0 || reflection & 2 != 0 && self.y == 0
+    }
+}
+
+impl Iterator for Ellipse {
+    type Item = (i64, i64);
+
+    fn next(&mut self) -> Option<(i64, i64)> {
+        loop {
+            let (x, y) = self.quadrant()?;
+            if self.reflection == REFLECTIONS {
+                self.step();
+                continue;
+            }
+            let reflection = self.reflection;
+            self.reflection += 1;
+            if !self.is_repeated(reflection) {
+                let x = if reflection & 1 != 0 { -x } else { x } as i64;
+                let y = if reflection & 2 != 0 { -y } else { y } as i64;
+                return Some((i64::from(self.center.0) + x, i64::from(self.center.1) + y));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use super::*;
+    use crate::flat2d::circle::midpoint_circle;
+
+    fn ellipse(a: u32, b: u32) -> Vec<(i64, i64)> {
+        midpoint_ellipse((0, 0), a, b).collect()
+    }
+
+    #[test]
+    fn every_pixel_is_within_half_a_pixel_of_the_curve_along_a_row_or_a_column() {
+        for (a, b) in (1..40).flat_map(|a| (1..40).map(move |b| (a, b))) {
+            for (x, y) in ellipse(a, b) {
+                let (a, b, x, y) = (f64::from(a), f64::from(b), x.abs() as f64, y.abs() as f64);
+                let across = (b * (1.0 - (x / a).powi(2)).max(0.0).sqrt() - y).abs();
+                let along = (a * (1.0 - (y / b).powi(2)).max(0.0).sqrt() - x).abs();
+                assert!(across.min(along) <= 0.5 + 1e-9, "({x}, {y}) of {a} × {b}: {across}, {along}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_pixel_comes_once_and_all_hang_together() {
+        for (a, b) in (0..24).flat_map(|a| (0..24).map(move |b| (a, b))) {
+            let pixels = ellipse(a, b);
+            let set: HashSet<_> = pixels.iter().copied().collect();
+            assert_eq!(set.len(), pixels.len(), "{a} × {b}");
+            let (a, b) = (i64::from(a), i64::from(b));
+            for tip in [(a, 0), (-a, 0), (0, b), (0, -b)] {
+                assert!(set.contains(&tip), "{tip:?} of {a} × {b}");
+            }
+            let near = |p: &(i64, i64), q: &(i64, i64)| (p.0 - q.0).abs().max((p.1 - q.1).abs()) == 1;
+            let connected = |p: &(i64, i64)| set.len() == 1 || set.iter().any(|q| near(p, q));
+            assert!(set.iter().all(connected), "{a} × {b}");
+        }
+    }
+
+    #[test]
+    fn equal_axes_give_the_circle_but_for_the_corner_of_the_octants() {
+        for radius in 0..200 {
+            let circle: HashSet<_> = midpoint_circle((0, 0), radius).collect();
+            let difference = ellipse(radius, radius).iter().filter(|p| !circle.contains(p)).count();
+            assert!(difference <= 4, "radius {radius}: {difference}");
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Lines by their slope, in single-precision floats: one pixel per step of the longer axis, rounded.
+//!
+//! The plainest way computes y = m (x − x₀) + y₀ anew at every step and rounds it. The *digital differential analyser*
+//! spares the multiplication and adds m to the y before; each addition rounds, the errors sum up, and a long line drifts.
+//! [`super::line`] needs no floats at all, [`super::real_line`] decides exactly.
+
+use glam::DVec2;
+
+/// How the coordinate across is found at each step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stepping {
+    /// y = m (x − x₀) + y₀, anew at every step.
+    Intersection,
+    /// y ← y + m.
+    Addition,
+}
+
+/// The walk along a line; see [`slope_line`].
+#[derive(Clone, Debug)]
+pub struct SlopeLine {
+    stepping: Stepping,
+    /// Whether y is the longer axis. Everything below has the longer axis as x.
+    steep: bool,
+    from: DVec2,
+    to: DVec2,
+    /// Change of y per step of +1 in x.
+    slope: f32,
+    /// x of the next pixel, of the one after the last, and ±1.
+    major: i64,
+    end: i64,
+    step: i64,
+    /// y at the next pixel, before rounding.
+    minor: f32,
+}
+
+/// The pixels from `p0` to `p1`, the one nearest to each end included, at most one per step of the longer axis. Ends are
+/// read as f32; none if one of them is farther out than 2²⁴, where floats have no fraction any more.
+pub fn slope_line(p0: DVec2, p1: DVec2, stepping: Stepping) -> Option<SlopeLine> {
+    const MAX_COORDINATE_PX: f64 = (1 << 24) as f64;
+    if !(p0.abs().max_element() <= MAX_COORDINATE_PX && p1.abs().max_element() <= MAX_COORDINATE_PX) {
+        return None;
+    }
+    let extent = (p1 - p0).abs();
+    let steep = extent.y > extent.x;
+    let along = |p: DVec2| if steep { DVec2::new(p.y, p.x) } else { p };
+    let (from, to) = (along(p0), along(p1));
+    let slope = if from.x == to.x { 0.0 } else { (to.y as f32 - from.y as f32) / (to.x as f32 - from.x as f32) };
+    let (first, last) = (round(from.x as f32), round(to.x as f32));
+    let step = if first <= last { 1 } else { -1 };
+    let mut line = SlopeLine { stepping, steep, from, to, slope, major: first, end: last + step, step, minor: 0.0 };
+    line.minor = line.intersection();
+    Some(line)
+}
+
+fn round(value: f32) -> i64 {
+    (value + 0.5).floor() as i64
+}
+
+impl SlopeLine {
+    /// Whether y is the longer axis, along which steps are taken.
+    pub fn is_steep(&self) -> bool {
+        self.steep
+    }
+
+    /// The coordinate across at the pixel that comes next, before it is rounded; `None` at the end.
+    pub fn value(&self) -> Option<f32> {
+        (self.major != self.end).then_some(self.minor)
+    }
+
+    /// What [`value`](Self::value) would be without any rounding, to the digits of f64.
+    pub fn exact_value(&self) -> f64 {
+        if self.from.x == self.to.x {
+            return self.from.y;
+        }
+        self.from.y + (self.major as f64 - self.from.x) * ((self.to.y - self.from.y) / (self.to.x - self.from.x))
+    }
+
+    fn intersection(&self) -> f32 {
+        self.slope * (self.major as f32 - self.from.x as f32) + self.from.y as f32
+    }
+}
+
+impl Iterator for SlopeLine {
+    type Item = (i64, i64);
+
+    fn next(&mut self) -> Option<(i64, i64)> {
+        let minor = round(self.value()?);
+        let major = self.major;
+        self.major += self.step;
+        self.minor = match self.stepping {
+            Stepping::Intersection => self.intersection(),
+            Stepping::Addition => self.minor + self.slope * self.step as f32,
+        };
+        Some(if self.steep { (minor, major) } else { (major, minor) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flat2d::real_line::real_line;
+
+    fn pixels(p0: DVec2, p1: DVec2, stepping: Stepping) -> Vec<(i64, i64)> {
+        slope_line(p0, p1, stepping).unwrap().collect()
+    }
+
+    #[test]
+    fn short_lines_between_lattice_points_are_the_exact_ones() {
+        for (x, y) in (-12..=12).flat_map(|x| (-12..=12).map(move |y| (x, y))) {
+            let (from, to) = (DVec2::new(3.0, -5.0), DVec2::new(3.0 + f64::from(x), -5.0 + f64::from(y)));
+            let exact: Vec<_> = real_line(from, to).unwrap().collect();
+            for stepping in [Stepping::Intersection, Stepping::Addition] {
+                let found = pixels(from, to, stepping);
+                assert_eq!(found.len(), exact.len());
+                for (a, b) in found.iter().zip(&exact) {
+                    // Ties may fall either way once floats have rounded.
+                    assert!((a.0 - b.0).abs() + (a.1 - b.1).abs() <= 1, "{x} {y} {stepping:?}: {a:?}, not {b:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn addition_drifts_on_a_long_line_and_multiplication_does_not() {
+        let (from, to) = (DVec2::ZERO, DVec2::new(10_000.0, 1_111.0));
+        let exact: Vec<_> = real_line(from, to).unwrap().collect();
+        let wrong = |stepping| pixels(from, to, stepping).iter().zip(&exact).filter(|(a, b)| a != b).count();
+        assert!(wrong(Stepping::Addition) > 50, "{} wrong", wrong(Stepping::Addition));
+        assert!(wrong(Stepping::Intersection) < 10, "{} wrong", wrong(Stepping::Intersection));
+        let mut line = slope_line(from, to, Stepping::Addition).unwrap();
+        line.by_ref().take(9_000).for_each(drop);
+        let drift = f64::from(line.value().unwrap()) - line.exact_value();
+        assert!(drift.abs() > 1e-3, "{drift}");
+    }
+
+    #[test]
+    fn a_point_is_one_pixel_and_far_ends_are_refused() {
+        assert_eq!(pixels(DVec2::splat(2.4), DVec2::splat(2.4), Stepping::Addition), [(2, 2)]);
+        assert!(slope_line(DVec2::ZERO, DVec2::splat(1e9), Stepping::Addition).is_none());
+        assert!(slope_line(DVec2::NAN, DVec2::ZERO, Stepping::Intersection).is_none());
+    }
+}

@@ -1,0 +1,255 @@
+//! Drawing primitives from one list of vertices.
+
+use glam::{DVec2, DVec3};
+
+use super::recording::{Cell, Ink, Mark, Recording, Step, Tone, cell, number, pair};
+use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
+use crate::flat2d::primitives::{Piece, Primitive, Verdict, judge, pieces};
+use crate::flat2d::real_line::real_line;
+use crate::pipeline::settings::{Choice, choice};
+
+choice! {
+    /// How vertices are read.
+    PrimitiveKind {
+        Points = "points", "Points", "Each vertex a point.";
+        Lines = "lines", "Lines", "Each two vertices a line.";
+        LineStrip = "line-strip", "Line strip", "A line from each vertex to the next.";
+        LineLoop = "line-loop", "Line loop", "The same, and back to the first.";
+        Triangles = "triangles", "Triangles", "Each three vertices a triangle.";
+        TriangleStrip = "triangle-strip", "Triangle strip", "Each vertex makes a triangle with the two before; every second one is turned around.";
+        TriangleFan = "triangle-fan", "Triangle fan", "Each vertex makes a triangle with the one before and the first.";
+        Quads = "quads", "Quads", "Each four vertices a quadrilateral, of two triangles.";
+        QuadStrip = "quad-strip", "Quad strip", "Each two vertices make a quadrilateral with the two before.";
+        Polygon = "polygon", "Polygon", "All vertices one polygon, drawn as a fan: right only if it is simple, convex and flat.";
+    }
+}
+
+impl PrimitiveKind {
+    fn primitive(self) -> Primitive {
+        match self {
+            Self::Points => Primitive::Points,
+            Self::Lines => Primitive::Lines,
+            Self::LineStrip => Primitive::LineStrip,
+            Self::LineLoop => Primitive::LineLoop,
+            Self::Triangles => Primitive::Triangles,
+            Self::TriangleStrip => Primitive::TriangleStrip,
+            Self::TriangleFan => Primitive::TriangleFan,
+            Self::Quads => Primitive::Quads,
+            Self::QuadStrip => Primitive::QuadStrip,
+            Self::Polygon => Primitive::Polygon,
+        }
+    }
+}
+
+choice! {
+    /// Vertices to start from.
+    VertexPreset {
+        Zigzag = "zigzag", "Zigzag", "As strips want them.";
+        Ring = "ring", "Ring", "As fans, loops and polygons want them.";
+        Concave = "concave", "Concave", "A ring with a dent: a fan spills out of it.";
+        Crossing = "crossing", "Self-crossing", "Two sides cross: inside and outside have no meaning for a fan.";
+        Bent = "bent", "Not flat", "One vertex is lifted off the plane of the others (z = 6): which triangles stand for it is arbitrary.";
+    }
+}
+
+impl VertexPreset {
+    /// Its vertices: x and y in px, z of no unit.
+    pub fn vertices(self) -> Vec<DVec3> {
+        let ring = |radii: [f64; 8]| {
+            let at = |i: usize| {
+                DVec2::from_angle(i as f64 / 8.0 * std::f64::consts::TAU) * radii[i] + DVec2::new(16.0, 12.0)
+            };
+            (0..8).map(|i| at(i).extend(0.0)).collect::<Vec<_>>()
+        };
+        match self {
+            Self::Zigzag => {
+                (0..8).map(|i| DVec3::new(3.5 + f64::from(i / 2) * 8.0, 19.0 - f64::from(i % 2) * 14.0, 0.0)).collect()
+            }
+            Self::Ring => ring([10.0; 8]),
+            Self::Concave => ring([10.0, 3.0, 10.0, 10.0, 10.0, 10.0, 10.0, 10.0]),
+            Self::Crossing => {
+                let mut vertices = ring([10.0; 8]);
+                vertices.swap(2, 5);
+                vertices
+            }
+            Self::Bent => {
+                let mut vertices = ring([10.0; 8]);
+                vertices[3].z = 6.0;
+                vertices
+            }
+        }
+    }
+}
+
+/// Columns and rows of the grid.
+const SIZE: (u32, u32) = (32, 24);
+
+/// Vertices to be drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PrimitiveLesson {
+    /// x and y in px, z of no unit.
+    pub vertices: Vec<DVec3>,
+    /// How they are read.
+    pub kind: PrimitiveKind,
+}
+
+impl Default for PrimitiveLesson {
+    fn default() -> Self {
+        Self { vertices: VertexPreset::Zigzag.vertices(), kind: PrimitiveKind::TriangleStrip }
+    }
+}
+
+impl PrimitiveLesson {
+    fn place(&self, vertex: usize) -> DVec2 {
+        self.vertices[vertex].truncate()
+    }
+
+    /// Outlines that were meant, of which fans are drawn.
+    fn outlines(&self) -> Vec<Vec<usize>> {
+        let count = self.vertices.len();
+        match self.kind {
+            PrimitiveKind::Quads => (0..count / 4).map(|i| (4 * i..4 * i + 4).collect()).collect(),
+            PrimitiveKind::QuadStrip => {
+                (0..(count / 2).saturating_sub(1)).map(|i| vec![2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2]).collect()
+            }
+            PrimitiveKind::Polygon => vec![(0..count).collect()],
+            _ => Vec::new(),
+        }
+    }
+
+    pub(super) fn record(&self) -> Recording {
+        let mut recording = Recording::new(SIZE);
+        for (number, vertex) in self.vertices.iter().enumerate() {
+            recording.figure.push(Mark::Text(vertex.truncate() - DVec2::Y * 0.9, number.to_string(), Tone::Ideal));
+        }
+        for outline in self.outlines() {
+            recording
+                .figure
+                .push(Mark::Outline(outline.iter().map(|vertex| self.place(*vertex)).collect(), Tone::Ideal));
+        }
+        let pieces = pieces(self.kind.primitive(), self.vertices.len());
+        recording.collect(pieces.iter().enumerate().map(|(number, piece)| self.step(number, *piece)));
+        let count = |is: fn(&Piece) -> bool| pieces.iter().filter(|piece| is(piece)).count().to_string();
+        recording.fact("vertices", self.vertices.len().to_string());
+        recording.fact("lines", count(|piece| matches!(piece, Piece::Line(_))));
+        recording.fact("triangles", count(|piece| matches!(piece, Piece::Triangle(_))));
+        for (number, outline) in self.outlines().iter().enumerate() {
+            let corners: Vec<_> = outline.iter().map(|vertex| self.vertices[*vertex]).collect();
+            recording.facts.push((format!("outline {}", number + 1), in_words(judge(&corners))));
+        }
+        recording
+    }
+
+    fn step(&self, number: usize, piece: Piece) -> Step {
+        let ink = Ink::Group(number);
+        match piece {
+            Piece::Point(vertex) => {
+                let place = self.place(vertex).floor();
+                Step {
+                    cells: vec![cell((place.x as i64, place.y as i64), ink)],
+                    says: format!("Vertex {vertex} is a point."),
+                    state: vec![pair("vertex", vertex.to_string())],
+                    ..Step::default()
+                }
+            }
+            Piece::Line([a, b]) => Step {
+                cells: line_cells(self.place(a), self.place(b), ink),
+                marks: vec![Mark::Line(self.place(a), self.place(b), Tone::Focus)],
+                says: format!("Line {}: from vertex {a} to vertex {b}.", number + 1),
+                state: vec![pair("vertices", format!("{a}, {b}"))],
+            },
+            Piece::Triangle(corners) => self.triangle_step(number, corners),
+        }
+    }
+
+    fn triangle_step(&self, piece: usize, corners: [usize; 3]) -> Step {
+        let places = corners.map(|corner| self.place(corner));
+        let area = (places[1] - places[0]).perp_dot(places[2] - places[0]) / 2.0;
+        let turn = match area {
+            area if area > 0.0 => "clockwise ↻",
+            area if area < 0.0 => "counter-clockwise ↺",
+            _ => "no area",
+        };
+        let middle = (places[0] + places[1] + places[2]) / 3.0;
+        let (width, height) = SIZE;
+        let filling = Filling {
+            rule: InsideRule::EvenOdd,
+            corners: Corners::AsGiven,
+            sample: SamplePoint::Center,
+            width,
+            height,
+        };
+        let spans = fill(&[places.to_vec()], filling);
+        let pixels = spans.flat_map(|span| (span.x0..span.x1).map(move |x| (i64::from(x), i64::from(span.y))));
+        Step {
+            cells: pixels.map(|pixel| cell(pixel, Ink::Group(piece))).collect(),
+            marks: vec![
+                Mark::Outline(places.to_vec(), Tone::Focus),
+                Mark::Text(middle, (piece + 1).to_string(), Tone::Focus),
+            ],
+            says: format!(
+                "Triangle {}: vertices {}, {}, {}, {turn} on the screen.",
+                piece + 1,
+                corners[0],
+                corners[1],
+                corners[2]
+            ),
+            state: vec![
+                pair("vertices", format!("{}, {}, {}", corners[0], corners[1], corners[2])),
+                pair("turns", turn),
+                pair("signed area", format!("{} px²", number(area, 2))),
+            ],
+        }
+    }
+
+    pub(super) fn walk(&self) -> usize {
+        pieces(self.kind.primitive(), self.vertices.len()).len()
+    }
+
+    pub(super) fn explanation(&self) -> &'static str {
+        match self.kind {
+            PrimitiveKind::Points | PrimitiveKind::Lines | PrimitiveKind::LineStrip | PrimitiveKind::LineLoop => {
+                "All primitives are read from one list of vertices. Strips and loops share vertices between neighbours, so n vertices give n − 1 \
+                 or n lines instead of n / 2, and each vertex is transformed once."
+            }
+            PrimitiveKind::Triangles | PrimitiveKind::TriangleStrip | PrimitiveKind::TriangleFan => {
+                "Triangles are always flat and convex, which is why everything becomes triangles in the end. A strip of n triangles needs n + 2 \
+                 vertices instead of 3n; as each new vertex lies on the other side, every second triangle is turned around so that all face the same \
+                 way. The number in each is its place in the order; the state says which way it turns."
+            }
+            PrimitiveKind::Quads | PrimitiveKind::QuadStrip | PrimitiveKind::Polygon => {
+                "More than three corners are drawn as a fan of triangles. That covers the outline only if it is simple (no two sides cross), convex \
+                 (no dent) and flat (all corners in one plane). Try the presets: in a dent the fan spills out, where sides cross it folds over itself, \
+                 and off the plane another choice of triangles gives another surface."
+            }
+        }
+    }
+
+    pub(super) fn handles(&self) -> Vec<DVec2> {
+        self.vertices.iter().map(|vertex| vertex.truncate()).collect()
+    }
+
+    pub(super) fn move_handle(&mut self, handle: usize, to: DVec2) {
+        let place = (to * 2.0).round() / 2.0;
+        if let Some(vertex) = self.vertices.get_mut(handle) {
+            (vertex.x, vertex.y) = (place.x, place.y);
+        }
+    }
+}
+
+/// The pixels whose centres are nearest to a line between two places in px.
+fn line_cells(from: DVec2, to: DVec2, ink: Ink) -> Vec<Cell> {
+    real_line(from - 0.5, to - 0.5).into_iter().flatten().map(|pixel| cell(pixel, ink)).collect()
+}
+
+/// What an outline is, in words.
+fn in_words(Verdict { simple, convex, flat }: Verdict) -> String {
+    let mut words = Vec::new();
+    words.push(if simple { "simple" } else { "crosses itself" });
+    if simple {
+        words.push(if convex { "convex" } else { "concave" });
+    }
+    words.push(if flat { "flat" } else { "not flat" });
+    let right = simple && convex && flat;
+    format!("{}: {}", words.join(", "), if right { "a fan covers it" } else { "a fan does not stand for it" })
+}

@@ -1,0 +1,367 @@
+//! From a shape or pattern without pixels to pixels: where aliasing comes from and what helps.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::DVec2;
+
+use super::recording::{Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
+use crate::antialias::area::triangle_area;
+use crate::antialias::weight::{Weight, weighted_coverage};
+use crate::flat2d::convolve::{BLUR, MOTION, Mask, SHARPEN, convolve, convolve_at};
+use crate::image::Image;
+use crate::pipeline::settings::{Choice, choice};
+
+choice! {
+    /// What is sampled.
+    SamplingScene {
+        Edge = "edge", "An edge", "A straight edge at any angle, whose true area in each pixel is known.";
+        ZonePlate = "zone-plate", "Zone plate", "Rings that get finer outwards: beyond half the radius they are finer than two pixels.";
+        ChessBoard = "chess-board", "Receding chess board", "Squares that shrink towards the horizon.";
+        Wheel = "wheel", "Turning wheel", "Eight spokes; each step is one frame of a film.";
+    }
+}
+
+choice! {
+    /// How a pixel gets its value.
+    SamplingMethod {
+        Point = "point", "One point", "The value at the pixel's centre.";
+        Grid = "grid", "n × n points", "The mean of a regular grid of points in the pixel.";
+        Jittered = "jittered", "n × n, jittered", "The same, each point moved at random in its cell: patterns become noise.";
+        AreaBox = "area-box", "Area, box", "The share of the pixel that is covered.";
+        AreaPyramid = "area-pyramid", "Area, pyramid", "What is near the centre counts more; reaches into the neighbours.";
+        AreaCone = "area-cone", "Area, cone", "The same without a preferred direction.";
+        Blur = "blur", "One point, then blur", "The point-sampled picture convolved with a 3 × 3 mask: cheap, and details are lost.";
+        Sharpen = "sharpen", "One point, then sharpen", "A mask with negative weights around the middle.";
+        Motion = "motion", "One point, then motion blur", "A mask along a diagonal, as a movement during the exposure.";
+    }
+}
+
+impl SamplingMethod {
+    fn mask(self) -> Option<&'static Mask> {
+        match self {
+            Self::Blur => Some(&BLUR),
+            Self::Sharpen => Some(&SHARPEN),
+            Self::Motion => Some(&MOTION),
+            _ => None,
+        }
+    }
+
+    fn weight(self) -> Option<Weight> {
+        match self {
+            Self::AreaBox => Some(Weight::Box),
+            Self::AreaPyramid => Some(Weight::Pyramid),
+            Self::AreaCone => Some(Weight::Cone),
+            _ => None,
+        }
+    }
+}
+
+/// Columns and rows of the grid.
+const SIZE: (u32, u32) = (48, 36);
+
+/// Points each way that stand for an area where it is not computed.
+const DENSE: u32 = 12;
+
+/// Points each way that stand for the truth where it has no formula.
+const TRUTH: u32 = 24;
+
+/// Frames of the film of the wheel.
+const FRAMES: u32 = 48;
+
+/// Spokes of the wheel.
+const SPOKES: f64 = 8.0;
+
+/// A scene and how it is sampled.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SamplingLesson {
+    /// What is sampled.
+    pub scene: SamplingScene,
+    /// How.
+    pub method: SamplingMethod,
+    /// Points each way.
+    pub points: u32,
+    /// Direction of the edge, degrees.
+    pub angle_degrees: f32,
+    /// A point of the edge, or the middle of the pattern, px.
+    pub middle: DVec2,
+    /// Turns of the wheel per frame.
+    pub turns_per_frame: f32,
+    /// The pixel whose numbers are shown.
+    pub chosen: (u32, u32),
+}
+
+impl Default for SamplingLesson {
+    fn default() -> Self {
+        Self {
+            scene: SamplingScene::Edge,
+            method: SamplingMethod::Grid,
+            points: 4,
+            angle_degrees: 20.0,
+            middle: DVec2::new(24.0, 18.0),
+            turns_per_frame: 0.115,
+            chosen: (26, 18),
+        }
+    }
+}
+
+impl SamplingLesson {
+    /// The value of the scene at a place, in [0, 1]; `turn` of the wheel in full turns.
+    fn value(&self, place: DVec2, turn: f64) -> f64 {
+        let from_middle = place - self.middle;
+        match self.scene {
+            SamplingScene::Edge => f64::from(from_middle.dot(self.normal()) >= 0.0),
+            SamplingScene::ZonePlate => {
+                // Local frequency is twice this times the radius: half a cycle per pixel at a third of the width.
+                let chirp = 0.25 / (f64::from(SIZE.0) / 3.0);
+                0.5 + 0.5 * (TAU * chirp * from_middle.length_squared()).cos()
+            }
+            SamplingScene::ChessBoard => {
+                let below = place.y - (self.middle.y - 0.35 * f64::from(SIZE.1));
+                if below <= 0.0 {
+                    return 0.5;
+                }
+                let distance = 40.0 / below;
+                let square = (from_middle.x * distance / 9.0).floor() + (distance * 3.0).floor();
+                square.rem_euclid(2.0)
+            }
+            SamplingScene::Wheel => {
+                let radius = from_middle.length();
+                let spoke = (from_middle.to_angle() / TAU - turn) * SPOKES;
+                let rim = (14.5..16.0).contains(&radius) || radius < 2.0;
+                f64::from(rim || radius < 14.5 && spoke.rem_euclid(1.0) < 0.3)
+            }
+        }
+    }
+
+    /// Across the edge, towards what is set.
+    fn normal(&self) -> DVec2 {
+        DVec2::from_angle(f64::from(self.angle_degrees).to_radians()).perp()
+    }
+
+    /// The half-plane of the edge as a square far larger than the grid.
+    fn half_plane(&self) -> [DVec2; 4] {
+        const FAR: f64 = 1_000.0;
+        let (normal, along) = (self.normal() * FAR, self.normal().perp() * FAR);
+        [self.middle - along, self.middle + along, self.middle + along + normal, self.middle - along + normal]
+    }
+
+    /// The mean of `count` × `count` points, in a jittered grid if asked for.
+    fn mean(&self, (x, y): (u32, u32), count: u32, jittered: bool, turn: f64) -> f64 {
+        let mut random = fastrand::Rng::with_seed(u64::from(y * SIZE.0 + x));
+        let mut offset = |cell: u32| {
+            let within = if jittered { random.f64() } else { 0.5 };
+            (f64::from(cell) + within) / f64::from(count)
+        };
+        let mut sum = 0.0;
+        for (row, column) in (0..count).flat_map(|row| (0..count).map(move |column| (row, column))) {
+            sum += self.value(DVec2::new(f64::from(x) + offset(column), f64::from(y) + offset(row)), turn);
+        }
+        sum / f64::from(count * count)
+    }
+
+    /// The weighted mean over the filter around a pixel.
+    fn weighted(&self, (x, y): (u32, u32), weight: Weight, turn: f64) -> f64 {
+        let center = DVec2::new(x.into(), y.into()) + 0.5;
+        if self.scene == SamplingScene::Edge {
+            return weighted_coverage(&self.half_plane(), center, weight);
+        }
+        let count = DENSE * 2;
+        let at = |i: u32| ((f64::from(i) + 0.5) / f64::from(count) * 2.0 - 1.0) * weight.radius_px();
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for (row, column) in (0..count).flat_map(|row| (0..count).map(move |column| (row, column))) {
+            let place = DVec2::new(at(column), at(row));
+            let height = weight.at(place);
+            whole += height;
+            if height > 0.0 {
+                sum += height * self.value(center + place, turn);
+            }
+        }
+        sum / whole
+    }
+
+    /// The picture that a method makes at one moment.
+    fn picture(&self, method: SamplingMethod, turn: f64) -> Image<f64> {
+        if let Some(mask) = method.mask() {
+            return convolve(&self.picture(SamplingMethod::Point, turn), mask);
+        }
+        Image::from_fn(SIZE.0, SIZE.1, |x, y| match (method.weight(), method) {
+            (Some(weight), _) => self.weighted((x, y), weight, turn),
+            (None, SamplingMethod::Grid) => self.mean((x, y), self.points, false, turn),
+            (None, SamplingMethod::Jittered) => self.mean((x, y), self.points, true, turn),
+            (None, _) => self.mean((x, y), 1, false, turn),
+        })
+    }
+
+    /// Mean value of each pixel's square: by exact areas for the edge, by many points for the others.
+    fn truth(&self) -> Image<f64> {
+        if self.scene != SamplingScene::Edge {
+            return Image::from_fn(SIZE.0, SIZE.1, |x, y| self.mean((x, y), TRUTH, false, 0.0));
+        }
+        let [a, b, c, d] = self.half_plane();
+        let mut truth = Image::filled(SIZE.0, SIZE.1, 0.0);
+        for (x, y, area) in
+            [[a, b, c], [a, c, d]].into_iter().flat_map(|corners| triangle_area(corners, SIZE.0, SIZE.1))
+        {
+            truth.set(x, y, truth.at(x, y) + area);
+        }
+        truth
+    }
+
+    pub(super) fn record(&self) -> Recording {
+        let mut recording = Recording::new(SIZE);
+        if self.scene == SamplingScene::Wheel {
+            recording.collect((0..FRAMES).map(|frame| self.frame_step(frame)));
+            let true_turns = f64::from(self.turns_per_frame);
+            // Spokes look alike, so a movement is seen as the nearest one to none.
+            let per_spoke = (true_turns * SPOKES + 0.5).rem_euclid(1.0) - 0.5;
+            recording.fact("turns per frame", number(true_turns, 3));
+            recording.fact("seen as turning", number(per_spoke / SPOKES, 3));
+            recording.fact("fastest seen right", format!("{} per frame", number(0.5 / SPOKES, 4)));
+            return recording;
+        }
+        let (picture, truth) = (self.picture(self.method, 0.0), self.truth());
+        recording.collect((0..SIZE.1).map(|y| self.row_step(y, &picture, &truth)));
+        if self.scene == SamplingScene::Edge {
+            let along = self.normal().perp() * 100.0;
+            recording.figure.push(Mark::Line(self.middle - along, self.middle + along, Tone::Ideal));
+        }
+        let (x, y) = self.chosen;
+        let corner = DVec2::new(x.into(), y.into());
+        recording.figure.push(Mark::Outline(
+            [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|c| corner + DVec2::from(c)).to_vec(),
+            Tone::B,
+        ));
+        recording.fact("root mean square error", number(root_mean_square(&picture, &truth), 5));
+        recording.fact("sum of the picture", number(picture.pixels().iter().sum(), 2));
+        recording.fact("true sum", number(truth.pixels().iter().sum(), 2));
+        self.tell_chosen(&mut recording, &picture, &truth);
+        recording
+    }
+
+    /// The numbers of the chosen pixel.
+    fn tell_chosen(&self, recording: &mut Recording, picture: &Image<f64>, truth: &Image<f64>) {
+        let (x, y) = self.chosen;
+        recording.facts.push((format!("pixel ({x}, {y})"), number(picture.at(x, y), 5)));
+        recording.fact("its true area", number(truth.at(x, y), 5));
+        if let Some(mask) = self.method.mask() {
+            let (_, parts) = convolve_at(&self.picture(SamplingMethod::Point, 0.0), mask, self.chosen);
+            for (row, three) in parts.chunks(3).enumerate() {
+                let terms: Vec<_> = three
+                    .iter()
+                    .map(|(weight, value)| format!("{} × {}", number(*weight, 3), number(*value, 2)))
+                    .collect();
+                recording.facts.push((format!("mask, row {}", row + 1), terms.join(" + ")));
+            }
+        }
+    }
+
+    fn row_step(&self, y: u32, picture: &Image<f64>, truth: &Image<f64>) -> Step {
+        let off = (0..SIZE.0).map(|x| (picture.at(x, y) - truth.at(x, y)).abs()).fold(0.0, f64::max);
+        Step {
+            cells: (0..SIZE.0)
+                .map(|x| cell((x.into(), y.into()), Ink::Share(picture.at(x, y).clamp(0.0, 1.0))))
+                .collect(),
+            marks: self.sample_marks(y),
+            says: format!("Row {y}: the worst pixel is off by {} of full.", number(off, 3)),
+            state: vec![pair("row", y.to_string()), pair("greatest error", number(off, 5))],
+        }
+    }
+
+    /// The points that are asked in the row's chosen column.
+    fn sample_marks(&self, y: u32) -> Vec<Mark> {
+        let x = self.chosen.0;
+        let corner = DVec2::new(x.into(), y.into());
+        let count = match self.method {
+            SamplingMethod::Grid => self.points,
+            _ if self.method.weight().is_some() || self.method == SamplingMethod::Jittered => return Vec::new(),
+            _ => 1,
+        };
+        let at = |i: u32| (f64::from(i) + 0.5) / f64::from(count);
+        let points = (0..count).flat_map(|row| (0..count).map(move |column| DVec2::new(at(column), at(row))));
+        points.map(|point| Mark::Dot(corner + point, Tone::Weak)).collect()
+    }
+
+    fn frame_step(&self, frame: u32) -> Step {
+        let turn = f64::from(frame) * f64::from(self.turns_per_frame);
+        let picture = self.picture(self.method, turn);
+        let places = (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y)));
+        let spoke = DVec2::from_angle((turn + 0.15 / SPOKES) * TAU) * 14.5;
+        Step {
+            cells: places
+                .map(|(x, y)| cell((x.into(), y.into()), Ink::Share(picture.at(x, y).clamp(0.0, 1.0))))
+                .collect(),
+            marks: vec![Mark::Line(self.middle, self.middle + spoke, Tone::Focus)],
+            says: format!("Frame {frame}: the marked spoke has turned {} times.", number(turn, 3)),
+            state: vec![
+                pair("frame", frame.to_string()),
+                pair("turns", number(turn, 3)),
+                pair("angle", format!("{}°", number((turn.fract() * 2.0 * PI).to_degrees(), 1))),
+            ],
+        }
+    }
+
+    pub(super) fn walk(&self) -> usize {
+        self.picture(self.method, 0.0).pixels().len()
+    }
+
+    pub(super) fn explanation(&self) -> &'static str {
+        match self.scene {
+            SamplingScene::Edge => {
+                "One point per pixel makes stairs: the pixel is all or nothing. The right value is the area covered. More points come closer to it, \
+                 with n² + 1 levels of grey for n × n points in general and fewer for an edge along the grid; jittered points have no bad angles but \
+                 noise. Area sampling needs no points at all. Turn the edge to nearly level and compare, then look at blur: smooth, but wider than it should be."
+            }
+            SamplingScene::ZonePlate => {
+                "Towards the rim the rings are finer than two pixels. A pattern needs more than two samples per wave; with fewer, a coarser wave \
+                 fits the samples just as well, and that is what one sees: rings that are not there. Supersampling moves the limit outwards by n; \
+                 blurring afterwards cannot tell false rings from true ones."
+            }
+            SamplingScene::ChessBoard => {
+                "Towards the horizon the squares shrink below a pixel and moiré appears: large patterns that do not exist. With area sampling the far \
+                 squares fade to grey, which is the right mean. This is why textures seen from afar are filtered."
+            }
+            SamplingScene::Wheel => {
+                "Frames sample time as pixels sample space. With eight equal spokes a wheel that turns more than a sixteenth per frame seems to turn \
+                 slower, stand still, or run backwards. Follow the marked spoke with single steps, then play. More points per pixel do not help: more \
+                 frames, or a longer exposure, would."
+            }
+        }
+    }
+
+    pub(super) fn handles(&self) -> Vec<DVec2> {
+        vec![self.middle]
+    }
+
+    pub(super) fn move_handle(&mut self, _: usize, to: DVec2) {
+        self.middle = (to * 4.0).round() / 4.0;
+    }
+
+    /// Chooses the pixel whose numbers are shown; places outside of the grid are ignored.
+    pub fn choose(&mut self, (x, y): (u32, u32)) {
+        if x < SIZE.0 && y < SIZE.1 {
+            self.chosen = (x, y);
+        }
+    }
+
+    /// All methods on the present scene.
+    pub(super) fn compare(&self) -> Comparison {
+        let truth = self.truth();
+        let rivals = SamplingMethod::ALL.iter().map(|method| {
+            let error = root_mean_square(&self.picture(*method, 0.0), &truth);
+            Rival { name: method.name(), error, time: time_of(|| self.picture(*method, 0.0).pixels().len()) }
+        });
+        let task = format!(
+            "{} on {} × {} px, {} points each way",
+            self.scene.name().to_lowercase(),
+            SIZE.0,
+            SIZE.1,
+            self.points
+        );
+        Comparison { task, error: "root mean square error", rivals: rivals.collect() }
+    }
+}
+
+fn root_mean_square(picture: &Image<f64>, truth: &Image<f64>) -> f64 {
+    let sum: f64 = picture.pixels().iter().zip(truth.pixels()).map(|(a, b)| (a - b).powi(2)).sum();
+    (sum / truth.pixels().len() as f64).sqrt()
+}

@@ -1,0 +1,200 @@
+//! What holds for every page, and what single pages must show.
+
+use std::collections::HashSet;
+
+use super::recording::{Ink, Recording};
+use super::*;
+use crate::flat2d::line::midpoint_line;
+use crate::lab::lines::LineMethod;
+use crate::lab::polygons::{PolygonMethod, PolygonPreset};
+use crate::lab::sampling::{SamplingMethod, SamplingScene};
+use crate::lab::seed_fills::{FillOrder, Neighbours, Paint, SeedFillPreset};
+use crate::lab::triangles::TriangleView;
+use crate::pipeline::settings::{FillRule, Rasterizer};
+
+fn fact<'a>(recording: &'a Recording, name: &str) -> &'a str {
+    let found = recording.facts.iter().find(|(known, _)| known == name);
+    &found.unwrap_or_else(|| panic!("no {name} in {:?}", recording.facts)).1
+}
+
+fn pixels(recording: &Recording) -> HashSet<(i64, i64)> {
+    recording.steps.iter().flat_map(|step| &step.cells).map(|cell| (cell.x, cell.y)).collect()
+}
+
+#[test]
+fn every_page_has_steps_that_tell_what_they_do() {
+    for page in Page::ALL {
+        let lesson = Lesson::new(*page);
+        assert_eq!(lesson.page(), *page);
+        let recording = lesson.record();
+        assert!(recording.steps.len() > 5, "{page:?}");
+        for step in &recording.steps {
+            assert!(step.says.ends_with('.') && !step.state.is_empty(), "{page:?}: {step:?}");
+        }
+        assert!(lesson.explanation().len() > 150 && lesson.walk() > 0 && !recording.facts.is_empty(), "{page:?}");
+        assert!(!lesson.explanation().contains("  "), "{page:?}");
+        let all = recording.cells(usize::MAX).count();
+        assert!(recording.cells(1).count() < all && recording.cells(0).count() == recording.ground.len());
+        let drawing = drawing::drawing(&recording, recording.steps.len());
+        assert!(drawing.shapes.len() > all / 2);
+    }
+}
+
+#[test]
+fn handles_move_to_where_they_are_dragged_and_never_break_a_page() {
+    let mut random = fastrand::Rng::with_seed(11);
+    for page in Page::ALL {
+        let mut lesson = Lesson::new(*page);
+        for _ in 0..60 {
+            let handles = lesson.handles();
+            let handle = random.usize(0..handles.len());
+            let to = DVec2::new(f64::from(random.i32(-10..50)) + 0.5, f64::from(random.i32(-10..40)) + 0.5);
+            lesson.move_handle(handle, to);
+            let recording = lesson.record();
+            assert!(recording.steps.iter().all(|step| !step.says.is_empty()));
+        }
+    }
+}
+
+#[test]
+fn all_line_methods_show_the_line_between_whole_ends() {
+    let expected: HashSet<_> = midpoint_line((3, 4), (31, 16)).collect();
+    for method in LineMethod::ALL.iter().filter(|method| method.weight().is_none()) {
+        let recording = LineLesson { method: *method, ..LineLesson::default() }.record();
+        let found = pixels(&recording);
+        let beside = found.difference(&expected).count();
+        assert!(beside <= 2 || *method == LineMethod::Distance, "{method:?}: {beside}");
+    }
+    let drift = |method| {
+        fact(&LineLesson { method, ..LineLesson::default() }.record(), "drift if 1000 times as long").replace('−', "-")
+    };
+    let px = |method| drift(method).trim_end_matches(" px").parse::<f64>().unwrap().abs();
+    assert!(px(LineMethod::Addition) > 5.0 * px(LineMethod::Intersection), "{}", drift(LineMethod::Addition));
+    let open = LineLesson { last_pixel: false, ..LineLesson::default() }.record();
+    assert_eq!(pixels(&open).len() + 1, expected.len());
+    for method in [LineMethod::AreaBox, LineMethod::AreaPyramid, LineMethod::AreaCone] {
+        let recording = LineLesson { method, ..LineLesson::default() }.record();
+        let sum: f64 = fact(&recording, "sum of shares").parse().unwrap();
+        let length = DVec2::new(28.0, 12.0).length();
+        assert!((sum / length - 1.0).abs() < 0.02, "{method:?}: {sum} of {length}");
+    }
+}
+
+#[test]
+fn a_clipped_line_stays_in_its_frame() {
+    let ends = [DVec2::new(-20.0, -3.0), DVec2::new(60.0, 30.0)];
+    let clipped = LineLesson { ends, clip: true, ..LineLesson::default() }.record();
+    let found = pixels(&clipped);
+    assert!(!found.is_empty() && found.iter().all(|(x, y)| (4..32).contains(x) && (4..18).contains(y)), "{found:?}");
+    let beside = LineLesson { ends: [DVec2::ZERO, DVec2::X * 9.0], clip: true, ..LineLesson::default() }.record();
+    assert!(beside.steps.is_empty() && fact(&beside, "pixels").contains("misses"));
+}
+
+#[test]
+fn the_middle_of_the_star_is_inside_by_one_rule_only() {
+    let has_middle = |method| {
+        let lesson = PolygonLesson { contours: PolygonPreset::Star.contours(), method, ..PolygonLesson::default() };
+        pixels(&lesson.record()).contains(&(16, 12))
+    };
+    assert!(!has_middle(PolygonMethod::EvenOdd) && has_middle(PolygonMethod::NonZero));
+}
+
+#[test]
+fn corners_are_added_to_the_nearest_side_and_removed_by_their_handle() {
+    let mut lesson = PolygonLesson { contours: PolygonPreset::Hole.contours(), ..PolygonLesson::default() };
+    lesson.add_corner(DVec2::new(16.0, 1.0));
+    assert_eq!(lesson.contours[0][1], DVec2::new(16.0, 1.0));
+    lesson.remove_corner(1);
+    assert_eq!(lesson.contours, PolygonPreset::Hole.contours());
+    (0..8).for_each(|_| lesson.remove_corner(0));
+    assert!(lesson.contours.is_empty());
+    assert_eq!(lesson.record().steps.len(), 0);
+    lesson.add_corner(DVec2::ONE);
+    lesson.add_contour();
+    assert_eq!(lesson.contours.iter().map(Vec::len).collect::<Vec<_>>(), [1, 3]);
+}
+
+#[test]
+fn both_failures_of_seed_fill_are_presets() {
+    let filled = |preset: SeedFillPreset, neighbours| {
+        let (grid, seed) = preset.grid();
+        let [spans, by_pixels] = [FillOrder::Spans, FillOrder::Pixels].map(|order| {
+            let lesson = SeedFillLesson { grid: grid.clone(), seed, neighbours, order, ..SeedFillLesson::default() };
+            pixels(&lesson.record())
+        });
+        assert_eq!(spans, by_pixels);
+        (spans, grid)
+    };
+    let (four, grid) = filled(SeedFillPreset::DiagonalWall, Neighbours::Four);
+    let (eight, _) = filled(SeedFillPreset::DiagonalWall, Neighbours::Eight);
+    let paper = grid.pixels().iter().filter(|paint| **paint == Paint::Paper).count();
+    assert!(four.iter().all(|(x, y)| x + y < 22) && eight.len() == paper, "leaks");
+    let (four, grid) = filled(SeedFillPreset::DiagonalRegion, Neighbours::Four);
+    let (eight, _) = filled(SeedFillPreset::DiagonalRegion, Neighbours::Eight);
+    let paper = grid.pixels().iter().filter(|paint| **paint == Paint::Paper).count();
+    assert!(four.len() < paper / 2 && eight.len() == paper, "misses: {} and {} of {paper}", four.len(), eight.len());
+}
+
+#[test]
+fn a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others() {
+    // The shared side runs from (25.5, 7.5) to (9.5, 23.5), through a centre in every row.
+    let mut lesson = TriangleLesson::default();
+    lesson.corners[2] = DVec2::new(9.5, 23.5);
+    let told = |rule| {
+        let recording = TriangleLesson { rule, ..lesson.clone() }.record();
+        [fact(&recording, "drawn twice"), fact(&recording, "missed along the shared side")]
+            .map(|n| n.parse::<u32>().unwrap())
+    };
+    assert_eq!(told(FillRule::TopLeft), [0, 0]);
+    assert!(told(FillRule::Inclusive)[0] > 10 && told(FillRule::Exclusive)[1] > 10);
+}
+
+#[test]
+fn comparisons_name_what_is_wrong_and_find_the_sound_ones_right() {
+    for page in Page::ALL {
+        let Some(comparison) = Lesson::new(*page).compare() else { continue };
+        assert!(comparison.rivals.len() > 2, "{page:?}");
+        assert!(
+            comparison.rivals.iter().all(|rival| rival.error.is_finite() && !rival.time.is_zero()),
+            "{comparison:?}"
+        );
+    }
+    let error = |comparison: &Comparison, name: &str| comparison.rivals.iter().find(|r| r.name == name).unwrap().error;
+    let lines = Lesson::new(Page::Lines).compare().unwrap();
+    assert!(error(&lines, LineMethod::Exact.name()) <= 0.5 && error(&lines, LineMethod::Midpoint.name()) <= 0.5);
+    let triangles = Lesson::new(Page::Triangles).compare().unwrap();
+    for rasterizer in Rasterizer::sound() {
+        assert_eq!(error(&triangles, rasterizer.name()), 0.0, "{rasterizer:?}");
+    }
+    assert!(error(&triangles, Rasterizer::ScanlinePublished.name()) > 0.0);
+    let polygons = Lesson::new(Page::Polygons).compare().unwrap();
+    assert_eq!(error(&polygons, "Active edges"), 0.0);
+    let sampling = Lesson::new(Page::Sampling).compare().unwrap();
+    let by = |method: SamplingMethod| error(&sampling, method.name());
+    assert!(
+        by(SamplingMethod::AreaBox) < by(SamplingMethod::Grid) && by(SamplingMethod::Grid) < by(SamplingMethod::Point)
+    );
+}
+
+#[test]
+fn sides_and_weights_of_a_triangle_are_those_of_its_edge_functions() {
+    let lesson = TriangleLesson { view: TriangleView::EdgeB, ..TriangleLesson::default() };
+    let recording = lesson.record();
+    let positive: HashSet<_> =
+        recording.ground.iter().filter(|cell| cell.ink == Ink::Side(true)).map(|cell| (cell.x, cell.y)).collect();
+    assert!(pixels(&recording).is_subset(&positive) && positive.len() > pixels(&recording).len());
+    let rows = TriangleLesson { view: TriangleView::Rows, ..TriangleLesson::default() }.record();
+    let greatest: f64 = fact(&rows, "greatest difference").replace('−', "-").parse().unwrap();
+    assert!(greatest < 1e-6, "{greatest}");
+}
+
+#[test]
+fn a_wheel_that_turns_by_a_spoke_a_frame_seems_to_stand() {
+    let scene = SamplingScene::Wheel;
+    let lesson = SamplingLesson { scene, turns_per_frame: 0.125, ..SamplingLesson::default() };
+    let recording = lesson.record();
+    assert_eq!(fact(&recording, "seen as turning"), "0.000");
+    assert_eq!(recording.steps[0].cells, recording.steps[1].cells);
+    let backwards = SamplingLesson { turns_per_frame: 0.115, ..lesson }.record();
+    assert_eq!(fact(&backwards, "seen as turning"), "−0.010");
+}

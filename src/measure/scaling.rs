@@ -1,0 +1,312 @@
+//! What a frame costs against what it is of: triangles, pixels, layers over each other, threads.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::ThreadPool;
+use serde::Serialize;
+use thiserror::Error;
+
+use super::timing::{Summary, summarize};
+use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::Scene;
+use crate::scene::builtin::workload::{layers, sheet};
+
+/// What varies from point to point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Triangles of a sheet that fills most of the picture.
+    Triangles,
+    /// Pixels of a picture that one textured square fills.
+    Pixels,
+    /// Squares behind each other, the farthest drawn first.
+    Layers,
+    /// Threads that draw the sheet.
+    Threads,
+}
+
+impl Quantity {
+    /// All, in the order of the report.
+    pub const ALL: [Self; 4] = [Self::Triangles, Self::Pixels, Self::Layers, Self::Threads];
+
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Triangles => "triangles",
+            Self::Pixels => "pixels",
+            Self::Layers => "layers",
+            Self::Threads => "threads",
+        }
+    }
+}
+
+/// What is measured.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// What everything is drawn with.
+    pub recipe: Recipe,
+    /// Size of the pictures where that does not vary.
+    pub viewport: Viewport,
+    /// Numbers of triangles.
+    pub triangles: Vec<usize>,
+    /// Sizes of pictures.
+    pub sizes: Vec<Viewport>,
+    /// Numbers of layers.
+    pub layers: Vec<usize>,
+    /// Numbers of threads, with the last of which everything else is drawn.
+    pub threads: Vec<usize>,
+    /// Triangles of the sheet that threads share.
+    pub shared_triangles: usize,
+    /// Rounds that count.
+    pub rounds: usize,
+}
+
+impl Plan {
+    /// From 10³ triangles to `most_triangles` in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1 to 64 layers, one thread to
+    /// `threads` ≥ 1.
+    pub fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
+        let powers = (3..=9).map(|power| 10_usize.pow(power)).take_while(|n| *n <= most_triangles);
+        let size = |(width, height)| Viewport { width, height };
+        let sizes = [(320, 180), (640, 360), (1280, 720), (1920, 1080), (2560, 1440), (3840, 2160)];
+        Self {
+            recipe,
+            viewport: size((1280, 720)),
+            triangles: powers.collect(),
+            sizes: sizes.map(size).into(),
+            layers: (0..=6).map(|power| 1 << power).collect(),
+            threads: (1..=threads.max(1)).collect(),
+            shared_triangles: 100_000,
+            rounds,
+        }
+    }
+}
+
+/// What a frame cost at one value.
+#[derive(Clone, Debug, Serialize)]
+pub struct Point {
+    /// How many.
+    pub value: f64,
+    /// Milliseconds of a frame.
+    pub ms: Summary,
+    /// Bytes of the frame, of what the renderer keeps, and of meshes and textures.
+    pub bytes: usize,
+}
+
+/// What a frame costs against one quantity.
+#[derive(Clone, Debug, Serialize)]
+pub struct Series {
+    /// What varies.
+    pub quantity: Quantity,
+    /// By rising value.
+    pub points: Vec<Point>,
+}
+
+/// A frame's cost as a fixed part and one that grows with the quantity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Line {
+    /// Milliseconds at none of it.
+    pub fixed_ms: f64,
+    /// Nanoseconds for each one.
+    pub ns_each: f64,
+}
+
+impl Line {
+    /// Where both parts are equal: below, cost hardly depends on the quantity; above, it is proportional to it.
+    pub fn bend(&self) -> f64 {
+        self.fixed_ms * 1e6 / self.ns_each
+    }
+}
+
+impl Series {
+    /// The line through the first point and the last, if cost rises at all.
+    pub fn line(&self) -> Option<Line> {
+        let (first, last) = (self.points.first()?, self.points.last()?);
+        let ms_each = (last.ms.median - first.ms.median) / (last.value - first.value);
+        let fixed_ms = (first.ms.median - ms_each * first.value).max(0.0);
+        (ms_each > 0.0 && ms_each.is_finite()).then_some(Line { fixed_ms, ns_each: ms_each * 1e6 })
+    }
+}
+
+/// Everything.
+#[derive(Clone, Debug, Serialize)]
+pub struct Scaling {
+    /// Size of the pictures where that does not vary.
+    pub size: [u32; 2],
+    /// Threads where their number does not vary.
+    pub threads: usize,
+    /// Rounds that counted.
+    pub rounds: usize,
+    /// One series for each quantity.
+    pub series: Vec<Series>,
+}
+
+/// Why nothing was measured.
+#[derive(Debug, Error)]
+pub enum ScalingError {
+    /// It was cancelled.
+    #[error("measuring was cancelled")]
+    Cancelled,
+    /// The system gives no threads.
+    #[error("threads cannot be started: {0}")]
+    Threads(#[from] rayon::ThreadPoolBuildError),
+}
+
+/// One point that is being measured.
+struct Run<'a> {
+    value: f64,
+    scene: Arc<Scene>,
+    viewport: Viewport,
+    pool: &'a ThreadPool,
+    renderer: Renderer,
+    ms: Vec<f64>,
+    bytes: usize,
+}
+
+/// Measures everything; the points of a series in turn, in rounds, after one that does not count. `progress` hears what is
+/// measured, and the share of it that is done.
+pub fn measure(plan: &Plan, progress: &dyn Fn(Quantity, f32), cancel: &AtomicBool) -> Result<Scaling, ScalingError> {
+    let pool = |threads: &usize| rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
+    let pools = plan.threads.iter().map(pool).collect::<Result<Vec<_>, _>>()?;
+    let mut series = Vec::new();
+    for quantity in Quantity::ALL {
+        let mut runs = runs(plan, quantity, &pools);
+        for round in 0..=plan.rounds {
+            for run in &mut runs {
+                if cancel.load(Ordering::Relaxed) {
+                    return Err(ScalingError::Cancelled);
+                }
+                let ms = run.draw(&plan.recipe);
+                if round > 0 {
+                    run.ms.push(ms);
+                }
+            }
+            progress(quantity, (round + 1) as f32 / (plan.rounds + 1) as f32);
+        }
+        let point = |run: Run<'_>| Some(Point { value: run.value, ms: summarize(&run.ms)?, bytes: run.bytes });
+        series.push(Series { quantity, points: runs.into_iter().filter_map(point).collect() });
+    }
+    Ok(Scaling {
+        size: [plan.viewport.width, plan.viewport.height],
+        threads: plan.threads.last().copied().unwrap_or(1),
+        rounds: plan.rounds,
+        series,
+    })
+}
+
+fn runs<'a>(plan: &Plan, quantity: Quantity, pools: &'a [ThreadPool]) -> Vec<Run<'a>> {
+    let Some(most) = pools.last() else { return Vec::new() };
+    let run = |value: f64, scene: Arc<Scene>, viewport: Viewport, pool: &'a ThreadPool| Run {
+        value,
+        scene,
+        viewport,
+        pool,
+        renderer: Renderer::default(),
+        ms: Vec::with_capacity(plan.rounds),
+        bytes: 0,
+    };
+    match quantity {
+        Quantity::Triangles => plan
+            .triangles
+            .iter()
+            .map(|count| {
+                let scene = sheet(*count);
+                run(scene.triangle_count() as f64, scene.into(), plan.viewport, most)
+            })
+            .collect(),
+        Quantity::Pixels => {
+            let scene = Arc::new(layers(1));
+            let pixels = |size: &Viewport| f64::from(size.width) * f64::from(size.height);
+            plan.sizes.iter().map(|size| run(pixels(size), scene.clone(), *size, most)).collect()
+        }
+        Quantity::Layers => {
+            plan.layers.iter().map(|count| run(*count as f64, layers(*count).into(), plan.viewport, most)).collect()
+        }
+        Quantity::Threads => {
+            let scene = Arc::new(sheet(plan.shared_triangles));
+            let threads = plan.threads.iter().zip(pools);
+            threads.map(|(count, pool)| run(*count as f64, scene.clone(), plan.viewport, pool)).collect()
+        }
+    }
+}
+
+impl Run<'_> {
+    /// Draws a frame, and says how many milliseconds it took.
+    fn draw(&mut self, recipe: &Recipe) -> f64 {
+        let Self { scene, viewport, pool, renderer, bytes, .. } = self;
+        let frame = pool.install(|| renderer.render(scene, &scene.home, recipe, *viewport, KeepDepth::No));
+        let ms = frame.times.total.as_secs_f64() * 1e3;
+        *bytes = frame.image().bytes() + renderer.bytes() + scene.memory().shared_bytes;
+        renderer.recycle(frame);
+        ms
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn small() -> Plan {
+        let size = |width, height| Viewport { width, height };
+        Plan {
+            triangles: vec![10, 1000],
+            sizes: vec![size(16, 9), size(64, 36)],
+            layers: vec![1, 3],
+            shared_triangles: 100,
+            viewport: size(64, 36),
+            ..Plan::new(Recipe::default(), 1000, 2, 2)
+        }
+    }
+
+    const SIZE: Viewport = Viewport { width: 160, height: 90 };
+
+    fn drawn(scene: Scene) -> crate::chain::Frame {
+        let home = scene.home;
+        Renderer::default().render(&Arc::new(scene), &home, &Recipe::default(), SIZE, KeepDepth::No)
+    }
+
+    #[test]
+    fn every_triangle_of_a_sheet_faces_the_viewer_and_is_in_view() {
+        for (asked, given) in [(1, 2), (1000, 968), (20_000, 20_000)] {
+            let counts = drawn(sheet(asked)).tiled.unwrap().counts;
+            assert_eq!((counts.triangles_in, counts.rasterized), (given, given));
+        }
+    }
+
+    #[test]
+    fn layers_fill_the_picture_and_the_nearest_hides_the_others() {
+        let (one, seven) = (drawn(layers(1)), drawn(layers(7)));
+        assert_eq!(seven.tiled.as_ref().unwrap().counts.shaded, 160 * 90);
+        assert_eq!(one.image(), seven.image(), "the nearest lies where the only one lay");
+        assert!(one.image().pixels().iter().all(|pixel| *pixel != [30, 32, 36, 255]));
+    }
+
+    #[test]
+    fn every_quantity_is_measured_at_every_value() {
+        let found = measure(&small(), &|_, _| {}, &AtomicBool::new(false)).unwrap();
+        let values: Vec<Vec<f64>> =
+            found.series.iter().map(|series| series.points.iter().map(|point| point.value).collect()).collect();
+        assert_eq!(values, [[8.0, 968.0], [144.0, 2304.0], [1.0, 3.0], [1.0, 2.0]]);
+        let points = || found.series.iter().flat_map(|series| &series.points);
+        assert!(points().all(|point| point.ms.n == 2 && point.ms.median > 0.0 && point.bytes > 0));
+        assert!(matches!(measure(&small(), &|_, _| {}, &AtomicBool::new(true)), Err(ScalingError::Cancelled)));
+    }
+
+    #[test]
+    fn the_fixed_part_and_the_growing_one_are_told_apart() {
+        let point = |value: f64, ms: f64| Point { value, ms: summarize(&[ms]).unwrap(), bytes: 0 };
+        let series = |points| Series { quantity: Quantity::Pixels, points };
+        let line = series(vec![point(1000.0, 3.0), point(2000.0, 3.9), point(5000.0, 7.0)]).line().unwrap();
+        assert_eq!((line.fixed_ms, line.ns_each, line.bend()), (2.0, 1000.0, 2000.0));
+        assert_eq!(series(vec![point(1.0, 3.0), point(2.0, 2.0)]).line(), None);
+        assert_eq!(series(vec![point(1.0, 3.0)]).line(), None);
+    }
+
+    #[test]
+    fn the_plan_goes_up_to_what_is_asked() {
+        let plan = Plan::new(Recipe::default(), 10_000_000, 3, 5);
+        assert_eq!(plan.triangles, [1000, 10_000, 100_000, 1_000_000, 10_000_000]);
+        assert_eq!((plan.threads, plan.layers.last()), (vec![1, 2, 3], Some(&64)));
+    }
+}

@@ -1,0 +1,37 @@
+//! Pages for the browser: no scripts, nothing loaded from elsewhere, light or dark as the reader's system.
+
+/// Colours and layout that all pages share.
+const STYLE: &str = include_str!("page.css");
+
+/// Text that is safe between tags and within quotation marks.
+pub(super) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// A whole page. `style` follows what all pages share; `body` is HTML.
+pub(super) fn document(title: &str, style: &str, body: &str) -> String {
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\">\n<title>{} · Rasterscope</title>\n<style>\n{STYLE}{style}</style>\n\
+         </head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n",
+        escaped(title)
+    )
+}
+
+/// What stands in a row at the top: a value and its name each.
+pub(super) fn tiles<const N: usize>(tiles: [(String, &str); N]) -> String {
+    let tile = |(value, name): (String, &str)| {
+        format!("<div class=\"tile\"><b>{}</b><span>{name}</span></div>", escaped(&value))
+    };
+    format!("<div class=\"tiles\">{}</div>\n", tiles.map(tile).concat())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_cannot_leave_its_place() {
+        assert_eq!(escaped("<a \"b\" & c>"), "&lt;a &quot;b&quot; &amp; c&gt;");
+    }
+}

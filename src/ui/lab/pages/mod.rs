@@ -1,0 +1,74 @@
+//! The controls of each page, one file each.
+
+mod circles;
+
+mod lines;
+
+mod polygons;
+
+mod primitives;
+
+mod sampling;
+
+mod seed_fills;
+
+mod triangles;
+
+use eframe::egui::{RichText, Ui};
+
+use super::{Change, Lab};
+use crate::lab::Lesson;
+use crate::pipeline::settings::Choice;
+use crate::ui::theme::{space, tokens};
+use crate::ui::widgets::section_header;
+
+/// Draws the controls of the present page.
+pub(super) fn controls(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+    let mut lesson = lab.lesson().clone();
+    match &mut lesson {
+        Lesson::Lines(lines) => lines::ui(ui, lines),
+        Lesson::Circles(circles) => circles::ui(ui, circles),
+        Lesson::Polygons(polygons) => polygons::ui(ui, polygons),
+        Lesson::SeedFill(fills) => {
+            let mut brush = lab.brush;
+            seed_fills::ui(ui, fills, &mut brush);
+            if brush != lab.brush {
+                changes.push(Change::Brush(brush));
+            }
+        }
+        Lesson::Primitives(primitives) => primitives::ui(ui, primitives),
+        Lesson::Triangles(triangles) => triangles::ui(ui, triangles),
+        Lesson::Sampling(sampling) => sampling::ui(ui, sampling),
+    }
+    if lesson != *lab.lesson() {
+        changes.push(Change::Set(Box::new(lesson)));
+    }
+}
+
+/// Alternatives as a list of their own, each with what it does: for those that a page is about.
+fn list<C: Choice>(ui: &mut Ui, title: &str, value: &mut C) {
+    section_header(ui, title, |_| {});
+    for choice in C::ALL {
+        ui.radio_value(value, *choice, choice.name()).on_hover_text(choice.help());
+    }
+}
+
+/// Inputs to start from; the one that was clicked.
+fn presets<C: Choice>(ui: &mut Ui) -> Option<C> {
+    section_header(ui, "Start from", |_| {});
+    let mut clicked = None;
+    ui.horizontal_wrapped(|ui| {
+        for choice in C::ALL {
+            if ui.button(choice.name()).on_hover_text(choice.help()).clicked() {
+                clicked = Some(*choice);
+            }
+        }
+    });
+    clicked
+}
+
+/// What the mouse does on this page.
+fn hint(ui: &mut Ui, text: &str) {
+    ui.add_space(space::S);
+    ui.label(RichText::new(text).color(tokens(ui).text_weak).small());
+}

@@ -1,0 +1,33 @@
+//! Controls of the page of sampling.
+
+use eframe::egui::{Slider, Ui};
+
+use super::{hint, list};
+use crate::lab::sampling::{SamplingLesson, SamplingMethod, SamplingScene};
+use crate::ui::widgets::{row, slider};
+
+/// Most points each way.
+const MAX_POINTS: u32 = 8;
+
+pub(super) fn ui(ui: &mut Ui, lesson: &mut SamplingLesson) {
+    list(ui, "Scene", &mut lesson.scene);
+    list(ui, "Value of a pixel", &mut lesson.method);
+    ui.add_space(crate::ui::theme::space::S);
+    if matches!(lesson.method, SamplingMethod::Grid | SamplingMethod::Jittered) {
+        row(ui, "Points", "Points each way: n × n per pixel", |ui| {
+            ui.add(Slider::new(&mut lesson.points, 1..=MAX_POINTS));
+        });
+    }
+    match lesson.scene {
+        SamplingScene::Edge => {
+            row(ui, "Angle", "Direction of the edge", |ui| slider(ui, &mut lesson.angle_degrees, 0.0..=360.0, "°", 1));
+        }
+        SamplingScene::Wheel => {
+            row(ui, "Turns", "Turns of the wheel per frame", |ui| {
+                slider(ui, &mut lesson.turns_per_frame, 0.0..=0.5, "", 3)
+            });
+        }
+        SamplingScene::ZonePlate | SamplingScene::ChessBoard => {}
+    }
+    hint(ui, "Drag the middle. Click a pixel to see its numbers.");
+}

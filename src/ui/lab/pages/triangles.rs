@@ -1,0 +1,17 @@
+//! Controls of the page of triangles.
+
+use eframe::egui::Ui;
+
+use super::{hint, list};
+use crate::lab::triangles::TriangleLesson;
+use crate::ui::panels::pick;
+use crate::ui::widgets::row;
+
+pub(super) fn ui(ui: &mut Ui, lesson: &mut TriangleLesson) {
+    list(ui, "Shown", &mut lesson.view);
+    ui.add_space(crate::ui::theme::space::S);
+    row(ui, "Rasterizer", "How covered pixels are found", |ui| pick(ui, &mut lesson.rasterizer));
+    row(ui, "Arithmetic", "The numbers that decide", |ui| pick(ui, &mut lesson.arithmetic));
+    row(ui, "Fill rule", "Who owns a centre on an edge", |ui| pick(ui, &mut lesson.rule));
+    hint(ui, "Drag the corners; they keep to half pixels, where centres lie exactly on edges.");
+}

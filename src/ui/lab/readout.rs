@@ -1,0 +1,83 @@
+//! What a step did, what the algorithm knows, what is true of the whole run, and what a student should know.
+
+use eframe::egui::{Label, RichText, Ui};
+
+use super::{Change, Lab};
+use crate::drawing::file::EXTENSIONS;
+use crate::ui::format;
+use crate::ui::theme::{self, Icon, space, tokens};
+use crate::ui::widgets::{icon_button, section_header, value_row};
+
+/// The sentence over the grid.
+pub(super) fn sentence(ui: &mut Ui, lab: &Lab) {
+    ui.horizontal_centered(|ui| {
+        let step = lab.step.checked_sub(1).and_then(|last| lab.recording.steps.get(last));
+        let text = step.map_or("Nothing is done yet: step forward or play.", |step| &step.says);
+        ui.add(Label::new(RichText::new(text).color(tokens(ui).text_strong)).truncate());
+    });
+}
+
+/// The panel beside it.
+pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+    section_header(ui, "What happens here", |_| {});
+    theme::card_frame(ui).show(ui, |ui| {
+        ui.add(Label::new(RichText::new(lab.lesson().explanation()).color(tokens(ui).text)).wrap());
+    });
+    section_header(ui, "State after this step", |_| {});
+    match lab.step.checked_sub(1).and_then(|last| lab.recording.steps.get(last)) {
+        Some(step) => step.state.iter().for_each(|(name, value)| {
+            value_row(ui, name, value, "");
+        }),
+        None => {
+            ui.label(RichText::new("Nothing is known yet").color(tokens(ui).text_weak));
+        }
+    }
+    section_header(ui, "The whole run", |_| {});
+    value_row(
+        ui,
+        "time",
+        &in_words(lab.run_time),
+        "One run of the bare algorithm, without recording; the shortest of several rounds",
+    );
+    for (name, value) in &lab.recording.facts {
+        value_row(ui, name, value, "");
+    }
+    ui.add_space(space::S);
+    ui.horizontal_wrapped(|ui| {
+        let compares = lab.lesson().compare_is_possible();
+        let button = ui.add_enabled(compares, eframe::egui::Button::new((theme::icon(Icon::ChartScatter), "Compare all ways")));
+        let help = "Runs all ways to do the same on a larger input, against the truth, and times them: some tenths of a second";
+        if button.on_hover_text(help).on_disabled_hover_text("There is no truth here that ways could differ from").clicked() {
+            changes.push(Change::Compare);
+        }
+        ui.menu_button((theme::icon(Icon::Download), "Save drawing"), |ui| save_menu(ui, changes));
+        if icon_button(ui, Icon::RotateCcw, "Start this page anew").clicked() {
+            changes.push(Change::Reset);
+        }
+    });
+}
+
+fn save_menu(ui: &mut Ui, changes: &mut Vec<Change>) {
+    ui.label(RichText::new("Into the current folder").color(tokens(ui).text_weak));
+    for (end, _) in EXTENSIONS.iter().filter(|(end, _)| !matches!(*end, "jpeg" | "tif")) {
+        let what = match *end {
+            "svg" => "SVG: drawing commands, smooth at any size",
+            "pdf" => "PDF: drawing commands on a page",
+            "gif" => "GIF: all steps as an animation",
+            "png" => "PNG",
+            "bmp" => "BMP",
+            "jpg" => "JPEG",
+            _ => "TIFF",
+        };
+        if ui.button(what).clicked() {
+            changes.push(Change::Save(end));
+            ui.close();
+        }
+    }
+}
+
+/// A short time with its unit: microseconds where milliseconds would say nothing.
+pub(super) fn in_words(time: std::time::Duration) -> String {
+    let micros = time.as_secs_f64() * 1e6;
+    if micros < 1_000.0 { format!("{} µs", format::fixed(micros, 2)) } else { format::ms(micros / 1e3) }
+}

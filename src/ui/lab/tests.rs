@@ -1,0 +1,78 @@
+//! What keys and the transport mean while the lab is open.
+
+use super::*;
+
+fn open(page: Page) -> Lab {
+    let mut lab = Lab::default();
+    lab.apply(Change::Open(true));
+    lab.apply(Change::Page(page));
+    lab
+}
+
+/// Gives a command to the lab as the session does.
+fn give(lab: &mut Lab, command: Command) -> Option<Command> {
+    match lab.claim(command)? {
+        Command::Lab(change) => lab.apply(change).map(Command::Lab),
+        other => Some(other),
+    }
+}
+
+#[test]
+fn keys_of_the_pipeline_step_the_lab_while_it_is_open_and_no_other_time() {
+    let mut lab = Lab::default();
+    assert_eq!(lab.claim(Command::StepTriangle(1)), Some(Command::StepTriangle(1)));
+    let mut lab = open(Page::Lines);
+    let all = lab.recording.steps.len();
+    assert_eq!(lab.step, all, "a page begins with its finished picture");
+    assert_eq!(give(&mut lab, Command::LimitTriangles(Some(0))), None);
+    assert_eq!(lab.step, 0);
+    give(&mut lab, Command::StepTriangle(1));
+    give(&mut lab, Command::NudgePick(1, 0));
+    assert_eq!(lab.step, 2);
+    give(&mut lab, Command::StepTriangle(-9));
+    assert_eq!(lab.step, 0);
+    give(&mut lab, Command::LimitTriangles(None));
+    assert_eq!(lab.step, all);
+    assert_eq!(give(&mut lab, Command::ChooseUpscaler(3)), None, "has no meaning here");
+    assert_eq!(give(&mut lab, Command::ToggleTheme), Some(Command::ToggleTheme));
+    assert_eq!(give(&mut lab, Command::SavePicture), Some(Command::Lab(Change::Save("png"))));
+    give(&mut lab, Command::OpenBuiltin("cubes".into()));
+    assert!(!lab.open, "a scene is to be seen");
+}
+
+#[test]
+fn playing_goes_to_the_end_and_back_and_stops_there() {
+    let mut lab = open(Page::SeedFill);
+    let all = lab.recording.steps.len();
+    lab.apply(Change::Speed(10.0));
+    lab.apply(Change::TogglePlay);
+    assert_eq!((lab.step, lab.playing), (0, 1), "from the end it begins again");
+    lab.apply(Change::Tick(0.05));
+    assert_eq!(lab.step, 0, "half a step is none yet");
+    lab.apply(Change::Tick(0.05));
+    assert_eq!(lab.step, 1);
+    (0..1_000).for_each(|_| drop(lab.apply(Change::Tick(0.2))));
+    assert_eq!((lab.step, lab.playing), (all, 0));
+    lab.apply(Change::Play(-1));
+    lab.apply(Change::Tick(0.2));
+    assert_eq!(lab.step, all - 2);
+    (0..1_000).for_each(|_| drop(lab.apply(Change::Tick(0.2))));
+    assert_eq!((lab.step, lab.playing), (0, 0));
+}
+
+#[test]
+fn pages_keep_what_was_changed_until_they_are_started_anew() {
+    let mut lab = open(Page::Lines);
+    let first = lab.lesson().clone();
+    let mut lesson = first.clone();
+    lesson.move_handle(0, glam::DVec2::new(9.5, 9.5));
+    lab.apply(Change::Set(Box::new(lesson.clone())));
+    assert_ne!(lesson, first);
+    lab.apply(Change::Page(Page::Circles));
+    assert_eq!(lab.lesson().page(), Page::Circles);
+    lab.apply(Change::Page(Page::Lines));
+    assert_eq!(*lab.lesson(), lesson);
+    assert_eq!(*lab.recording, lesson.record());
+    lab.apply(Change::Reset);
+    assert_eq!(*lab.lesson(), first);
+}

@@ -1,0 +1,70 @@
+//! Under the grid: first, back, play, forward, last, and a slider over the steps.
+
+use std::time::Duration;
+
+use eframe::egui::{RichText, Slider, Ui, WidgetInfo};
+
+use super::{Change, Lab};
+use crate::ui::format;
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::icon_button;
+
+/// Longest time that counts as one tick, s: a window that was covered does not jump.
+const LONGEST_TICK: f32 = 0.25;
+
+/// Shortest time between two frames while playing.
+const SHORTEST_FRAME: Duration = Duration::from_millis(16);
+
+/// Room right of the slider of steps: two buttons, the figures and the speed, points.
+const REST_POINTS: f32 = 300.0;
+
+/// Draws the bar, and lets time pass while playing.
+pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+    ui.horizontal_centered(|ui| {
+        let all = lab.recording.steps.len();
+        let mut button = |ui: &mut Ui, icon, name: &str, change| {
+            if icon_button(ui, icon, name).clicked() {
+                changes.push(change);
+            }
+        };
+        button(ui, Icon::ChevronFirst, "Before the first step  (Home)", Change::Go(0));
+        button(ui, Icon::StepBack, "One step back  (,)", Change::StepBy(-1));
+        let back = if lab.playing < 0 { (Icon::Pause, 0) } else { (Icon::Rewind, -1) };
+        button(ui, back.0, "Play backwards", Change::Play(back.1));
+        let on = if lab.playing > 0 { (Icon::Pause, 0) } else { (Icon::Play, 1) };
+        button(ui, on.0, "Play  (K)", Change::Play(on.1));
+        button(ui, Icon::StepForward, "One step forward  (.)", Change::StepBy(1));
+        button(ui, Icon::ChevronLast, "After the last step  (End)", Change::Go(usize::MAX));
+        let mut step = lab.step.min(all);
+        ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(60.0);
+        let slider = ui.add_enabled(all > 0, Slider::new(&mut step, 0..=all).show_value(false));
+        slider.widget_info(|| WidgetInfo::slider(true, step as f64, "Steps done"));
+        if slider.on_hover_text("Steps done").changed() {
+            changes.push(Change::Go(step));
+        }
+        let more = if lab.recording.cut_off { " (first of more)" } else { "" };
+        let text = format!("{} / {}{more}", format::count(step as u64), format::count(all as u64));
+        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Steps done / all");
+        speed(ui, lab, changes);
+    });
+    if lab.playing != 0 {
+        changes.push(Change::Tick(ui.input(|i| i.stable_dt).min(LONGEST_TICK)));
+        ui.request_repaint_after(SHORTEST_FRAME);
+    }
+}
+
+fn speed(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
+    /// Narrower bars do without.
+    const ROOM_POINTS: f32 = 150.0;
+    if ui.available_width() < ROOM_POINTS {
+        return;
+    }
+    let mut speed = lab.speed;
+    ui.spacing_mut().slider_width = 70.0;
+    let slider = Slider::new(&mut speed, 1.0..=400.0).logarithmic(true).custom_formatter(|v, _| format!("{v:.0} / s"));
+    let slider = ui.add(slider).on_hover_text("Steps per second when playing");
+    slider.widget_info(|| WidgetInfo::slider(true, speed.into(), "Steps per second"));
+    if slider.changed() {
+        changes.push(Change::Speed(speed));
+    }
+}

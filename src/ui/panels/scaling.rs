@@ -1,0 +1,82 @@
+//! What a frame costs against triangles, pixels, layers and threads: four small plots, both axes logarithmic.
+
+use eframe::egui::{Button, ProgressBar, RichText, Ui, vec2};
+use egui_plot::{GridMark, Line, Plot, PlotPoints, Points};
+
+use crate::measure::scaling::Series;
+use crate::report::scaling::finding;
+use crate::ui::command::Command;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::empty_state;
+
+/// Room for what is said under a plot, in points.
+const WORDS: f32 = 34.0;
+
+/// Draws the buttons beside the tabs.
+pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if let Some((quantity, share)) = session.growth.progress {
+        if ui.button("Cancel").on_hover_text("Stop measuring; the last result stays").clicked() {
+            commands.push(Command::CancelGrowth);
+        }
+        ui.add(ProgressBar::new(share).desired_width(240.0).text(quantity.name()));
+        return;
+    }
+    let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure how cost grows"));
+    let help = "Draws generated scenes of more and more triangles, pixels, layers and threads by the present settings; takes \
+                about a minute";
+    if ui.add(measure).on_hover_text(help).clicked() {
+        commands.push(Command::MeasureGrowth);
+    }
+    if let Some(scaling) = &session.growth.found {
+        let [width, height] = scaling.size;
+        let text = format!("{width} × {height} px, {} threads, medians of {} rounds", scaling.threads, scaling.rounds);
+        ui.label(RichText::new(text).color(tokens(ui).text_weak));
+    }
+}
+
+/// Draws the plots.
+pub fn ui(ui: &mut Ui, session: &Session) {
+    let Some(scaling) = &session.growth.found else {
+        let how = "“Measure how cost grows” tells what part of a frame is fixed, what each triangle, pixel and layer adds, and \
+                   what threads bring.";
+        empty_state(ui, Icon::ChartScatter, "Nothing was measured yet", how);
+        return;
+    };
+    let count = scaling.series.len().max(1) as f32;
+    let spacing = ui.spacing().item_spacing.x;
+    let size = vec2((ui.available_width() - spacing * (count - 1.0)) / count, ui.available_height() - WORDS);
+    ui.horizontal_top(|ui| {
+        for series in &scaling.series {
+            ui.vertical(|ui| {
+                ui.set_width(size.x);
+                plot(ui, series, size);
+                ui.label(RichText::new(finding(series)).small().color(tokens(ui).text_weak));
+            });
+        }
+    });
+}
+
+fn plot(ui: &mut Ui, series: &Series, size: eframe::egui::Vec2) {
+    let color = tokens(ui).series[0];
+    let at = |value: f64, ms: f64| [value.log10(), ms.max(f64::MIN_POSITIVE).log10()];
+    let points: Vec<[f64; 2]> = series.points.iter().map(|point| at(point.value, point.ms.median)).collect();
+    let number = |mark: GridMark, _: &_| {
+        let value = 10_f64.powf(mark.value);
+        if value >= 1e5 { format!("{value:.0e}") } else { format!("{}", (value * 100.0).round() / 100.0) }
+    };
+    Plot::new(series.quantity.name())
+        .width(size.x)
+        .height(size.y)
+        .x_axis_label(series.quantity.name())
+        .y_axis_label("ms")
+        .allow_scroll(false)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .x_axis_formatter(number)
+        .y_axis_formatter(number)
+        .show(ui, |plot| {
+            plot.line(Line::new("median", PlotPoints::from(points.clone())).color(color).width(1.5));
+            plot.points(Points::new("median", PlotPoints::from(points.clone())).color(color).radius(3.5));
+        });
+}

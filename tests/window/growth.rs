@@ -1,0 +1,41 @@
+//! What the plan saves and how cost grows, measured from the window.
+
+use std::time::{Duration, Instant};
+
+use crate::bench::Bench;
+
+/// Long enough for the slowest machine.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+fn wait_while(bench: &mut Bench, running: fn(&Bench) -> bool) {
+    let begun = Instant::now();
+    while running(bench) {
+        assert!(begun.elapsed() < PATIENCE, "it goes on for ever");
+        std::thread::sleep(Duration::from_millis(20));
+        bench.window.step();
+    }
+    bench.rest();
+}
+
+#[test]
+fn the_plan_tells_what_it_saves_once_that_was_measured() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Plan");
+    bench.click("Measure what it saves");
+    wait_while(&mut bench, |bench| bench.session().savings.progress.is_some());
+    let (found, name) = bench.session().savings.found.clone().expect("it was measured");
+    assert_eq!(name, bench.session().scene.name);
+    assert!(found.savings.iter().all(|saving| saving.same_picture && saving.draws > 0));
+    assert!(bench.mentions("as planned, median of"));
+}
+
+#[test]
+fn measuring_how_cost_grows_can_be_cancelled() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Scaling");
+    assert!(bench.says("Nothing was measured yet"));
+    bench.click("Measure how cost grows");
+    bench.click("Cancel");
+    wait_while(&mut bench, |bench| bench.session().growth.progress.is_some());
+    assert!(bench.session().growth.found.is_none() && bench.session().error.is_none());
+}
