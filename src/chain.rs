@@ -1,5 +1,7 @@
 //! The one entry for window, command line, reports and tests: a scene, a view and a [`Recipe`] give a [`Frame`].
 
+pub mod samples;
+
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, OnceLock};
@@ -9,18 +11,22 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::antialias::post;
+use crate::antialias::resolve::Mean;
+use crate::antialias::settings::{Antialiasing, MOST_STRENGTH, PostFilter, widened};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::DrawPlan;
-use crate::pipeline::settings::{Choice as _, Execution, Settings};
+use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Settings, Shading};
 use crate::pipeline::tiled::{self, TiledReport};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare, wireframe};
 use crate::scene::{Camera, Scene};
-use crate::upscale::{self, Drawn, Offers, Sampling, Scale, Upscaler, Upscaling};
+use crate::upscale::{self, Drawn, History, Offers, Sampling, Scale, Seen, Surfaces, Upscaler, Upscaling};
 
 /// Everything that decides how a scene is drawn: plain data, edited by panels, parsed from the command line, swept by
 /// reports. Equal recipe and equal scene give an equal frame, bit for bit.
@@ -32,8 +38,12 @@ pub struct Recipe {
     /// The pipeline's decisions.
     #[serde(flatten)]
     pub pipeline: Settings,
+    /// How the pixels that are drawn are sampled.
+    pub antialias: Antialiasing,
     /// Which pixels are drawn, and how the others are filled in.
     pub upscaler: Upscaling,
+    /// What is done with the finished picture.
+    pub post: PostFilter,
     /// Whether the edges of all drawn triangles are laid over the picture.
     pub wireframe: bool,
 }
@@ -43,7 +53,9 @@ impl Default for Recipe {
         Self {
             execution: Execution::Tiled,
             pipeline: Settings::default(),
+            antialias: Antialiasing::default(),
             upscaler: Upscaling::NATIVE,
+            post: PostFilter::default(),
             wireframe: false,
         }
     }
@@ -140,7 +152,7 @@ impl Recipe {
         if !checker.squares.is_finite() || !checker.even.is_finite() || !checker.odd.is_finite() {
             return Err("numbers must be finite".to_owned());
         }
-        Ok(())
+        self.post.check()
     }
 }
 
@@ -171,10 +183,11 @@ fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
         Value::Number(_) => number(text).map(Value::from),
         Value::Array(items) => {
             let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
-            if numbers.len() == items.len() {
-                Ok(numbers.into())
-            } else {
-                Err(format!("{} numbers with commas between are needed, not `{text}`", items.len()))
+            let inner: Result<[f32; 9], _> = numbers.as_slice().try_into();
+            match inner {
+                _ if numbers.len() == items.len() => Ok(numbers.into()),
+                Ok(inner) if items.len() == widened(inner).len() => Ok(widened(inner).to_vec().into()),
+                _ => Err(format!("{} numbers with commas between are needed, not `{text}`", items.len())),
             }
         }
         _ => Ok(text.replace('_', "-").into()),
@@ -200,7 +213,10 @@ fn describe_values(key: &str, value: &Value) -> String {
         }
         Value::Bool(_) => "true, false".to_owned(),
         Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),
+        Value::Number(_) if key == "post.strength" => format!("number, 0…{MOST_STRENGTH}"),
+        Value::Number(number) if number.is_u64() => "whole number".to_owned(),
         Value::Number(_) => "number".to_owned(),
+        Value::Array(_) if key == "post.mask" => "9 or 25 numbers with commas between, row by row".to_owned(),
         Value::Array(_) if key == "light.direction" => "3 numbers with commas between, not all of them 0".to_owned(),
         Value::Array(items) => format!("{} numbers with commas between", items.len()),
         _ => {
@@ -242,7 +258,7 @@ pub struct FrameTimes {
     pub geometry: Duration,
     /// Rasterize to shade.
     pub pixels: Duration,
-    /// Filling in what was not drawn.
+    /// Filling in what was not drawn, filtering, and laying lines over it.
     pub upscale: Duration,
     /// Everything.
     pub total: Duration,
@@ -253,8 +269,18 @@ pub struct FrameTimes {
 pub struct Frame {
     /// The full picture where it is not what was drawn itself.
     finished: Option<Image<Rgba8>>,
-    /// What was really drawn.
+    /// The full picture before filter and lines.
+    unfiltered: Unfiltered,
+    /// What was really drawn: colours of all samples, depths of the centres of pixels.
     pub drawn: Framebuffer,
+    /// How the pixels that were drawn were sampled.
+    pub antialias: Antialiasing,
+    /// The view.
+    pub camera: Camera,
+    /// What every pixel shows, if the upscaler reads it and depths are kept.
+    pub surfaces: Option<Surfaces>,
+    /// The frame before, if the upscaler reads it and there is one.
+    pub past: Option<Arc<History>>,
     /// The triangles that were rasterized.
     pub geometry: LazyGeometry,
     /// One plan per instance.
@@ -279,6 +305,42 @@ impl Frame {
     /// The full picture.
     pub fn image(&self) -> &Image<Rgba8> {
         self.finished.as_ref().unwrap_or(&self.drawn.color)
+    }
+
+    /// The full picture before it was filtered and lines were laid over it; the same where neither was done.
+    pub fn unfiltered(&self) -> &Image<Rgba8> {
+        match &self.unfiltered {
+            Unfiltered::Finished => self.image(),
+            Unfiltered::Drawn => &self.drawn.color,
+            Unfiltered::Kept(picture) => picture,
+        }
+    }
+
+    /// Colours drawn, with all else that the upscaler may read.
+    pub fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> Drawn<'a> {
+        Drawn { color, seen: seen(self.surfaces.as_ref(), &self.camera, self.past.as_deref()) }
+    }
+
+    /// Whether the next frame of the same view may be better, as the upscaler knows more by then.
+    pub fn wants_another(&self, recipe: &Recipe) -> bool {
+        let before = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);
+        self.surfaces.is_some() && before + 1 < recipe.upscaler.upscaler().settles_after(recipe.upscaler)
+    }
+
+    /// What the next frame may read of this one, if the upscaler reads the past.
+    fn history(&self, recipe: &Recipe) -> Option<History> {
+        let (how, upscaler) = (recipe.upscaler, recipe.upscaler.upscaler());
+        let surfaces = self.surfaces.clone().filter(|_| upscaler.reads().past)?;
+        let size = (self.viewport.width, self.viewport.height);
+        let still = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);
+        Some(History {
+            picture: self.unfiltered().clone(),
+            memory: upscaler.memory(how, &self.as_drawn(&self.drawn.color), size),
+            surfaces,
+            camera: self.camera,
+            frames: self.past.as_ref().map_or(0, |past| past.frames.wrapping_add(1)),
+            still: still + 1,
+        })
     }
 
     /// Share of the picture's pixels that were drawn, in [0, 1].
@@ -326,11 +388,14 @@ impl Frame {
         &self.drawn.depth_scale
     }
 
-    /// Draws the list of triangles once more, after it was changed.
+    /// Draws the list of triangles once more, after it was changed, with one sample for each pixel.
     pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
         self.drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
+        self.antialias = Antialiasing::default();
         let triangles = || self.outlines.as_ref().unwrap_or_else(|| &self.geometry.triangles);
-        self.finished = finish(recipe, &self.drawn, self.viewport, triangles);
+        let drawn = self.as_drawn(&self.drawn.color);
+        let Finished { picture, unfiltered } = finish(recipe, &drawn, self.viewport, triangles);
+        (self.finished, self.unfiltered) = (picture, unfiltered);
     }
 }
 
@@ -369,7 +434,8 @@ impl DerefMut for LazyGeometry {
     }
 }
 
-/// Draws one frame of `viewport`'s size the classic way, watched by `observer`. Cannot fail: a scene is always renderable.
+/// Draws one frame of `viewport`'s size the classic way, watched by `observer`; of several samples for each pixel only that
+/// of its centre is. Cannot fail: a scene is always renderable.
 pub fn run<O: Observer>(
     scene: &Scene,
     camera: &Camera,
@@ -377,17 +443,47 @@ pub fn run<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Frame {
+    run_after(None, scene, camera, recipe, viewport, observer)
+}
+
+/// [`run`] after another frame of the same scene and recipe.
+fn run_after<O: Observer>(
+    past: Option<Arc<History>>,
+    scene: &Scene,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    observer: &mut O,
+) -> Frame {
     let start = Instant::now();
-    let sampling = recipe.upscaler.sampling();
+    let (sampling, place) = sampling_after(past.as_deref(), recipe);
     let raster = raster_of(sampling, viewport);
-    let geometry = prepare(scene, &camera_of(camera, sampling, viewport), &recipe.pipeline, raster, observer);
+    let seen_by = camera_of(camera, sampling, viewport, place);
+    let geometry = prepare(scene, &seen_by, &recipe.pipeline, raster, observer);
     let geometry_done = Instant::now();
 
-    let drawn = draw_pixels(scene, recipe, &geometry, raster, Until::Shade, observer);
+    let grid = sampling.grid();
+    let mut drawn = draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, observer);
+    let smooth = if recipe.antialias.is_per_pixel() {
+        Some(samples::per_pixel(scene, &geometry, recipe, (grid, raster)))
+    } else {
+        mean_of_passes(recipe, (grid, raster), |place, _| {
+            let seen = camera_of(camera, sampling, viewport, place);
+            let geometry = prepare(scene, &seen, &recipe.pipeline, raster, &mut ());
+            draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, &mut ()).color
+        })
+    };
+    drawn.color = smooth.unwrap_or(drawn.color);
+    let surfaces = shown_in_full(recipe).and_then(|shown| {
+        let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
+        surfaces(draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), Until::Shade, &mut ()))
+    });
     let drawn_at = Instant::now();
 
     let outlines = outlines(scene, camera, recipe, viewport);
-    let finished = finish(recipe, &drawn, viewport, || outlines.as_ref().unwrap_or(&geometry.triangles));
+    let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
+    let Finished { picture, unfiltered } =
+        finish(recipe, &known, viewport, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
         geometry: geometry_done - start,
         pixels: drawn_at - geometry_done,
@@ -395,8 +491,13 @@ pub fn run<O: Observer>(
         total: start.elapsed(),
     };
     Frame {
-        finished,
+        finished: picture,
+        unfiltered,
         drawn,
+        antialias: recipe.antialias,
+        camera: *camera,
+        surfaces,
+        past,
         plans: geometry.plans.clone(),
         geometry: LazyGeometry::made(geometry),
         viewport,
@@ -409,6 +510,23 @@ pub fn run<O: Observer>(
     }
 }
 
+/// The mean of the passes of a recipe that `pass` draws, in memory that is no longer needed; nothing without
+/// passes.
+fn mean_of_passes(
+    recipe: &Recipe,
+    (grid, raster): (SampleGrid, Viewport),
+    mut pass: impl FnMut([f64; 2], Option<Image<Rgba8>>) -> Image<Rgba8>,
+) -> Option<Image<Rgba8>> {
+    let (width, height) = grid.packed_size(raster.width, raster.height);
+    let (mut mean, mut spare) = (None, None);
+    for place in samples::passes(recipe.antialias) {
+        let picture = pass(place, spare.take());
+        mean.get_or_insert_with(|| Mean::new(width, height, recipe.antialias.light)).add(&picture);
+        spare = Some(picture);
+    }
+    mean.map(|mean| mean.picture())
+}
+
 /// Draws frames as recipes say, on all threads where they allow it, and keeps memory from frame to frame.
 #[derive(Debug)]
 pub struct Renderer {
@@ -418,11 +536,22 @@ pub struct Renderer {
     spare: Option<Image<Rgba8>>,
     /// Depths that are no longer needed.
     spare_depth: Option<Image<f32>>,
+    /// The last frame, if its upscaler reads the past.
+    past: Option<Past>,
+}
+
+/// A frame that the next one may read, and what that must have in common with it.
+#[derive(Debug)]
+struct Past {
+    scene: Arc<Scene>,
+    recipe: Recipe,
+    viewport: Viewport,
+    history: Arc<History>,
 }
 
 impl Default for Renderer {
     fn default() -> Self {
-        Self { memory: tiled::Memory::default(), lanes: Lanes::best(), spare: None, spare_depth: None }
+        Self { memory: tiled::Memory::default(), lanes: Lanes::best(), spare: None, spare_depth: None, past: None }
     }
 }
 
@@ -450,32 +579,89 @@ impl Renderer {
         viewport: Viewport,
         keep_depth: KeepDepth,
     ) -> Frame {
-        if execution(scene, recipe).0 == Execution::Classic {
-            return run(scene, camera, recipe, viewport, &mut ());
+        let same = |past: &Past| Arc::ptr_eq(&past.scene, scene) && past.recipe == *recipe && past.viewport == viewport;
+        let past = self.past.take().filter(same).map(|past| past.history);
+        let mut frame = if execution(scene, recipe).0 == Execution::Classic {
+            run_after(past, scene, camera, recipe, viewport, &mut ())
+        } else {
+            self.render_tiled(past, scene, camera, recipe, viewport, keep_depth)
+        };
+        let finished = Instant::now();
+        self.past = frame.history(recipe).map(|history| Past {
+            scene: Arc::clone(scene),
+            recipe: *recipe,
+            viewport,
+            history: Arc::new(history),
+        });
+        let remembering = finished.elapsed();
+        frame.times.upscale += remembering;
+        frame.times.total += remembering;
+        frame
+    }
+
+    /// Draws a view until further frames of it would be the same: one frame, unless the upscaler reads the past.
+    pub fn render_settled(
+        &mut self,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        viewport: Viewport,
+    ) -> Frame {
+        let mut frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
+        while frame.wants_another(recipe) {
+            frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
         }
+        frame
+    }
+
+    fn render_tiled(
+        &mut self,
+        past: Option<Arc<History>>,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        viewport: Viewport,
+        keep_depth: KeepDepth,
+    ) -> Frame {
         let start = Instant::now();
         let settings = &recipe.pipeline;
-        let sampling = recipe.upscaler.sampling();
+        let (sampling, place) = sampling_after(past.as_deref(), recipe);
         let raster = raster_of(sampling, viewport);
-        let seen = camera_of(camera, sampling, viewport);
+        let seen_by = camera_of(camera, sampling, viewport, place);
+        let grid = sampling.grid();
         let geometry = {
             let (scene, settings) = (Arc::clone(scene), *settings);
-            let make = Arc::new(move || prepare(&scene, &seen, &settings, raster, &mut ()));
+            let make = Arc::new(move || prepare(&scene, &seen_by, &settings, raster, &mut ()));
             LazyGeometry { made: OnceLock::new(), make }
         };
-        let spare_depth = self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes);
-        let mut drawn = Framebuffer::reusing(
-            recipe.upscaler.grid(),
-            raster,
-            (self.spare.take(), spare_depth),
-            settings,
-            keep_depth == KeepDepth::Yes,
-        );
-        drawn.depth_scale = DepthScale::new(settings.depth_format, &seen);
-        let report = tiled::draw(scene, &seen, settings, raster, &mut drawn, &mut self.memory, self.lanes);
+        // The centres of pixels are drawn for their colours, or for their depths, or not at all.
+        let mut centres = (recipe.antialias.is_off() || keep_depth == KeepDepth::Yes).then(|| {
+            let memory = (self.spare.take(), self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes));
+            self.draw_tiled(scene, &seen_by, settings, (grid, raster), memory, keep_depth)
+        });
+        let smooth = mean_of_passes(recipe, (grid, raster), |place, spare| {
+            let seen = camera_of(camera, sampling, viewport, place);
+            let memory = (spare.or_else(|| self.spare.take()), None);
+            let (mut drawn, report) = self.draw_tiled(scene, &seen, settings, (grid, raster), memory, KeepDepth::No);
+            let color = std::mem::replace(&mut drawn.color, Image::filled(0, 0, [0; 4]));
+            centres.get_or_insert((drawn, report));
+            color
+        });
+        let (mut drawn, report) = centres
+            .unwrap_or_else(|| self.draw_tiled(scene, &seen_by, settings, (grid, raster), (None, None), keep_depth));
+        if let Some(smooth) = smooth {
+            self.spare = Some(std::mem::replace(&mut drawn.color, smooth));
+        }
+        let surfaces = shown_in_full(recipe).and_then(|shown| {
+            let area = (SampleGrid::FULL, viewport);
+            let (shown, _) = self.draw_tiled(scene, camera, &shown.pipeline, area, (None, None), KeepDepth::Yes);
+            surfaces(shown)
+        });
         let drawn_at = Instant::now();
         let outlines = outlines(scene, camera, recipe, viewport);
-        let finished = finish(recipe, &drawn, viewport, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
+        let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
+        let Finished { picture, unfiltered } =
+            finish(recipe, &known, viewport, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
         let front = report.times.transform + report.times.cull;
         let times = FrameTimes {
             geometry: front,
@@ -484,8 +670,13 @@ impl Renderer {
             total: start.elapsed(),
         };
         Frame {
-            finished,
+            finished: picture,
+            unfiltered,
             drawn,
+            antialias: recipe.antialias,
+            camera: *camera,
+            surfaces,
+            past,
             geometry,
             plans: report.plans.clone(),
             viewport,
@@ -496,6 +687,23 @@ impl Renderer {
             times,
             tiled: Some(report),
         }
+    }
+
+    /// Draws one sample for each pixel tile by tile, into memory that is no longer needed.
+    fn draw_tiled(
+        &mut self,
+        scene: &Scene,
+        seen: &Camera,
+        settings: &Settings,
+        (grid, raster): (SampleGrid, Viewport),
+        memory: (Option<Image<Rgba8>>, Option<Image<f32>>),
+        keep_depth: KeepDepth,
+    ) -> (Framebuffer, TiledReport) {
+        let keep = keep_depth == KeepDepth::Yes;
+        let mut drawn = Framebuffer::reusing(grid, raster, memory, settings, keep);
+        drawn.depth_scale = DepthScale::new(settings.depth_format, seen);
+        let report = tiled::draw(scene, seen, settings, raster, &mut drawn, &mut self.memory, self.lanes);
+        (drawn, report)
     }
 
     /// Takes the memory of a frame that nobody looks at any more.
@@ -516,11 +724,39 @@ impl Renderer {
 pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),
+        Execution::Tiled if recipe.antialias.is_per_pixel() => {
+            (Execution::Classic, Some("this anti-aliasing draws its samples one triangle after the other"))
+        }
         Execution::Tiled => match tiled::obstacle(scene, &recipe.pipeline) {
             None => (Execution::Tiled, None),
             why => (Execution::Classic, why),
         },
     }
+}
+
+/// What is drawn after another frame, and where in their pixels the samples lie.
+fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampling, [f64; 2]) {
+    let frames = past.map_or(0, |past| past.frames.wrapping_add(1));
+    recipe.upscaler.upscaler().sampling_of(recipe.upscaler, frames)
+}
+
+/// The recipe that finds which object every pixel shows, if the upscaler reads that and depths are kept.
+fn shown_in_full(recipe: &Recipe) -> Option<Recipe> {
+    let reads = recipe.upscaler.upscaler().reads().surfaces && recipe.pipeline.depth_test != DepthTest::Off;
+    let pipeline = Settings { shading: Shading::ObjectId, ..recipe.pipeline };
+    reads.then_some(Recipe { pipeline, ..Recipe::default() })
+}
+
+/// What a picture of objects with its depths shows.
+fn surfaces(shown: Framebuffer) -> Option<Surfaces> {
+    let scale = shown.depth_scale;
+    let distance = shown.depth?.map(|stored| scale.distance_of(stored) as f32);
+    Some(Surfaces { object: shown.color, distance })
+}
+
+/// What the upscaler may read besides colours.
+fn seen<'a>(surfaces: Option<&'a Surfaces>, camera: &'a Camera, past: Option<&'a History>) -> Option<Seen<'a>> {
+    surfaces.map(|surfaces| Seen { surfaces, camera, past })
 }
 
 /// Size of the picture that is really drawn.
@@ -529,16 +765,9 @@ fn raster_of(sampling: Sampling, Viewport { width, height }: Viewport) -> Viewpo
     Viewport { width, height }
 }
 
-/// The camera that sees the picture that is really drawn.
-fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport) -> Camera {
-    match sampling {
-        Sampling::Grid(_) => *camera,
-        Sampling::Lattice(lattice) => {
-            let raster = raster_of(sampling, viewport);
-            let window = raster.window(viewport, lattice.scale.value(), [lattice.origin_px(); 2]);
-            Camera { window: Some(window), ..*camera }
-        }
-    }
+/// The camera that sees the picture that is really drawn, with samples at `place` in its pixels.
+fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Camera {
+    samples::moved_window(camera, sampling, viewport, place).unwrap_or(*camera)
 }
 
 /// The triangles of the full picture, where lines over it need them and what is drawn is a smaller one.
@@ -547,22 +776,41 @@ fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport)
     (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)
 }
 
-/// The full picture, unless what was drawn is that already.
+/// The full picture before filter and lines: never held twice.
+#[derive(Clone, Debug)]
+enum Unfiltered {
+    /// The finished one, as nothing came over it.
+    Finished,
+    /// What was drawn.
+    Drawn,
+    /// Neither of both.
+    Kept(Image<Rgba8>),
+}
+
+/// A full picture, none if that is what was drawn, and the same before filter and lines.
+struct Finished {
+    picture: Option<Image<Rgba8>>,
+    unfiltered: Unfiltered,
+}
+
+/// The full picture from what was drawn.
 fn finish<'a>(
     recipe: &Recipe,
-    drawn: &Framebuffer,
+    drawn: &Drawn<'_>,
     viewport: Viewport,
     triangles: impl Fn() -> &'a Vec<ScreenTriangle>,
-) -> Option<Image<Rgba8>> {
+) -> Finished {
     let Viewport { width, height } = viewport;
-    let upscaled =
-        (!recipe.upscaler.is_native()).then(|| recipe.upscaler.upscale(&Drawn::from(&drawn.color), width, height));
-    if !recipe.wireframe {
-        return upscaled;
+    let upscaled = (!recipe.upscaler.is_native()).then(|| recipe.upscaler.upscale(drawn, width, height));
+    let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color));
+    if filtered.is_none() && !recipe.wireframe {
+        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished };
     }
-    let mut image = upscaled.unwrap_or_else(|| drawn.color.clone());
-    wireframe::overlay(triangles(), &mut image);
-    Some(image)
+    let mut picture = filtered.unwrap_or_else(|| upscaled.as_ref().unwrap_or(drawn.color).clone());
+    if recipe.wireframe {
+        wireframe::overlay(triangles(), &mut picture);
+    }
+    Finished { picture: Some(picture), unfiltered: upscaled.map_or(Unfiltered::Drawn, Unfiltered::Kept) }
 }
 
 /// Draws the triangles of a frame once more into a framebuffer of their own, as far as `until` says. `recipe` may differ
@@ -575,19 +823,20 @@ pub fn redraw<O: Observer>(
     until: Until,
     observer: &mut O,
 ) -> Framebuffer {
-    draw_pixels(scene, recipe, &frame.geometry, frame.raster, until, observer)
+    let area = (frame.sampling.grid(), frame.raster);
+    draw_pixels(scene, recipe, &frame.geometry, area, until, observer)
 }
 
 fn draw_pixels<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
     geometry: &Geometry,
-    viewport: Viewport,
+    (grid, viewport): (SampleGrid, Viewport),
     until: Until,
     observer: &mut O,
 ) -> Framebuffer {
     let (Viewport { width, height }, settings) = (viewport, &recipe.pipeline);
-    let mut drawn = Framebuffer::new(recipe.upscaler.grid(), width, height, scene.background, settings);
+    let mut drawn = Framebuffer::new(grid, width, height, scene.background, settings);
     draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut drawn, observer);
     drawn.depth_scale = geometry.depth_scale;
     drawn
@@ -647,6 +896,141 @@ mod tests {
         assert!(recipe.set_all(&["wireframe=true", "Upscaler.scale=2"]).is_err(), "keys are in lower case");
         assert!(recipe.set_all(&["wireframe=true", "upscaler.scale=5"]).is_err());
         assert_eq!(recipe, before);
+    }
+
+    fn frames(method: &str, scale: u32, cameras: &[Camera], scene: &Arc<Scene>, execution: Execution) -> Vec<Frame> {
+        let upscaler = Upscaling::new(method, scale).unwrap();
+        let recipe = Recipe { upscaler, execution, ..Recipe::default() };
+        let mut renderer = Renderer::default();
+        cameras.iter().map(|camera| renderer.render(scene, camera, &recipe, SIZE, KeepDepth::Yes)).collect()
+    }
+
+    const SIZE: Viewport = Viewport { width: 131, height: 77 };
+
+    fn scene(id: &str) -> Arc<Scene> {
+        Arc::new(crate::scene::builtin::by_id(id).unwrap().build())
+    }
+
+    fn native(scene: &Scene, camera: &Camera) -> Frame {
+        run(scene, camera, &Recipe::default(), SIZE, &mut ())
+    }
+
+    fn squared_error(a: &Image<Rgba8>, b: &Image<Rgba8>) -> f64 {
+        let codes = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
+        codes.map(|(a, b)| f64::from(a.abs_diff(*b)).powi(2)).sum()
+    }
+
+    #[test]
+    fn a_temporal_checkerboard_is_native_in_the_second_still_frame() {
+        for id in ["chess", "cubes", "near-plane", "interpenetrating"] {
+            let scene = scene(id);
+            for execution in Execution::ALL {
+                let still = [scene.home; 4];
+                let drawn = frames("checkerboard-temporal", 1, &still, &scene, *execution);
+                let native = native(&scene, &scene.home);
+                assert_ne!(drawn[0].image(), native.image(), "{id}");
+                for frame in &drawn[1..] {
+                    assert_eq!(frame.image(), native.image(), "{id} {execution:?}");
+                    assert!(frame.drawn_share() < 0.51);
+                }
+                let recipe =
+                    Recipe { upscaler: Upscaling::new("checkerboard-temporal", 1).unwrap(), ..Recipe::default() };
+                assert_eq!(
+                    drawn.iter().map(|f| f.wants_another(&recipe)).collect::<Vec<_>>(),
+                    [true, false, false, false]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn in_motion_the_frame_before_helps_more_than_neighbours() {
+        let scene = scene("chess");
+        let mut cameras = [scene.home; 6];
+        for (step, camera) in cameras.iter_mut().enumerate() {
+            camera.orbit(0.004 * step as f32, 0.0);
+        }
+        let last = |method| {
+            let frame = frames(method, 1, &cameras, &scene, Execution::Tiled).pop().unwrap();
+            squared_error(frame.image(), native(&scene, &cameras[5]).image())
+        };
+        let [plain, surfaces, temporal] = ["checkerboard", "checkerboard-surfaces", "checkerboard-temporal"].map(last);
+        assert!(surfaces < plain, "{surfaces} {plain}");
+        assert!(temporal < surfaces, "{temporal} {surfaces}");
+    }
+
+    #[test]
+    fn every_pixel_of_a_frame_with_a_past_is_replayed() {
+        let scene = scene("cubes");
+        let mut cameras = [scene.home; 3];
+        cameras[2].orbit(0.03, 0.01);
+        for (method, scale) in [("checkerboard-temporal", 1), ("accumulation", 1), ("accumulation", 2)] {
+            let recipe = Recipe { upscaler: Upscaling::new(method, scale).unwrap(), ..Recipe::default() };
+            let size = Viewport { width: 37, height: 29 };
+            let mut renderer = Renderer::default();
+            for camera in &cameras {
+                let frame = renderer.render(&scene, camera, &recipe, size, KeepDepth::Yes);
+                let how = recipe.upscaler;
+                for (x, y) in (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))) {
+                    let taps = how.upscaler().taps(
+                        how,
+                        &frame.as_drawn(&frame.drawn.color),
+                        (size.width, size.height),
+                        (x, y),
+                    );
+                    let pixels: Vec<_> = taps.iter().map(|tap| (tap.x, tap.y)).collect();
+                    let mut known =
+                        Image::filled(frame.drawn.color.width(), frame.drawn.color.height(), [255, 0, 173, 1]);
+                    for (samples, at) in samples::replay(&scene, &recipe, &frame, &pixels).iter().zip(&pixels) {
+                        let (column, row) = frame.drawn.grid.sample_at(at.0, at.1).unwrap();
+                        known.set(column, row, samples[0]);
+                    }
+                    let alone = how.upscaler().pixel(how, &frame.as_drawn(&known), (size.width, size.height), (x, y));
+                    assert_eq!(alone, frame.image().at(x, y), "{method} ({x}, {y}) {taps:?}");
+                    assert!((taps.iter().map(|tap| tap.weight).sum::<f32>() - 1.0).abs() < 1e-5);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn accumulation_comes_to_the_mean_of_its_samples() {
+        let scene = scene("chess");
+        let drawn = frames("accumulation", 1, &[scene.home; 16], &scene, Execution::Tiled);
+        let antialias = Antialiasing {
+            method: crate::antialias::settings::Method::LowDiscrepancy,
+            samples: crate::antialias::settings::Samples::Sixteen,
+            ..Antialiasing::default()
+        };
+        let smooth = run(&scene, &scene.home, &Recipe { antialias, ..Recipe::default() }, SIZE, &mut ());
+        let codes = drawn[15].image().pixels().as_flattened().iter().zip(smooth.image().pixels().as_flattened());
+        assert!(codes.into_iter().all(|(a, b)| a.abs_diff(*b) <= 1));
+        let errors: Vec<_> = drawn.iter().map(|frame| squared_error(frame.image(), smooth.image())).collect();
+        assert!(errors[7] < errors[0] / 4.0 && errors[15] < errors[7] / 4.0, "{errors:?}");
+    }
+
+    #[test]
+    fn enlarged_accumulation_regains_what_one_frame_has_not() {
+        let scene = scene("chess");
+        let drawn = frames("accumulation", 2, &[scene.home; 16], &scene, Execution::Tiled);
+        let native = native(&scene, &scene.home);
+        let errors: Vec<_> = drawn.iter().map(|frame| squared_error(frame.image(), native.image())).collect();
+        assert!(errors[15] < errors[0] / 2.0, "{errors:?}");
+    }
+
+    #[test]
+    fn another_scene_recipe_or_size_has_no_past() {
+        let scene = scene("cubes");
+        let recipe = Recipe { upscaler: Upscaling::new("checkerboard-temporal", 1).unwrap(), ..Recipe::default() };
+        let mut renderer = Renderer::default();
+        let mut draw = |scene: &Arc<Scene>, recipe: &Recipe, size| {
+            renderer.render(scene, &scene.home, recipe, size, KeepDepth::Yes).past.is_some()
+        };
+        let lines = Recipe { wireframe: true, ..recipe };
+        let smaller = Viewport { width: 40, height: 30 };
+        let twin = Arc::new((*scene).clone());
+        assert!(!draw(&scene, &recipe, SIZE) && draw(&scene, &recipe, SIZE));
+        assert!(!draw(&twin, &recipe, SIZE) && !draw(&twin, &lines, SIZE) && !draw(&twin, &lines, smaller));
     }
 
     #[test]

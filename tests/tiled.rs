@@ -6,6 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::scenes;
+use rasterscope::antialias::settings::Method;
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::math::lanes::Lanes;
 use rasterscope::pipeline::plan::{DrawPlan, Part};
@@ -134,6 +135,16 @@ fn every_depth_test_and_format_gives_the_same_picture() {
 #[test]
 fn every_way_to_read_textures_gives_the_same_picture() {
     check_all(&textures());
+}
+
+#[test]
+fn every_way_to_smooth_gives_the_same_picture() {
+    let mut recipes = with::<Method>(&[Recipe::default()], |r, c| r.antialias.method = c);
+    recipes.extend(with::<Method>(&recipes[..1], |r, c| {
+        r.antialias.method = c;
+        r.upscaler = Upscaling::new("checkerboard", 1).unwrap();
+    }));
+    check_all(&recipes);
 }
 
 #[test]

@@ -70,6 +70,22 @@ fn a_request_is_answered_with_its_frame_and_then_its_stage_times() {
 }
 
 #[test]
+fn a_view_that_stands_still_is_drawn_on_until_it_changes_no_more() {
+    let mut worker = Worker::spawn(|| ());
+    let mut request = request("cubes", (64, 48));
+    let native = run(&request.scene, &request.camera, &request.recipe, request.viewport, &mut ());
+    request.recipe.upscaler = Upscaling::new("checkerboard-temporal", 1).unwrap();
+    worker.send(show(&request));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
+    let [Answer::View(first), Answer::View(second), Answer::Stages(_)] = &answers[..] else {
+        panic!("{} answers", answers.len())
+    };
+    assert_ne!(*first.picture, *native.image());
+    assert_eq!(*second.picture, *native.image());
+    assert!(answers_within(&mut worker, Duration::from_millis(300)).is_empty());
+}
+
+#[test]
 fn only_the_newest_of_the_waiting_requests_is_answered() {
     let mut worker = Worker::spawn(|| ());
     let busy = request("chess", (640, 480));

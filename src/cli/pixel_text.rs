@@ -19,6 +19,17 @@ pub(crate) fn describe(report: &PixelReport) -> String {
         lines.push(format!("fragment {} of {}", index + 1, report.fragments.len()));
         lines.extend(fragment_lines(fragment).map(|line| format!("  {line}")));
     }
+    if let Some(before) = report.unfiltered {
+        lines.push(format!("{} before the post filter", color(before)));
+    }
+    if !report.samples.is_empty() {
+        lines.push(String::new());
+        lines.push(format!("the mean of {} samples, each at a place in the pixel", report.samples.len()));
+        lines.extend(report.samples.iter().map(|sample| {
+            let [x, y] = sample.place;
+            format!("  ({x:.4}, {y:.4})  {}", color(sample.color))
+        }));
+    }
     if report.drawn_at != [report.x, report.y] || report.sources.len() > 1 {
         lines.push(String::new());
         lines.push("made by the upscaler of".to_owned());
@@ -72,7 +83,8 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
     rows.extend(shading.uv.map(|uv| ("uv", numbers(&uv))));
     rows.extend(shading.texels.iter().map(|texel| {
         let tap = texel.tap;
-        ("texel", format!("({}, {}) × {:?}: {}", tap.x, tap.y, tap.weight, color(texel.color)))
+        let level = if texel.level > 0 { format!("level {} ", texel.level) } else { String::new() };
+        ("texel", format!("{level}({}, {}) × {:?}: {}", tap.x, tap.y, tap.weight, color(texel.color)))
     }));
     let over = shading.below.map_or(String::new(), |below| format!(", blended with {}", color(below)));
     rows.push(("colour", color(shading.color) + &over));

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
+use rasterscope::chain::{Frame, Recipe, Renderer};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::Loaded;
@@ -156,7 +156,7 @@ impl FrameArgs {
     /// Draws the frame.
     pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.view()?;
-        let frame = Renderer::default().render(&scene, &camera, &recipe, self.size, KeepDepth::Yes);
+        let frame = Renderer::default().render_settled(&scene, &camera, &recipe, self.size);
         Ok(Drawn { scene, camera, recipe, frame })
     }
 }

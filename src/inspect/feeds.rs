@@ -3,7 +3,7 @@
 use crate::chain::Frame;
 use crate::image::Rgba8;
 use crate::image::color::{Tables, encode};
-use crate::upscale::{Drawn, Light, Tap, Upscaling};
+use crate::upscale::{Light, Tap, Upscaling};
 
 /// How far around a sample pixels are looked for that it feeds, in samples: the widest kernel reaches three.
 const REACH_SAMPLES: f64 = 3.0;
@@ -31,6 +31,8 @@ pub struct Mixture {
     pub sum: [f64; 3],
     /// The pixel as the method made it.
     pub pixel: Rgba8,
+    /// Whether a part of it comes from the frame before, which is no sample.
+    pub remembers: bool,
 }
 
 impl Mixture {
@@ -42,7 +44,9 @@ impl Mixture {
         let sources: Vec<Source> = sources.collect::<Option<_>>()?;
         let weight = sources.iter().map(|source| f64::from(source.tap.weight)).sum();
         let sum = [0, 1, 2].map(|channel| sum_of(&sources, how.light(), channel));
-        Some(Self { sources, weight, sum, pixel })
+        let size = (frame.viewport.width, frame.viewport.height);
+        let before = how.upscaler().remembers(how, &frame.as_drawn(&frame.drawn.color), size, at);
+        Some(Self { sources, weight, sum, pixel, remembers: before.is_some() })
     }
 
     /// The weighted sum within the codes that there are.
@@ -53,7 +57,7 @@ impl Mixture {
 
 fn taps(frame: &Frame, how: Upscaling, at: (u32, u32)) -> Vec<Tap> {
     let size = (frame.viewport.width, frame.viewport.height);
-    how.upscaler().taps(how, &Drawn::from(&frame.drawn.color), size, at)
+    how.upscaler().taps(how, &frame.as_drawn(&frame.drawn.color), size, at)
 }
 
 /// The colour of a drawn sample.

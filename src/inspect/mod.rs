@@ -25,5 +25,5 @@ pub mod view;
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use hits::{Fault, FaultKind, Hits};
-pub use pixel::{FragmentRecord, Outcome, PixelReport, inspect};
+pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
 pub use stages::Stage;

@@ -5,7 +5,8 @@ use serde::Serialize;
 use super::depth::DepthRecord;
 use super::hits::{Fault, fault_at};
 use super::verdict::{fault_verdict, verdict};
-use crate::chain::{Frame, Recipe};
+use crate::antialias::{post, resolve};
+use crate::chain::{Frame, Recipe, samples};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
 use crate::pipeline::depth::{Comparison, depth_at};
@@ -21,7 +22,7 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw, wireframe};
 use crate::scene::material::CUT_OUT_BELOW;
 use crate::scene::{Scene, Transparency, TriangleId};
-use crate::upscale::{Drawn, Tap};
+use crate::upscale::Tap;
 
 /// What became of a fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -117,7 +118,9 @@ pub struct ShadingRecord {
 /// One texel that was read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TexelRecord {
-    /// Where, and its share.
+    /// Which copy of the texture it belongs to: 0 is the texture itself, each next one half as long.
+    pub level: usize,
+    /// Where in that copy, and its share.
     #[serde(flatten)]
     pub tap: TexelTap,
     /// Its codes.
@@ -130,6 +133,15 @@ pub struct SourceRecord {
     /// Where in the picture that was drawn, and its share.
     #[serde(flatten)]
     pub tap: Tap,
+    /// Its replayed colour.
+    pub color: Rgba8,
+}
+
+/// One of the samples that a drawn pixel is the mean of.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SampleRecord {
+    /// Where it lies, px from the pixel's top-left corner.
+    pub place: [f64; 2],
     /// Its replayed colour.
     pub color: Rgba8,
 }
@@ -148,12 +160,19 @@ pub struct PixelReport {
     /// The pixel whose fragments are listed, in the picture that was drawn: this one if it was drawn itself, else the one
     /// with the largest share.
     pub drawn_at: [u32; 2],
-    /// Every fragment there, in drawing order.
+    /// Its samples, whose mean is its colour; none if it has but one, at its centre.
+    pub samples: Vec<SampleRecord>,
+    /// Every fragment at its centre, in drawing order.
     pub fragments: Vec<FragmentRecord>,
     /// What the depth buffer holds in the end.
     pub final_depth: Option<DepthRecord>,
     /// The drawn pixels that this one was made of; one with weight 1 if it was drawn itself.
     pub sources: Vec<SourceRecord>,
+    /// Where in the frame before, px from the picture's corner, the upscaler found a part of the pixel, or all of it where
+    /// it was not drawn; what it takes from there has no weight among the sources.
+    pub remembered_at: Option<[f64; 2]>,
+    /// The colour before the filter over the picture, where there is one.
+    pub unfiltered: Option<Rgba8>,
     /// The triangle whose edge the wireframe draws over this pixel.
     pub wireframe: Option<TriangleId>,
     /// A crack or a double hit along a shared edge, if the pixel was drawn.
@@ -174,15 +193,22 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         return None;
     }
     let (how, upscaler) = (recipe.upscaler, recipe.upscaler.upscaler());
-    let taps = upscaler.taps(how, &Drawn::from(&frame.drawn.color), (width, height), (x, y));
-    let sources: Vec<SourceRecord> =
-        taps.into_iter().map(|tap| source(scene, recipe, frame, tap)).collect::<Option<_>>()?;
-    let main = sources.iter().max_by(|a, b| a.tap.weight.total_cmp(&b.tap.weight))?.tap;
-    let drawn_at = if frame.is_drawn(x, y) { (x, y) } else { (main.x, main.y) };
+    let taps = upscaler.taps(how, &frame.as_drawn(&frame.drawn.color), (width, height), (x, y));
+    let pixels: Vec<_> = taps.iter().map(|tap| (tap.x, tap.y)).collect();
+    let replayed = samples::replay(scene, recipe, frame, &pixels);
+    let sources: Vec<_> = taps.into_iter().zip(&replayed).map(|(tap, samples)| source(frame, tap, samples)).collect();
+    let main = (0..sources.len()).max_by(|a, b| sources[*a].tap.weight.total_cmp(&sources[*b].tap.weight))?;
+    let drawn_at = if frame.is_drawn(x, y) { (x, y) } else { pixels[main] };
+    let samples = pixels.iter().position(|pixel| *pixel == drawn_at).map_or_else(Vec::new, |place| {
+        let places = samples::places(frame.antialias, drawn_at);
+        places.into_iter().zip(&replayed[place]).map(|(place, color)| SampleRecord { place, color: *color }).collect()
+    });
     let mut recorder = Recorder::new(scene, recipe, frame);
-    let (_, final_depth) = replay(scene, recipe, frame, drawn_at, &mut recorder)?;
+    let final_depth = replay(scene, recipe, frame, drawn_at, &mut recorder)?;
 
-    let below = upscaler.pixel(how, &Drawn::from(&picture_of(&sources, frame)), (width, height), (x, y));
+    let upscaled = upscaler.pixel(how, &frame.as_drawn(&picture_of(&sources, frame)), (width, height), (x, y));
+    let filtered = filtered(recipe, frame, (x, y), upscaled);
+    let below = filtered.unwrap_or(upscaled);
     let wireframe = recipe.wireframe.then(|| wireframe::crosses(frame.outlines(), (width, height), (x, y))).flatten();
     let color = if wireframe.is_some() { wireframe::line_color(below) } else { below };
     let mut report = PixelReport {
@@ -191,9 +217,14 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         verdict: String::new(),
         color,
         drawn_at: drawn_at.into(),
+        samples: if frame.antialias.is_off() { Vec::new() } else { samples },
         fragments: recorder.finish(),
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
+        remembered_at: upscaler
+            .remembers(how, &frame.as_drawn(&frame.drawn.color), (width, height), (x, y))
+            .map(|before| before.place),
+        unfiltered: filtered.map(|_| upscaled),
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),
     };
@@ -203,9 +234,29 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
     Some(report)
 }
 
-fn source(scene: &Scene, recipe: &Recipe, frame: &Frame, tap: Tap) -> Option<SourceRecord> {
-    let (color, _) = replay(scene, recipe, frame, (tap.x, tap.y), &mut ())?;
-    Some(SourceRecord { tap, color })
+fn source(frame: &Frame, tap: Tap, samples: &[Rgba8]) -> SourceRecord {
+    let color = match samples {
+        [only] if frame.antialias.is_off() => *only,
+        samples => resolve::mean(samples, frame.antialias.light),
+    };
+    SourceRecord { tap, color }
+}
+
+/// The pixel after the filter over the picture, if there is one: from its replayed colour and its neighbours in the frame.
+fn filtered(recipe: &Recipe, frame: &Frame, (x, y): (u32, u32), own: Rgba8) -> Option<Rgba8> {
+    let reach = i64::from(post::reach(&recipe.post)?);
+    let around = |at: u32| (i64::from(at) - reach, 2 * reach as u32 + 1);
+    let ((left, width), (top, height)) = (around(x), around(y));
+    let neighbours = Image::from_fn(width, height, |column, row| {
+        let (i, j) = (left + i64::from(column), top + i64::from(row));
+        let is_own = |at: i64, length: u32, own: u32| at.clamp(0, i64::from(length) - 1) == i64::from(own);
+        if is_own(i, frame.viewport.width, x) && is_own(j, frame.viewport.height, y) {
+            own
+        } else {
+            frame.unfiltered().at_clamped(i, j)
+        }
+    });
+    post::apply(&recipe.post, &neighbours).map(|patch| patch.at(reach as u32, reach as u32))
 }
 
 /// What was drawn, as far as the replayed sources tell: all that the upscaler may look at.
@@ -220,20 +271,20 @@ fn picture_of(sources: &[SourceRecord], frame: &Frame) -> Image<Rgba8> {
     picture
 }
 
-/// Draws the sample of one drawn pixel alone: its colour and its stored depth.
+/// Draws the sample at the centre of one drawn pixel alone, watched: its stored depth, if any.
 fn replay<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,
     (x, y): (u32, u32),
     observer: &mut O,
-) -> Option<(Rgba8, Option<f32>)> {
+) -> Option<Option<f32>> {
     let grid = frame.drawn.grid;
     let sample = grid.sample_at(x, y)?;
     let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
     let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
     draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut one, observer);
-    Some((one.color.at(0, 0), one.depth.map(|d| d.at(0, 0))))
+    Some(one.depth.map(|d| d.at(0, 0)))
 }
 
 /// Writes down every fragment of a replay.
@@ -359,11 +410,29 @@ fn verb(transparency: Transparency) -> &'static str {
     if transparency == Transparency::Blended { "blended" } else { "written" }
 }
 
+/// The texels that are read in one copy of a texture, which counts for `share`.
+fn texel_records(
+    shader: &Shader<'_>,
+    image: &Image<Rgba8>,
+    (level, share): (usize, f32),
+    fragment: &Fragment,
+) -> Vec<TexelRecord> {
+    let (taps, count) = shader.sampler().taps(image.size(), fragment.uv);
+    let record = |tap: &TexelTap| {
+        let tap = TexelTap { weight: tap.weight * share, ..*tap };
+        TexelRecord { level, tap, color: image.at(tap.x, tap.y) }
+    };
+    taps[..count].iter().map(record).collect()
+}
+
 fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
     let lit = plan.runs(Part::Light);
     let texels = shader.texture_for(fragment).map_or_else(Vec::new, |texture| {
-        let (taps, count) = shader.sampler().taps(texture.size(), fragment.uv);
-        taps[..count].iter().map(|tap| TexelRecord { tap: *tap, color: texture.at(tap.x, tap.y) }).collect()
+        let (levels, count) = texture.levels(fragment);
+        levels[..count]
+            .iter()
+            .flat_map(|&(level, share)| texel_records(shader, texture.level(level), (level, share), fragment))
+            .collect()
     });
     ShadingRecord {
         uv: plan.runs(Part::TextureCoordinates).then(|| fragment.uv.into()),

@@ -9,18 +9,33 @@ use crate::pipeline::settings::{Choice as _, Settings};
 
 /// What happened at a pixel, in one sentence.
 pub(super) fn verdict(report: &PixelReport, drawn: bool, comparison: Comparison) -> String {
-    let story = fragment_verdict(&report.fragments, comparison);
+    let story = smooth_verdict(report) + &fragment_verdict(&report.fragments, comparison);
     if let Some(triangle) = report.wireframe {
         return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
     }
     if drawn {
         return story;
     }
+    if let Some([x, y]) = report.remembered_at {
+        return format!(
+            "Remembered from the frame before, at {x:.2}, {y:.2}, within what is drawn around. The weightiest sample now: {story}"
+        );
+    }
     let [x, y] = report.drawn_at;
     let count = report.sources.len();
     let made_of =
         if count == 1 { "copied from one drawn pixel".to_owned() } else { format!("mixed from {count} drawn pixels") };
     format!("Not drawn: {made_of}. The weightiest, ({x}, {y}): {story}")
+}
+
+/// What stands before the story of the centre of a pixel that has several samples.
+fn smooth_verdict(report: &PixelReport) -> String {
+    let colors: BTreeSet<_> = report.samples.iter().map(|sample| sample.color).collect();
+    match (report.samples.len(), colors.len()) {
+        (0, _) => String::new(),
+        (count, 1) => format!("The mean of {count} samples, all alike. At its centre: "),
+        (count, colors) => format!("The mean of {count} samples of {colors} colours. At its centre: "),
+    }
 }
 
 /// Pieces of one triangle count as one; they are no rivals of each other. Nor is what is cut out.

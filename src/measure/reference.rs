@@ -1,62 +1,38 @@
-//! The pictures that others are measured against. A figure of error means nothing without the name of its reference.
+//! The two pictures that others are measured against. A figure of error means nothing without the name of its reference:
+//!
+//! * *native* is what the same recipe draws with one sample in every pixel: it tells what an approximation changed;
+//! * *converged* is the mean of 256 samples of each pixel in linear light: it tells how far from the truth a picture is, and
+//!   native itself has an error against it.
 
 use std::sync::Arc;
 
-use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::chain::Recipe;
+pub use crate::chain::samples::Gathering;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::Upscaling;
 
 choice! {
     /// A picture to measure against.
     Reference {
-        Native = "native", "Native, 1 sample", "Every pixel drawn once, at its centre: what an upscaler would have to guess. It is aliased itself.";
-    }
-}
-
-/// A reference that comes about step by step.
-#[derive(Debug)]
-pub struct Gathering {
-    scene: Arc<Scene>,
-    camera: Camera,
-    recipe: Recipe,
-    viewport: Viewport,
-    picture: Option<Image<Rgba8>>,
-}
-
-impl Gathering {
-    /// Draws the next sample of every pixel; false if there was none left to draw.
-    pub fn step(&mut self) -> bool {
-        if self.picture.is_some() {
-            return false;
-        }
-        let Self { scene, camera, recipe, viewport, .. } = &*self;
-        let frame = Renderer::default().render(scene, camera, recipe, *viewport, KeepDepth::No);
-        self.picture = Some(frame.image().clone());
-        true
-    }
-
-    /// Share of the samples that are drawn, in [0, 1].
-    pub fn progress(&self) -> f32 {
-        f32::from(u8::from(self.picture.is_some()))
-    }
-
-    /// The picture so far; black if nothing was drawn yet.
-    pub fn picture(&self) -> Image<Rgba8> {
-        let Viewport { width, height } = self.viewport;
-        self.picture.clone().unwrap_or_else(|| Image::filled(width, height, [0, 0, 0, 255]))
+        Native = "native", "Native, 1 sample", "Every pixel drawn once, at its centre: what an upscaler would have to guess.";
+        Converged = "converged", "Converged, 256 samples", "The mean of 256 low-discrepancy samples of every pixel in linear light: what the eye should see. Native itself has an error against it.";
     }
 }
 
 impl Reference {
-    /// Begins the reference of a recipe: its pipeline, without upscaler and lines.
+    /// How many samples a pixel gets.
+    pub fn samples(self) -> u32 {
+        match self {
+            Self::Native => 1,
+            Self::Converged => 256,
+        }
+    }
+
+    /// Begins the reference of a recipe: its pipeline, without upscaler, filter and lines.
     pub fn begin(self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Gathering {
-        let recipe = match self {
-            Self::Native => Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..*recipe },
-        };
-        Gathering { scene: scene.clone(), camera: *camera, recipe, viewport, picture: None }
+        Gathering::new(scene, camera, recipe, viewport, self.samples())
     }
 
     /// The whole reference. `go_on` is told the share that is done after each sample, and says whether to go on; if not,
@@ -83,16 +59,49 @@ impl Reference {
 mod tests {
     use super::*;
     use crate::chain::run;
+    use crate::measure::error::compare;
     use crate::scene::builtin;
+    use crate::upscale::Upscaling;
+
+    const SIZE: Viewport = Viewport { width: 96, height: 60 };
+
+    fn rmse(a: &Image<Rgba8>, b: &Image<Rgba8>) -> f64 {
+        compare(a, b).map_or(f64::NAN, |error| error.mse).sqrt()
+    }
 
     #[test]
     fn native_is_the_frame_of_the_recipe_without_what_comes_after() {
         let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-        let size = Viewport { width: 96, height: 60 };
         let upscaler = Upscaling::new("bilinear", 4).unwrap();
         let recipe = Recipe { upscaler, wireframe: true, ..Recipe::default() };
-        let native = Reference::Native.picture(&scene, &scene.home, &recipe, size, |_| true).unwrap();
-        assert_eq!(native, *run(&scene, &scene.home, &Recipe::default(), size, &mut ()).image());
-        assert_eq!(Reference::Native.picture(&scene, &scene.home, &recipe, size, |_| false), None);
+        let native = Reference::Native.picture(&scene, &scene.home, &recipe, SIZE, |_| true).unwrap();
+        assert_eq!(native, *run(&scene, &scene.home, &Recipe::default(), SIZE, &mut ()).image());
+    }
+
+    #[test]
+    fn the_converged_picture_has_converged() {
+        let scene = Arc::new(builtin::by_id("chess").unwrap().build());
+        let of = |samples| {
+            let mut gathering = Gathering::new(&scene, &scene.home, &Recipe::default(), SIZE, samples);
+            while gathering.step() {}
+            gathering.picture()
+        };
+        let converged = Reference::Converged.picture(&scene, &scene.home, &Recipe::default(), SIZE, |_| true).unwrap();
+        assert_eq!(converged, of(256));
+        let errors = [1, 4, 16, 64].map(|samples| rmse(&of(samples), &converged));
+        assert!(errors.windows(2).all(|pair| pair[1] < 0.7 * pair[0]), "{errors:?}");
+        assert!(errors[3] < 0.1 * errors[0], "{errors:?}");
+    }
+
+    #[test]
+    fn it_stops_when_it_is_told_to() {
+        let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
+        let mut told = Vec::new();
+        let stopped = Reference::Converged.picture(&scene, &scene.home, &Recipe::default(), SIZE, |progress| {
+            told.push(progress);
+            told.len() < 3
+        });
+        assert_eq!(stopped, None);
+        assert_eq!(told, [1.0, 2.0, 3.0].map(|samples| samples / 256.0));
     }
 }

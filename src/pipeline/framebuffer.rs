@@ -1,5 +1,7 @@
 //! What is drawn into: packed colour and, if needed, packed depth.
 
+use std::ops::Range;
+
 use super::depth::{DepthScale, clear_value};
 use super::grid::SampleGrid;
 use super::settings::{DepthTest, Settings};
@@ -32,6 +34,18 @@ impl Framebuffer {
     /// A cleared framebuffer that holds nothing but one sample.
     pub fn one_sample(grid: SampleGrid, sample: (u32, u32), background: [u8; 3], settings: &Settings) -> Self {
         Self::cleared(grid, sample, (1, 1), background, settings)
+    }
+
+    /// A cleared framebuffer that holds some packed rows of the packed picture of `width` × `height` px.
+    pub fn of_rows(
+        grid: SampleGrid,
+        (width, height): (u32, u32),
+        rows: Range<u32>,
+        background: [u8; 3],
+        settings: &Settings,
+    ) -> Self {
+        let (columns, _) = grid.packed_size(width, height);
+        Self::cleared(grid, (0, rows.start), (columns, rows.end - rows.start), background, settings)
     }
 
     fn cleared(

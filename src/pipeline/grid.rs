@@ -20,6 +20,8 @@ pub enum SampleGrid {
     /// The 2×2-pixel squares of one colour of a checkerboard, the colour of the top-left square. Packed columns: of
     /// each four pixels of a row the two that are drawn.
     Checkerboard,
+    /// The squares of the other colour.
+    OddCheckerboard,
 }
 
 impl SampleGrid {
@@ -31,7 +33,7 @@ impl SampleGrid {
         match self {
             Self::Block { step } => (width.div_ceil(step), height.div_ceil(step)),
             // The row that starts with a drawn square has the most: 2 of each 4, and up to 2 of a rest.
-            Self::Checkerboard => (width / 4 * 2 + (width % 4).min(2), height),
+            Self::Checkerboard | Self::OddCheckerboard => (width / 4 * 2 + (width % 4).min(2), height),
         }
     }
 
@@ -40,7 +42,7 @@ impl SampleGrid {
     pub fn pixel(self, column: u32, row: u32) -> (u32, u32) {
         match self {
             Self::Block { step } => (column * step, row * step),
-            Self::Checkerboard => (column / 2 * 4 + column % 2 + Self::first_drawn(row), row),
+            Self::Checkerboard | Self::OddCheckerboard => (column / 2 * 4 + column % 2 + self.first_drawn(row), row),
         }
     }
 
@@ -49,8 +51,8 @@ impl SampleGrid {
     pub fn sample_at(self, x: u32, y: u32) -> Option<(u32, u32)> {
         match self {
             Self::Block { step } => (x.is_multiple_of(step) && y.is_multiple_of(step)).then(|| (x / step, y / step)),
-            Self::Checkerboard => {
-                let within = x.checked_sub(Self::first_drawn(y))?;
+            Self::Checkerboard | Self::OddCheckerboard => {
+                let within = x.checked_sub(self.first_drawn(y))?;
                 (within % 4 < 2).then_some((within / 4 * 2 + within % 4, y))
             }
         }
@@ -67,7 +69,7 @@ impl SampleGrid {
     pub fn rows(self, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
-            Self::Checkerboard => from..to,
+            Self::Checkerboard | Self::OddCheckerboard => from..to,
         }
     }
 
@@ -75,9 +77,9 @@ impl SampleGrid {
     pub fn columns(self, row: u32, from: u32, to: u32) -> std::ops::Range<u32> {
         match self {
             Self::Block { step } => from.div_ceil(step)..to.div_ceil(step),
-            Self::Checkerboard => {
+            Self::Checkerboard | Self::OddCheckerboard => {
                 let drawn_before = |x: u32| {
-                    let within = x.saturating_sub(Self::first_drawn(row));
+                    let within = x.saturating_sub(self.first_drawn(row));
                     within / 4 * 2 + (within % 4).min(2)
                 };
                 drawn_before(from)..drawn_before(to)
@@ -90,10 +92,10 @@ impl SampleGrid {
         self.rows(0, height).map(|row| self.columns(row, 0, width).len() as u64).sum()
     }
 
-    /// Column of the first drawn pixel of a checkerboard row: 0 and 2 in turns of two rows.
+    /// Column of the first drawn pixel of a checkerboard row: 0 and 2 in turns of two rows, or 2 and 0.
     #[inline]
-    fn first_drawn(y: u32) -> u32 {
-        y & 2
+    pub(super) fn first_drawn(self, y: u32) -> u32 {
+        if self == Self::OddCheckerboard { !y & 2 } else { y & 2 }
     }
 }
 
@@ -101,8 +103,13 @@ impl SampleGrid {
 mod tests {
     use super::*;
 
-    const GRIDS: [SampleGrid; 4] =
-        [SampleGrid::FULL, SampleGrid::Block { step: 2 }, SampleGrid::Block { step: 4 }, SampleGrid::Checkerboard];
+    const GRIDS: [SampleGrid; 5] = [
+        SampleGrid::FULL,
+        SampleGrid::Block { step: 2 },
+        SampleGrid::Block { step: 4 },
+        SampleGrid::Checkerboard,
+        SampleGrid::OddCheckerboard,
+    ];
 
     #[test]
     fn every_drawn_pixel_has_one_place_in_the_packed_picture() {
@@ -149,5 +156,10 @@ mod tests {
     #[test]
     fn the_checkerboard_draws_half() {
         assert_eq!(SampleGrid::Checkerboard.drawn_pixels(16, 16), 128);
+        for (x, y) in (0..9).flat_map(|y| (0..9).map(move |x| (x, y))) {
+            let drawn =
+                [SampleGrid::Checkerboard, SampleGrid::OddCheckerboard].map(|grid| grid.sample_at(x, y).is_some());
+            assert!(drawn[0] != drawn[1], "({x}, {y})");
+        }
     }
 }

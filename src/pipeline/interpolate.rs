@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 
 use super::plan::{DrawPlan, Part};
 use super::raster::Sample;
-use super::settings::{Interpolation, Settings, Shading};
+use super::settings::{Filter, Interpolation, Settings, Shading};
 use super::viewport::ScreenTriangle;
 
 /// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
@@ -60,12 +60,22 @@ pub struct Attributes {
     pub light: bool,
     /// [`Fragment::source_weights`].
     pub source_weights: bool,
+    /// [`Fragment::uv_gradient`].
+    pub uv_gradient: bool,
 }
 
 impl Attributes {
-    /// All of them.
+    /// All of them but for gradients.
     pub const fn all(interpolation: Interpolation) -> Self {
-        Self { interpolation, normal: true, uv: true, color: true, light: true, source_weights: true }
+        Self {
+            interpolation,
+            normal: true,
+            uv: true,
+            color: true,
+            light: true,
+            source_weights: true,
+            uv_gradient: false,
+        }
     }
 
     /// What a draw reads.
@@ -77,6 +87,7 @@ impl Attributes {
             color: plan.runs(Part::VertexColors),
             light: settings.shading == Shading::Gouraud,
             source_weights: settings.shading == Shading::Barycentric,
+            uv_gradient: settings.filter == Filter::Trilinear && plan.runs(Part::Texels),
         }
     }
 }
@@ -98,6 +109,8 @@ pub struct Fragment {
     pub light: f32,
     /// Weights of the corners of the triangle before clipping.
     pub source_weights: Vec3,
+    /// What texture coordinates change by in a pixel to the right, and in one downwards; zero unless the draw reads it.
+    pub uv_gradient: [Vec2; 2],
 }
 
 /// Interpolates the `attributes` of a covered sample.
@@ -114,6 +127,7 @@ pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attrib
         color: a.color,
         light: a.light,
         source_weights: a.source_weights,
+        uv_gradient: [Vec2::ZERO; 2],
     };
     if attributes.normal {
         fragment.normal = a.normal + (b.normal - a.normal) * p1 + (c.normal - a.normal) * p2;
@@ -131,5 +145,70 @@ pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attrib
         let [wa, wb, wc] = [a, b, c].map(|v| v.source_weights);
         fragment.source_weights = wa + (wb - wa) * p1 + (wc - wa) * p2;
     }
+    if attributes.uv_gradient {
+        fragment.uv_gradient = uv_gradient(triangle, &fragment);
+    }
     fragment
+}
+
+/// Exact derivatives of the texture coordinates at a sample by the screen. u is N / D with N = Σ uᵢ·rᵢ·λᵢ and D = Σ rᵢ·λᵢ,
+/// both affine on the screen, so du = (dN − u·dD) / D.
+fn uv_gradient(triangle: &ScreenTriangle, fragment: &Fragment) -> [Vec2; 2] {
+    let [v0, v1, v2] = triangle.corners_px().map(Vec2::from);
+    let doubled_area = (v1 - v0).perp_dot(v2 - v0);
+    // What each λ changes by to the right and downwards.
+    let by_screen = [(v1, v2), (v2, v0), (v0, v1)].map(|(a, b)| Vec2::new(a.y - b.y, b.x - a.x) / doubled_area);
+    let edges = fragment.sample.edges.map(|edge| edge as f32);
+    let sum = edges[0] + edges[1] + edges[2];
+    let (mut divisor, mut change, mut numerator_change) = (0.0, Vec2::ZERO, [Vec2::ZERO; 2]);
+    for corner in 0..3 {
+        let r = triangle.relative_inv_w[corner];
+        divisor += r * edges[corner] / sum;
+        change += r * by_screen[corner];
+        let uv = triangle.vertices[corner].varyings.uv;
+        numerator_change[0] += uv * (r * by_screen[corner].x);
+        numerator_change[1] += uv * (r * by_screen[corner].y);
+    }
+    [(numerator_change[0] - fragment.uv * change.x) / divisor, (numerator_change[1] - fragment.uv * change.y) / divisor]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::depth::DepthScale;
+    use crate::pipeline::raster::{AnyTriangle, doubled_area};
+    use crate::pipeline::settings::{Arithmetic, FillRule};
+    use crate::pipeline::vertex::Varyings;
+    use crate::pipeline::viewport::ScreenVertex;
+    use crate::scene::TriangleId;
+
+    #[test]
+    fn gradients_are_the_differences_between_neighbours() {
+        let corner = |at: [f32; 2], w: f32, uv: [f32; 2]| {
+            ScreenVertex::at(at, 0.5, 1.0 / w, Varyings { uv: uv.into(), ..Varyings::default() })
+        };
+        let vertices = [
+            corner([10.0, 900.0], 1.0, [0.0, 0.0]),
+            corner([500.0, 20.0], 6.0, [0.3, 5.0]),
+            corner([990.0, 800.0], 2.0, [4.0, 1.0]),
+        ];
+        let positions = vertices.each_ref().map(|v| v.position_px);
+        let (area, _) = doubled_area(Arithmetic::Fixed, positions);
+        let triangle = ScreenTriangle::new((TriangleId(0), 0), vertices, area.abs(), &DepthScale::default(), true);
+        let edges = AnyTriangle::new(Arithmetic::Fixed, positions, FillRule::TopLeft).unwrap();
+        let mut attributes = Attributes::all(Interpolation::Perspective);
+        attributes.uv_gradient = true;
+        let at = |x, y| interpolate(&triangle, edges.sample((x, y)), attributes);
+        for (x, y) in [(500, 200), (400, 600), (700, 500), (100, 860)] {
+            let here = at(x, y);
+            // Central differences: their error is of second order.
+            for (gradient, difference) in here
+                .uv_gradient
+                .into_iter()
+                .zip([(at(x + 1, y).uv - at(x - 1, y).uv) / 2.0, (at(x, y + 1).uv - at(x, y - 1).uv) / 2.0])
+            {
+                assert!((gradient - difference).length() < 2e-2 * difference.length(), "{gradient} {difference}");
+            }
+        }
+    }
 }

@@ -25,6 +25,8 @@ pub mod grid;
 
 pub mod interpolate;
 
+pub mod multisample;
+
 pub mod observe;
 
 pub mod plan;

@@ -85,7 +85,9 @@ impl Sampler {
         let weighted = |tap: &TexelTap| value(texture.at(tap.x, tap.y)) * tap.weight;
         match self.filter {
             Filter::Point => weighted(&taps[0]),
-            Filter::Bilinear => weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3]),
+            Filter::Bilinear | Filter::Trilinear => {
+                weighted(&taps[0]) + weighted(&taps[1]) + weighted(&taps[2]) + weighted(&taps[3])
+            }
         }
     }
 
@@ -100,7 +102,7 @@ impl Sampler {
                 taps[0] = TexelTap { x, y, weight: 1.0 };
                 (taps, 1)
             }
-            Filter::Bilinear => {
+            Filter::Bilinear | Filter::Trilinear => {
                 let ((x0, x1), tx) = neighbours(u, width, self.address);
                 let ((y0, y1), ty) = neighbours(v, height, self.address);
                 taps[0] = TexelTap { x: x0, y: y0, weight: (1.0 - tx) * (1.0 - ty) };
@@ -110,6 +112,19 @@ impl Sampler {
                 (taps, 4)
             }
         }
+    }
+
+    /// The two copies of a texture that are read for a pixel over which texture coordinates change by `uv_gradient`, and
+    /// their shares: 0 is the texture itself, `copies` the smallest. The copy whose texels are as long as the pixel's longer
+    /// side lies between them, so that nothing is missed.
+    pub fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
+        let in_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length();
+        let longest = in_texels(uv_gradient[0]).max(in_texels(uv_gradient[1]));
+        // The larger of a number and NaN is the number.
+        let level = longest.log2().max(0.0).min(copies as f32);
+        let finer = level as usize;
+        let share = level - finer as f32;
+        [(finer, 1.0 - share), ((finer + 1).min(copies), share)]
     }
 
     /// A colour of codes as [`Sampler::sample`] gives colours.

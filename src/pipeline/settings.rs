@@ -183,6 +183,7 @@ choice! {
         Barycentric = "barycentric", "Barycentric", "The weights λ0, λ1, λ2 as red, green, blue.";
         Depth = "depth", "Depth", "The value that the depth buffer would store, as grey.";
         TriangleId = "triangle-id", "Triangle id", "One colour per triangle, by hashing its number.";
+        ObjectId = "object-id", "Object id", "One colour per object, by hashing its number.";
     }
 }
 
@@ -199,6 +200,7 @@ choice! {
     Filter {
         Point = "point", "Point", "The nearest texel: sharp squares near, glitter far.";
         Bilinear = "bilinear", "Bilinear", "The four texels around, weighted by nearness: smooth near, still glitters far.";
+        Trilinear = "trilinear", "Trilinear, mip-mapped", "Bilinear in the two copies of the texture whose texels come nearest to a pixel's size, weighted: no moiré and no glitter far away, but slanted surfaces blur.";
     }
 }
 

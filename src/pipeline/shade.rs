@@ -5,19 +5,21 @@
 //! linear light, or directly on the codes, by the colour space; the views of single quantities (normals, texture
 //! coordinates, weights …) are codes and know no light.
 
+use std::ops::{Add, Mul};
+
 use glam::Vec3;
 
 use super::depth::depth_at;
 use super::interpolate::{Attributes, Fragment};
 use super::plan::{DrawPlan, Part};
 use super::sample::Sampler;
-use super::settings::{ColorSpace, Settings, Shading};
+use super::settings::{ColorSpace, Filter, Settings, Shading};
 use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
 use crate::scene::material::CUT_OUT_BELOW;
-use crate::scene::{Instance, Library, Transparency, TriangleId};
+use crate::scene::{Instance, Library, Texture, Transparency, TriangleId};
 
 /// N·L above which cel shading takes the light texture.
 pub const CEL_THRESHOLD: f32 = 0.5;
@@ -31,6 +33,72 @@ pub fn lambert(normal: Vec3, light_direction: Vec3, ambient: f32) -> f32 {
     ambient + (1.0 - ambient) * normal.dot(light_direction).max(0.0)
 }
 
+/// A texture with the smaller copies of it that its filter reads.
+#[derive(Clone, Copy, Debug)]
+pub struct Readable<'a> {
+    image: &'a Image<Rgba8>,
+    /// Each half as long as the last; none unless they are read.
+    smaller: &'a [Image<Rgba8>],
+    mips: bool,
+}
+
+impl<'a> Readable<'a> {
+    fn new(texture: &'a Texture, settings: &Settings) -> Self {
+        let mips = settings.filter == Filter::Trilinear;
+        let smaller = if mips { texture.smaller(settings.color_space == ColorSpace::Linear) } else { &[] };
+        Self { image: texture.image(), smaller, mips }
+    }
+
+    /// The texture itself at level 0, or one of its copies.
+    pub fn level(&self, level: usize) -> &'a Image<Rgba8> {
+        level.checked_sub(1).and_then(|level| self.smaller.get(level)).unwrap_or(self.image)
+    }
+
+    /// The levels that are read for a fragment, and their shares; one alone without mip-mapping.
+    pub fn levels(&self, fragment: &Fragment) -> ([(usize, f32); 2], usize) {
+        if self.mips {
+            (Sampler::levels(self.image.size(), self.smaller.len(), fragment.uv_gradient), 2)
+        } else {
+            ([(0, 1.0); 2], 1)
+        }
+    }
+
+    /// What `read` finds in the levels of a fragment, weighted.
+    #[cold]
+    fn mixed<T: Mul<f32, Output = T> + Add<Output = T>>(
+        &self,
+        fragment: &Fragment,
+        read: impl Fn(&Image<Rgba8>) -> T,
+    ) -> T {
+        let ([(fine, share), (coarse, rest)], _) = self.levels(fragment);
+        read(self.level(fine)) * share + read(self.level(coarse)) * rest
+    }
+
+    #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
+    fn color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
+        if self.mips {
+            return self.mixed(fragment, |image| sampler.sample(image, fragment.uv));
+        }
+        sampler.sample(self.image, fragment.uv)
+    }
+
+    #[inline(always)]
+    fn alpha(&self, sampler: Sampler, fragment: &Fragment) -> f32 {
+        if self.mips {
+            return self.mixed(fragment, |image| sampler.alpha(image, fragment.uv));
+        }
+        sampler.alpha(self.image, fragment.uv)
+    }
+
+    #[inline(always)]
+    fn color_and_alpha(&self, sampler: Sampler, fragment: &Fragment) -> (Vec3, f32) {
+        if self.mips {
+            return (self.color(sampler, fragment), self.alpha(sampler, fragment));
+        }
+        sampler.sample_with_alpha(self.image, fragment.uv)
+    }
+}
+
 /// Everything that shading one draw needs: settings, light and the material's textures, looked up once.
 #[derive(Clone, Copy, Debug)]
 pub struct Shader<'a> {
@@ -40,8 +108,8 @@ pub struct Shader<'a> {
     pub(super) light_direction: Vec3,
     /// Material colour × tint, in the numbers of the colour space.
     pub(super) diffuse: Vec3,
-    pub(super) texture: Option<&'a Image<Rgba8>>,
-    dark_texture: Option<&'a Image<Rgba8>>,
+    pub(super) texture: Option<Readable<'a>>,
+    dark_texture: Option<Readable<'a>>,
     /// Of the material alone.
     opacity: f32,
     transparency: Transparency,
@@ -52,7 +120,7 @@ impl<'a> Shader<'a> {
     /// For one instance.
     pub fn new(settings: &'a Settings, library: &'a Library, instance: &Instance, plan: &DrawPlan) -> Self {
         let material = library.material(instance.material);
-        let image = |id| library.texture(id).image();
+        let image = |id| Readable::new(library.texture(id), settings);
         let reads_texels = plan.runs(Part::Texels);
         Self {
             settings,
@@ -81,7 +149,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The texture that is read for a fragment, if any.
-    pub fn texture_for(&self, fragment: &Fragment) -> Option<&'a Image<Rgba8>> {
+    pub fn texture_for(&self, fragment: &Fragment) -> Option<Readable<'a>> {
         if self.settings.shading == Shading::Cel && !self.is_lit(fragment) {
             self.dark_texture.or(self.texture)
         } else {
@@ -120,8 +188,7 @@ impl<'a> Shader<'a> {
     /// the texture, if one is read.
     #[inline]
     pub fn alpha(&self, fragment: &Fragment) -> f32 {
-        self.texture_for(fragment)
-            .map_or(self.opacity, |texture| self.opacity * self.sampler.alpha(texture, fragment.uv))
+        self.texture_for(fragment).map_or(self.opacity, |texture| self.opacity * texture.alpha(self.sampler, fragment))
     }
 
     /// Whether a fragment of a cut-out surface is not there.
@@ -155,6 +222,7 @@ impl<'a> Shader<'a> {
             Shading::Barycentric => quantized(fragment.source_weights),
             Shading::Depth => quantized(Vec3::splat(depth_at(triangle, &fragment.sample))),
             Shading::TriangleId => id_color(triangle.id),
+            Shading::ObjectId => id_color(TriangleId(triangle.instance)),
         }
     }
 
@@ -163,7 +231,7 @@ impl<'a> Shader<'a> {
     fn albedo(&self, fragment: &Fragment) -> Vec3 {
         let plain = self.plain_albedo(fragment);
         match self.texture_for(fragment) {
-            Some(texture) => plain * self.sampler.sample(texture, fragment.uv),
+            Some(texture) => plain * texture.color(self.sampler, fragment),
             None => plain,
         }
     }
@@ -180,7 +248,7 @@ impl<'a> Shader<'a> {
         let plain = self.plain_albedo(fragment);
         match self.texture_for(fragment) {
             Some(texture) => {
-                let (color, alpha) = self.sampler.sample_with_alpha(texture, fragment.uv);
+                let (color, alpha) = texture.color_and_alpha(self.sampler, fragment);
                 (plain * color, self.opacity * alpha)
             }
             None => (plain, self.opacity),

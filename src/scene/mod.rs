@@ -16,6 +16,8 @@ pub mod material;
 
 pub mod mesh;
 
+mod mips;
+
 pub mod obj;
 
 pub mod source;

@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use super::mips;
 use crate::image::{Image, Rgba8};
 
 /// Which alpha codes a picture has.
@@ -33,6 +34,8 @@ pub struct Texture {
     image: Image<Rgba8>,
     alpha: Alpha,
     wrapped: OnceLock<Box<[u32]>>,
+    /// Means of codes, means of linear light.
+    smaller: [OnceLock<Vec<Image<Rgba8>>>; 2],
 }
 
 impl Texture {
@@ -43,6 +46,7 @@ impl Texture {
             alpha: Alpha::of(&image),
             image,
             wrapped: OnceLock::new(),
+            smaller: [const { OnceLock::new() }; 2],
         })
     }
 
@@ -58,6 +62,12 @@ impl Texture {
             let rows = (0..self.image.height()).map(|y| self.image.row(y));
             rows.flat_map(|row| row.iter().chain(row.first()).map(|texel| u32::from_le_bytes(*texel))).collect()
         })
+    }
+
+    /// Copies of half the length, a quarter, and so on down to one texel, by means of linear light or of codes. Made when
+    /// first asked for.
+    pub fn smaller(&self, linear: bool) -> &[Image<Rgba8>] {
+        self.smaller[usize::from(linear)].get_or_init(|| mips::smaller(&self.image, linear))
     }
 
     /// Texels, row 0 at the top (v = 0 after the flip on load).

@@ -81,6 +81,13 @@ pub struct View {
     pub fresh: bool,
 }
 
+impl View {
+    /// Whether the same request again would be answered by a better frame.
+    pub fn wants_another(&self) -> bool {
+        self.request.triangle_limit.is_none() && self.frame.wants_another(&self.request.recipe)
+    }
+}
+
 /// Renders requests.
 #[derive(Debug, Default)]
 pub struct Engine {
@@ -92,7 +99,8 @@ impl Engine {
     /// Answers a request, reusing what the last answer has in common.
     pub fn answer(&mut self, request: Request) -> View {
         let mut last = self.last.take();
-        if let Some(view) = last.take_if(|view| !view.request.same_frame(&request)) {
+        let stale = |view: &mut View| !view.request.same_frame(&request) || view.wants_another();
+        if let Some(view) = last.take_if(stale) {
             // Whoever still shows it keeps it.
             if let Ok(frame) = Arc::try_unwrap(view.frame) {
                 self.renderer.recycle(frame);

@@ -25,6 +25,15 @@ pub static CHECKERBOARD: Checkerboard = Checkerboard;
 /// See [`CHECKERBOARD`].
 pub struct Checkerboard;
 
+/// Nothing is to be chosen about a checkerboard.
+pub(super) const OFFERS: Offers = Offers {
+    scales: &[Scale::ONE],
+    anchors: &[Anchor::Corner],
+    lights: &[Light::Bytes],
+    deringing: false,
+    sharpening: false,
+};
+
 impl Upscaler for Checkerboard {
     fn id(&self) -> &'static str {
         "checkerboard"
@@ -43,13 +52,7 @@ impl Upscaler for Checkerboard {
     }
 
     fn offers(&self) -> Offers {
-        Offers {
-            scales: &[Scale::ONE],
-            anchors: &[Anchor::Corner],
-            lights: &[Light::Bytes],
-            deringing: false,
-            sharpening: false,
-        }
+        OFFERS
     }
 
     fn sampling(&self, _how: Upscaling) -> Sampling {
@@ -62,9 +65,8 @@ impl Upscaler for Checkerboard {
         rows.zip(0..height).for_each(|(row, y)| fill_row(drawn.color, y, width, height, row));
     }
 
-    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
-        let [a, b] = sources(x, y, width, height).map(|(x, y)| drawn.color.at(packed_column(x), y));
-        mean(a, b)
+    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        mean_of_sources(drawn.color, size, at)
     }
 
     fn taps(&self, _how: Upscaling, _drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
@@ -78,10 +80,16 @@ impl Upscaler for Checkerboard {
 }
 
 /// Step from a pixel of a missing square to the drawn square that it touches; see [`step`].
-const TOUCHING: i32 = -1;
+pub(super) const TOUCHING: i32 = -1;
 
 /// Step from a pixel of a missing square to the drawn square at its back; see [`step`].
-const BEHIND: i32 = 2;
+pub(super) const BEHIND: i32 = 2;
+
+/// One pixel, by the arithmetic that fills the whole picture.
+pub(super) fn mean_of_sources(drawn: &Image<Rgba8>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
+    let [a, b] = sources(x, y, width, height).map(|(x, y)| drawn.at(packed_column(x), y));
+    mean(a, b)
+}
 
 /// The two drawn pixels whose mean is pixel (x, y); twice the same where it is one alone.
 fn sources(x: u32, y: u32, width: u32, height: u32) -> [(u32, u32); 2] {
@@ -100,7 +108,7 @@ fn sources(x: u32, y: u32, width: u32, height: u32) -> [(u32, u32); 2] {
 
 /// The place `by` pixels from `at` along one axis, positive across its 2×2 square and negative straight out of it.
 /// `None` outside the picture.
-fn step(at: u32, by: i32, length: u32) -> Option<u32> {
+pub(super) fn step(at: u32, by: i32, length: u32) -> Option<u32> {
     let by = if at.is_multiple_of(2) { by } else { -by };
     at.checked_add_signed(by).filter(|place| *place < length)
 }
@@ -133,7 +141,7 @@ fn fill_blocks(own: &[Rgba8], across: &[Rgba8], drawn_first: bool, row: &mut [Rg
 }
 
 /// Packed column of the drawn pixel in column `x`, the same in rows of either kind.
-fn packed_column(x: u32) -> u32 {
+pub(super) fn packed_column(x: u32) -> u32 {
     x / 4 * 2 + x % 2
 }
 

@@ -15,12 +15,17 @@ use serde::Serialize;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
+mod accumulation;
 mod bicubic;
 mod bilinear;
 mod checkerboard;
+mod checkerboard_edges;
+mod checkerboard_surfaces;
+mod checkerboard_temporal;
 mod choice;
 mod cubic;
 mod fsr;
+mod history;
 mod lanczos;
 mod lattice;
 mod native;
@@ -28,12 +33,17 @@ mod nearest;
 mod scale;
 mod separable;
 
+pub use accumulation::ACCUMULATION;
 pub use bicubic::BICUBIC;
 pub use bilinear::BILINEAR;
 pub use checkerboard::CHECKERBOARD;
+pub use checkerboard_edges::CHECKERBOARD_EDGES;
+pub use checkerboard_surfaces::CHECKERBOARD_SURFACES;
+pub use checkerboard_temporal::CHECKERBOARD_TEMPORAL;
 pub use choice::{Light, Upscaling};
 pub use cubic::{CATMULL_ROM, MITCHELL};
 pub use fsr::FSR1;
+pub use history::{Before, History, Seen, Surfaces};
 pub use lanczos::{LANCZOS2, LANCZOS3};
 pub use lattice::{Anchor, Lattice, Place};
 pub use native::NATIVE;
@@ -54,8 +64,24 @@ pub trait Upscaler: Sync {
     /// What can be chosen about it. Everywhere below, `how` is a choice of this method.
     fn offers(&self) -> Offers;
 
-    /// What must be drawn.
+    /// What it reads besides the colours that were drawn.
+    fn reads(&self) -> Reads {
+        Reads { surfaces: false, past: false }
+    }
+
+    /// After how many frames of a view that stands still the picture changes no more.
+    fn settles_after(&self, _how: Upscaling) -> u32 {
+        1
+    }
+
+    /// What must be drawn. Of a method that reads the past: when there is none.
     fn sampling(&self, how: Upscaling) -> Sampling;
+
+    /// What must be drawn when so many frames came before without a break, and where in their pixels the samples lie, px from
+    /// their corner.
+    fn sampling_of(&self, how: Upscaling, _frames: u32) -> (Sampling, [f64; 2]) {
+        (self.sampling(how), CENTRE)
+    }
 
     /// Overwrites a picture, from samples packed as [`Upscaler::sampling`] says for its size; may panic if they are packed
     /// otherwise.
@@ -68,6 +94,28 @@ pub trait Upscaler: Sync {
     /// The samples that pixel `at` is made of: each once; one without weight counts by rounding alone. Weights sum to one; the weighted
     /// sum of codes or light, clamped, is the pixel but for rounding, and but for what the method does besides weighing.
     fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap>;
+
+    /// Where in the frame before a part of pixel `at` comes from, which is no tap; nowhere for most.
+    fn remembers(&self, _how: Upscaling, _drawn: &Drawn<'_>, _size: (u32, u32), _at: (u32, u32)) -> Option<Before> {
+        None
+    }
+
+    /// What the next frame is to remember besides the picture, of a picture of `size` px; nothing for most.
+    fn memory(&self, _how: Upscaling, _drawn: &Drawn<'_>, _size: (u32, u32)) -> Option<Image<[f32; 4]>> {
+        None
+    }
+}
+
+/// The middle of a pixel, from its corner.
+pub const CENTRE: [f64; 2] = [0.5; 2];
+
+/// What a method reads besides the colours that were drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Reads {
+    /// Which surface every pixel shows.
+    pub surfaces: bool,
+    /// The frame before; only with surfaces.
+    pub past: bool,
 }
 
 /// What can be chosen about a method: of each the first is the default.
@@ -125,11 +173,13 @@ impl Sampling {
 pub struct Drawn<'a> {
     /// Colours, packed.
     pub color: &'a Image<Rgba8>,
+    /// What else is known, if the method reads it and there is any.
+    pub seen: Option<Seen<'a>>,
 }
 
 impl<'a> From<&'a Image<Rgba8>> for Drawn<'a> {
     fn from(color: &'a Image<Rgba8>) -> Self {
-        Self { color }
+        Self { color, seen: None }
     }
 }
 
@@ -145,8 +195,22 @@ pub struct Tap {
 }
 
 /// All methods, in the order in which menus list them.
-pub static ALL: &[&dyn Upscaler] =
-    &[&NATIVE, &CHECKERBOARD, &NEAREST, &BILINEAR, &BICUBIC, &CATMULL_ROM, &MITCHELL, &LANCZOS2, &LANCZOS3, &FSR1];
+pub static ALL: &[&dyn Upscaler] = &[
+    &NATIVE,
+    &CHECKERBOARD,
+    &CHECKERBOARD_EDGES,
+    &CHECKERBOARD_SURFACES,
+    &CHECKERBOARD_TEMPORAL,
+    &NEAREST,
+    &BILINEAR,
+    &BICUBIC,
+    &CATMULL_ROM,
+    &MITCHELL,
+    &LANCZOS2,
+    &LANCZOS3,
+    &FSR1,
+    &ACCUMULATION,
+];
 
 #[cfg(test)]
 mod tests;

@@ -84,7 +84,7 @@ fn a_pixel_needs_no_other_samples_than_its_taps() {
             let sparse = Image::from_fn(columns, rows, |column, row| {
                 if needed(column, row) { drawn.color.at(column, row) } else { [255, 0, 173, 1] }
             });
-            let alone = how.upscaler().pixel(how, &Drawn { color: &sparse }, full.size(), at);
+            let alone = how.upscaler().pixel(how, &Drawn::from(&sparse), full.size(), at);
             assert_eq!(full.at(at.0, at.1), alone, "{} {:?} {at:?}", how.label(), full.size());
         }
     });

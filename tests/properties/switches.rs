@@ -171,6 +171,7 @@ fn what_a_grid_draws_is_what_the_full_picture_has_there() {
                 SampleGrid::Block { step: 4 },
                 SampleGrid::Block { step: 7 },
                 SampleGrid::Checkerboard,
+                SampleGrid::OddCheckerboard,
             ] {
                 let drawn = redraw(&scene, &recipe, &native, grid, &mut ());
                 let (mut samples, depths) = (0, native.drawn.depth.as_ref().zip(drawn.depth.as_ref()));

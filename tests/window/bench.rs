@@ -7,7 +7,7 @@ use eframe::egui::{
     Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Rect, Role, TouchPhase, Vec2,
 };
 use egui_kittest::{Harness, kittest::Queryable as _};
-use rasterscope::chain::{Frame, run};
+use rasterscope::chain::{Frame, KeepDepth, Renderer, run};
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
@@ -79,7 +79,12 @@ impl Bench {
     /// What the chain draws for the window's present state.
     pub(crate) fn expected(&self) -> Frame {
         let Request { scene, camera, recipe, viewport, .. } = self.session().request();
-        run(&scene, &camera, &recipe, viewport, &mut ())
+        let mut frame = run(&scene, &camera, &recipe, viewport, &mut ());
+        let mut renderer = Renderer::default();
+        while frame.wants_another(&recipe) {
+            frame = renderer.render(&scene, &camera, &recipe, viewport, KeepDepth::Yes);
+        }
+        frame
     }
 
     pub(crate) fn press(&mut self, key: Key) {

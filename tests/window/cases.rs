@@ -202,7 +202,7 @@ fn a_report_is_begun_and_cancelled() {
     const PATIENCE: Duration = Duration::from_secs(120);
     let mut bench = Bench::small("triangle");
     bench.click("Stability");
-    bench.window.get_by_label_contains("Run the report").click();
+    bench.window.get_by_role_and_label(Role::Button, "Run the report").click();
     bench.window.step();
     assert!(bench.session().stability.progress.is_some());
     bench.window.get_by_label("Cancel").click();

@@ -92,7 +92,7 @@ fn all_settings_are_reset_by_one_button_and_by_one_undo_back() {
 }
 
 #[test]
-fn number_keys_choose_the_upscalers_in_their_order() {
+fn number_keys_choose_the_first_nine_upscalers_in_their_order() {
     let mut bench = Bench::small("triangle");
     let keys = [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
     assert!(keys.len() <= upscale::ALL.len());

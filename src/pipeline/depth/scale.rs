@@ -87,6 +87,19 @@ impl DepthScale {
         self.encoding.quantize(self.depth(distance.into()).clamp(0.0, 1.0))
     }
 
+    /// The distance that a stored depth stands for, but for rounding; infinite where it stands for what is infinitely far.
+    pub fn distance_of(&self, stored: f32) -> f64 {
+        let Self { near, far, factor, .. } = *self;
+        let [depth, _] = self.encoding.with_next(stored);
+        match self.law {
+            Law::Perspective(DepthMapping::Standard) => near / (1.0 - depth / factor),
+            Law::Perspective(DepthMapping::Reversed) => far * factor / (depth + factor),
+            Law::Perspective(DepthMapping::ReversedInfinite) => factor / depth,
+            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { reversed: false } => near + depth / factor,
+            Law::Orthographic { reversed: true } => far - depth / factor,
+        }
+    }
+
     /// The distance between a stored depth and the next that can be stored: surfaces closer than that may tie. Infinite
     /// where the next one is infinitely far.
     pub fn resolution(&self, stored: f32) -> f64 {

@@ -233,6 +233,8 @@ mod tests {
                 all += 1;
             }
         }
-        assert!(filtered * 10 > all * 9 && filtered < all && tied > 1000, "{filtered} of {all}, {tied} on the line");
+        // What lies on the line is zero, which no filter is certain of; of the rest hardly anything may be left.
+        let decided = f64::from(filtered) / f64::from(all - tied);
+        assert!(decided > 0.99 && tied > 1000, "{filtered} of {all}, {tied} on the line");
     }
 }

@@ -147,7 +147,7 @@ fn what_a_pixel_shows_does_not_depend_on_the_scissor() {
                         .flat_map(|x| (0..SIDE).map(move |y| (x, y)))
                         .filter(|(x, y)| !run(SampleGrid::FULL, Scissor::pixel(*x, *y)).is_empty());
                     assert_eq!(alone.collect::<Vec<_>>(), whole, "{rasterizer:?} {arithmetic:?} {corners:?}");
-                    for grid in [SampleGrid::Block { step: 4 }, SampleGrid::Checkerboard] {
+                    for grid in [SampleGrid::Block { step: 4 }, SampleGrid::Checkerboard, SampleGrid::OddCheckerboard] {
                         let drawn = whole.iter().copied().filter(|(x, y)| grid.sample_at(*x, *y).is_some());
                         let sparse = run(grid, Scissor::full(SIDE, SIDE));
                         assert_eq!(sparse, drawn.collect::<Vec<_>>(), "{grid:?} {rasterizer:?} {arithmetic:?} {corners:?}");

@@ -41,19 +41,22 @@ pub(super) struct Lattice {
 fn shift_of(grid: SampleGrid, row: usize) -> f64 {
     match grid {
         SampleGrid::Block { .. } => 0.0,
-        SampleGrid::Checkerboard => ((row & 2) as i64 * SUBPIXELS) as f64,
+        // Columns count from where the rows that begin farthest to the left do; tiles begin on a row of the first kind.
+        SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => {
+            (i64::from(grid.first_drawn(row as u32)) * SUBPIXELS) as f64
+        }
     }
 }
 
 impl Lattice {
     pub(super) fn new(grid: SampleGrid) -> Self {
         let pixel = SUBPIXELS as f64;
-        let column = |column: u32| f64::from(grid.pixel(column, 0).0) * pixel;
+        let column = |column: u32| f64::from(grid.pixel(column, 0).0 - grid.pixel(0, 0).0) * pixel;
         let row = |row: u32| f64::from(grid.pixel(0, row).1) * pixel;
         let last = LANES as u32 - 1;
         let shift = match grid {
             SampleGrid::Block { .. } => 0.0,
-            SampleGrid::Checkerboard => 2.0 * pixel,
+            SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => 2.0 * pixel,
         };
         Self {
             grid,
@@ -81,6 +84,7 @@ impl Lattice {
     /// Position of a tile's first sample, in grid steps.
     pub(super) fn origin(&self, tile: (usize, usize)) -> [f64; 2] {
         let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
+        let x = x - self.grid.pixel(0, 0).0;
         let step = |pixel: u32| (i64::from(pixel) * SUBPIXELS + HALF_PIXEL) as f64;
         [step(x), step(y)]
     }
@@ -105,7 +109,9 @@ impl Lattice {
     pub(super) fn column(&self, column: usize) -> f64 {
         match self.grid {
             SampleGrid::Block { .. } => column as f64 * self.row_step,
-            SampleGrid::Checkerboard => ((column / 2 * 4 + column % 2) as i64 * SUBPIXELS) as f64,
+            SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => {
+                ((column / 2 * 4 + column % 2) as i64 * SUBPIXELS) as f64
+            }
         }
     }
 
@@ -115,7 +121,7 @@ impl Lattice {
     pub(super) fn range(&self, axis: usize, least: f32, greatest: f32) -> [f32; 2] {
         let half = HALF_PIXEL as f32;
         match self.grid {
-            SampleGrid::Checkerboard if axis == 0 => {
+            SampleGrid::Checkerboard | SampleGrid::OddCheckerboard if axis == 0 => {
                 // Four pixels in a row hold two samples.
                 let four = 4.0 * SUBPIXELS as f32;
                 [((least - half) / four).floor() * 2.0, ((greatest - half) / four).floor() * 2.0 + 1.0]
@@ -134,7 +140,7 @@ impl Lattice {
     pub(super) fn range_lanes<S: Simd>(&self, simd: S, axis: usize, least: F32<S>, greatest: F32<S>) -> [F32<S>; 2] {
         let half = F32::splat(simd, HALF_PIXEL as f32);
         match self.grid {
-            SampleGrid::Checkerboard if axis == 0 => {
+            SampleGrid::Checkerboard | SampleGrid::OddCheckerboard if axis == 0 => {
                 let per_four = 1.0 / (4.0 * SUBPIXELS as f32);
                 [((least - half) * per_four).floor() * 2.0, ((greatest - half) * per_four).floor() * 2.0 + 1.0]
             }

@@ -44,7 +44,7 @@ use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
 use super::plan::{DrawPlan, Part};
-use super::settings::{Arithmetic, Interpolation, Settings};
+use super::settings::{Arithmetic, Filter, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
 use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
@@ -62,6 +62,8 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         Some("published rasterizers have an order of their own")
     } else if settings.interpolation == Interpolation::Published {
         Some("the published weights are computed one by one")
+    } else if settings.filter == Filter::Trilinear && settings.shading.reads_material() {
+        Some("gradients for mip-mapping are computed one by one")
     } else if scene.triangle_count() > MOST_TRIANGLES {
         Some("there are more triangles than tiles can number")
     } else {

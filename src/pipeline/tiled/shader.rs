@@ -72,7 +72,7 @@ impl<'a> DrawShader<'a> {
         let texels_per_sample = match (shader.texture, settings.filter) {
             (None, _) => 0,
             (Some(_), Filter::Point) => 1,
-            (Some(_), Filter::Bilinear) => 4,
+            (Some(_), Filter::Bilinear | Filter::Trilinear) => 4,
         };
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
     }

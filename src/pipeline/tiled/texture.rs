@@ -52,11 +52,13 @@ impl<'a> TextureReader<'a> {
         let size @ (width, height) = texture.image().size();
         let layout = match (sampler.filter, sampler.address) {
             (Filter::Point, _) => Layout::Single,
-            (Filter::Bilinear, Address::Clamp | Address::Mirror) => Layout::Four,
-            (Filter::Bilinear, Address::Repeat) if width.is_power_of_two() && height.is_power_of_two() => {
+            (Filter::Bilinear | Filter::Trilinear, Address::Clamp | Address::Mirror) => Layout::Four,
+            (Filter::Bilinear | Filter::Trilinear, Address::Repeat)
+                if width.is_power_of_two() && height.is_power_of_two() =>
+            {
                 Layout::PowerOfTwoPairs
             }
-            (Filter::Bilinear, Address::Repeat) => Layout::Pairs,
+            (Filter::Bilinear | Filter::Trilinear, Address::Repeat) => Layout::Pairs,
         };
         Self { layout, texels: texture.wrapped(), stride: width as i32 + 1, size, sampler }
     }

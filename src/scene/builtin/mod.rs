@@ -17,6 +17,7 @@ mod revolve;
 mod shapes;
 mod textures;
 mod triangles;
+mod wheels;
 pub mod workload;
 mod z_fighting;
 
@@ -54,6 +55,7 @@ pub const ALL: &[Builtin] = &[
     triangles::SLIVERS,
     z_fighting::Z_FIGHTING,
     near_plane::NEAR_PLANE,
+    wheels::WHEELS,
 ];
 
 /// Finds a scene by its [`Builtin::id`].

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::chain::{Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::measure::against::{Figures, figures, figures_within};
 use crate::measure::difference::{self, Difference};
@@ -187,7 +187,7 @@ impl Comparer {
 
     fn drawn(&mut self, request: &CompareRequest, recipe: Recipe) -> Tile {
         let CompareRequest { scene, camera, viewport, .. } = request;
-        let frame = self.renderer.render(scene, camera, &recipe, *viewport, KeepDepth::No);
+        let frame = self.renderer.render_settled(scene, camera, &recipe, *viewport);
         let tile = Tile {
             recipe,
             picture: Arc::new(frame.image().clone()),

@@ -57,6 +57,7 @@ impl Inspector {
                 weights(ui, fragment);
             }
             self.fragments(ui, report);
+            samples(ui, report);
             sources(ui, report, commands);
             if let Some(fragment) = explained {
                 numbers(ui, fragment);
@@ -252,6 +253,25 @@ fn fragment_row(ui: &mut Ui, fragment: &FragmentRecord, chosen: bool) -> bool {
     response.on_hover_text("Click to see its numbers").clicked()
 }
 
+/// What the pixel is the mean of, if it has several samples, and what it was before the filter over the picture.
+fn samples(ui: &mut Ui, report: &PixelReport) {
+    if let Some(before) = report.unfiltered {
+        section_header(ui, "Before the post filter", |_| {});
+        swatch(ui, to_color(before));
+    }
+    if report.samples.is_empty() {
+        return;
+    }
+    section_header(ui, &format!("Mean of {} samples", report.samples.len()), |_| {});
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::Vec2::splat(2.0);
+        for sample in &report.samples {
+            let [x, y] = sample.place;
+            swatch(ui, to_color(sample.color)).on_hover_text(format!("at {x:.3}, {y:.3} in the pixel"));
+        }
+    });
+}
+
 fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
     let drawn_itself = report.sources.len() == 1 && report.drawn_at == [report.x, report.y];
     if drawn_itself {
@@ -376,7 +396,9 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
     for texel in &shading.texels {
         ui.horizontal(|ui| {
             swatch(ui, to_color(texel.color));
-            let text = format!("texel {:>4}, {:<4}  {}", texel.tap.x, texel.tap.y, format::f32_full(texel.tap.weight));
+            let level = if texel.level > 0 { format!("level {} ", texel.level) } else { String::new() };
+            let place = format!("{:>4}, {:<4}", texel.tap.x, texel.tap.y);
+            let text = format!("{level}texel {place}  {}", format::f32_full(texel.tap.weight));
             ui.label(RichText::new(text).monospace());
         });
     }

@@ -21,6 +21,8 @@ pub mod pipeline;
 pub mod plan;
 
 pub mod scaling;
+mod smooth;
+
 pub mod stability;
 
 pub mod switches;

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use eframe::egui::{Label, RichText, Ui};
 
-use super::{pick, plan};
+use super::{pick, plan, smooth};
 use crate::chain::{Recipe, execution};
 use crate::inspect::Stage;
 use crate::pipeline::observe::Fate;
@@ -18,7 +18,6 @@ use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::tokens;
 use crate::ui::widgets::{choice, combo, drag, row, slider, value_row};
-use crate::upscale;
 
 /// Draws the switches and figures of a stage.
 pub fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
@@ -127,7 +126,8 @@ fn planes(ui: &mut Ui, camera: &mut Camera, endless: bool) {
     }
 }
 
-fn note(ui: &mut Ui, text: impl Into<String>) {
+/// A remark below a row.
+pub(super) fn note(ui: &mut Ui, text: impl Into<String>) {
     ui.add(Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap());
 }
 
@@ -316,20 +316,8 @@ fn light(ui: &mut Ui, recipe: &mut Recipe) {
 }
 
 fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
-    let mut method = recipe.upscaler.method();
-    let mut scale = recipe.upscaler.scale();
-    let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
-    row(ui, "Method", "How the pixels that are not drawn are filled in", |ui| choice(ui, &mut method, &methods));
-    let scales = recipe.upscaler.upscaler().offers().scales;
-    if scales.len() > 1 {
-        let names: Vec<_> = scales.iter().map(|s| (*s, format!("×{s}"))).collect();
-        let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Enlargement per axis")).collect();
-        row(ui, "Scale", "Enlargement per axis: ×4 draws one pixel of sixteen", |ui| choice(ui, &mut scale, &options));
-    }
-    if let Some(upscaling) = recipe.upscaler.with_method(method) {
-        recipe.upscaler = upscaling.with_scale(scale);
-    }
-    note(ui, recipe.upscaler.upscaler().help());
+    smooth::antialias(ui, &mut recipe.antialias);
+    smooth::upscaler(ui, recipe);
     let share = session.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
     let share = share.map_or_else(|| "not measured".to_owned(), format::percent);
     let help = "Median frame time over that of native, from the last measurement of all upscalers on this very picture";
@@ -342,4 +330,5 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
             "Share of the picture's pixels that are really rasterized and shaded",
         );
     }
+    smooth::post(ui, &mut recipe.post);
 }

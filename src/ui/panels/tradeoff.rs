@@ -58,6 +58,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
     if points.is_empty() {
+        // The tab stays as high as it is: the picture, whose size may be that of the canvas, is not to change.
+        ui.set_min_height(ui.available_height());
         empty_state(
             ui,
             Icon::ChartScatter,
@@ -127,7 +129,9 @@ fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling>
             HoverPosition::Elsewhere { .. } => None,
         })
         .show(ui, |plot| {
-            plot.line(front(points, lane).color(front_color).width(1.0));
+            for step in front(points, lane) {
+                plot.line(step.color(front_color).width(1.0));
+            }
             for (point, color) in points.iter().zip(&colors) {
                 draw(plot, point, lane, if point.dominated_by.is_some() { weak } else { *color });
             }
@@ -141,8 +145,8 @@ fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling>
     (distance(nearest) <= NEAR_POINTS).then_some(nearest.upscaling)
 }
 
-/// The staircase of those that nobody beats.
-fn front(points: &[TradeOff], lane: f64) -> Line<'static> {
+/// The staircase of those that nobody beats, step by step: a single line would be filled where it turns.
+fn front(points: &[TradeOff], lane: f64) -> Vec<Line<'static>> {
     let mut best: Vec<_> = points.iter().filter(|point| point.dominated_by.is_none()).map(|p| place(p, lane)).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut corners: Vec<[f64; 2]> = Vec::new();
@@ -152,7 +156,8 @@ fn front(points: &[TradeOff], lane: f64) -> Line<'static> {
         }
         corners.push(point);
     }
-    Line::new("beaten by nobody", PlotPoints::from(corners)).allow_hover(false)
+    let steps = corners.windows(2);
+    steps.map(|step| Line::new("beaten by nobody", PlotPoints::from(step.to_vec())).allow_hover(false)).collect()
 }
 
 fn draw(plot: &mut PlotUi<'_>, point: &TradeOff, lane: f64, color: Color32) {

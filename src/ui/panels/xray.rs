@@ -42,13 +42,14 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let Some((view, how, at, mixture)) = picked else {
         let how =
             "Click a pixel of the picture: here stand the samples that the upscaler made it of, each with its weight.";
+        ui.set_min_height(ui.available_height());
         empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
         return;
     };
-    let height = ui.available_height();
-    // The tab stays as high as it is, however few samples there are.
-    ui.set_min_height(height);
-    ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
+    /// Height that the scroll bar takes below everything, in points.
+    const BAR: f32 = 14.0;
+    let height = (ui.available_height() - BAR).max(40.0);
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         ui.horizontal_top(|ui| {
             let hovered = ui.vertical(|ui| sources(ui, how, at, &mixture, height)).inner;
             ui.separator();
@@ -189,6 +190,9 @@ fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
         let clamps = mixture.sum != mixture.clamped();
         let far = mixture.clamped().iter().zip(mixture.pixel).any(|(sum, code)| (sum - f64::from(code)).abs() > 2.0);
         let note = match (clamps, far) {
+            _ if mixture.remembers => {
+                "These are the samples of the present frame. The rest of the pixel comes from what frames before left there."
+            }
             (_, true) => {
                 "The method does more than weigh: it keeps the result between the nearest samples, or sharpens it."
             }

@@ -12,25 +12,23 @@
 //!
 //! Channels are codes / 255. Slopes belong to samples, so they are found once for each. Alpha is weighed like a colour.
 
-use fearless_simd::Level;
-#[cfg(target_arch = "x86_64")]
-use fearless_simd::kernel;
 use rayon::prelude::*;
 
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, Place};
 
 /// Samples that are repeated around the picture: as far as the kernel reaches, and one more for slopes.
 const MARGIN: usize = 3;
-
-/// Pixels that are made at a time: as many as there are lanes.
-const LANES: usize = 8;
 
 /// Samples across that a run of [`LANES`] pixels of one phase looks at.
 const RUN: usize = LANES + 3;
 
 /// Below this a slope has no direction: (1/181)², less than a code over the width of the kernel.
 const LEAST_SLOPE: f32 = 1.0 / 32768.0;
+
+/// What a clear edge takes off the lobe.
+const LOBE_OF_EDGE: f32 = 0.25 - 0.04 - 0.5;
 
 /// Places of the twelve samples relative to f, columns and rows.
 const PLACES: [(i32, i32); 12] =
@@ -44,7 +42,6 @@ const PLANES: usize = 7;
 
 /// Samples, channel by channel, with a margin, and the slopes there.
 pub(super) struct Source {
-    width: usize,
     stride: usize,
     planes: [Vec<f32>; PLANES],
 }
@@ -53,8 +50,8 @@ impl Source {
     /// From samples, at least one.
     pub(super) fn new(drawn: &Image<Rgba8>) -> Self {
         let (width, height) = (drawn.width() as usize, drawn.height() as usize);
-        let (stride, rows) = (width + 2 * MARGIN + LANES, height + 2 * MARGIN);
-        let mut source = Self { width, stride, planes: std::array::from_fn(|_| vec![0.0; stride * rows]) };
+        let (stride, rows) = (width + 2 * MARGIN + 2 * LANES, height + 2 * MARGIN + 1);
+        let mut source = Self { stride, planes: std::array::from_fn(|_| vec![0.0; stride * rows]) };
         for row in 0..rows {
             for column in 0..stride {
                 let code = drawn.at_clamped(column as i64 - MARGIN as i64, row as i64 - MARGIN as i64);
@@ -81,11 +78,19 @@ impl Source {
         }
     }
 
-    /// `N` values of a plane from the sample in this column and row on.
-    fn run<const N: usize>(&self, plane: usize, column: i32, row: i32) -> &[f32] {
-        let [column, row] = [column, row].map(|at| (at + MARGIN as i32) as usize);
-        &self.planes[plane][row * self.stride + column..][..N]
+    /// Four rows of a plane, `before` rows before the cells' own and on, from the sample before a group of cells on.
+    #[inline(always)]
+    fn rows(&self, plane: usize, column: i32, row: i32, before: i32) -> Rows<'_> {
+        let [column, row] = [column - 1, row - before].map(|at| (at + MARGIN as i32) as usize);
+        let rows = &self.planes[plane][row * self.stride + column..];
+        [0, 1, 2, 3].map(|below| window(rows, below * self.stride))
     }
+}
+
+/// The [`RUN`] values from place `at` on. Panics if there are fewer.
+#[inline(always)]
+fn window(values: &[f32], at: usize) -> &[f32; RUN] {
+    values[at..].first_chunk().unwrap_or_else(|| panic!("{RUN} values from {at} on of {}", values.len()))
 }
 
 /// The slope at a value between two, and how straight it runs: 1 where both sides share it, 0 at a ridge.
@@ -111,42 +116,48 @@ impl Spot {
     }
 }
 
-/// The kernel at a pixel: turned by `direction`, scaled along both of its axes.
+/// The kernel at a pixel, turned along the edge and scaled along both of its axes: distances along and across the edge are
+/// sums of multiples of the distances in x and y.
 #[derive(Clone, Copy)]
 struct Shape {
-    direction: (f32, f32),
-    scale: (f32, f32),
+    along: (f32, f32),
+    across: (f32, f32),
     lobe: f32,
+    cut: f32,
 }
 
 impl Shape {
     /// From the mixed slopes and straightness.
-    #[inline(always)]
     fn new(across: f32, down: f32, straightness: f32) -> Self {
         let squared = across * across + down * down;
-        let flat = squared < LEAST_SLOPE;
-        let length = if flat { 1.0 } else { squared.sqrt() };
-        let x = if flat { 1.0 } else { across / length };
-        let y = if flat { 0.0 } else { down / length };
-        let edge = (0.5 * straightness) * (0.5 * straightness);
+        let (x, y) = if squared < LEAST_SLOPE {
+            (1.0, 0.0)
+        } else {
+            let length = squared.sqrt();
+            (across / length, down / length)
+        };
+        let half = straightness * 0.5;
+        let edge = half * half;
         let stretch = (x * x + y * y) / x.abs().max(y.abs());
+        let (scale_along, scale_across) = ((stretch - 1.0) * edge + 1.0, 1.0 - edge * 0.5);
+        // A lobe of ½ is a plain blob; near ¼ the kernel resembles Lanczos with two lobes.
+        let lobe = edge * LOBE_OF_EDGE + 0.5;
         Self {
-            direction: (x, y),
-            scale: (1.0 + (stretch - 1.0) * edge, 1.0 - 0.5 * edge),
-            // A lobe of ½ is a plain blob; near ¼ the kernel resembles Lanczos with two lobes.
-            lobe: 0.5 + (0.25 - 0.04 - 0.5) * edge,
+            along: (x * scale_along, y * scale_along),
+            across: (x * scale_across, y * scale_across),
+            lobe,
+            cut: 1.0 / lobe,
         }
     }
 
     /// Weight of a sample at a distance from the pixel.
-    #[inline(always)]
     fn weight(&self, dx: f32, dy: f32) -> f32 {
-        let along = (dx * self.direction.0 + dy * self.direction.1) * self.scale.0;
-        let across = (dy * self.direction.0 - dx * self.direction.1) * self.scale.1;
-        let squared = (along * along + across * across).min(1.0 / self.lobe);
-        let base = 0.4 * squared - 1.0;
+        let along = self.along.0 * dx + self.along.1 * dy;
+        let across = self.across.0 * dy - self.across.1 * dx;
+        let squared = (along * along + across * across).min(self.cut);
+        let base = squared * 0.4 - 1.0;
         let window = self.lobe * squared - 1.0;
-        (25.0 / 16.0 * (base * base) - 9.0 / 16.0) * (window * window)
+        (base * base * (25.0 / 16.0) - 9.0 / 16.0) * (window * window)
     }
 }
 
@@ -222,86 +233,154 @@ pub(super) fn taps(drawn: &Image<Rgba8>, lattice: Lattice, at: (u32, u32)) -> Ve
 }
 
 /// Fills a picture of at least one pixel.
-pub(super) fn fill(level: Level, source: &Source, lattice: Lattice, full: &mut Image<Rgba8>) {
+pub(super) fn fill(lanes: Lanes, source: &Source, lattice: Lattice, full: &mut Image<Rgba8>) {
     let width = full.width() as usize;
-    let (pixels, samples) = lattice.scale.ratio();
-    let (pixels, samples) = (pixels as usize, samples as usize);
-    let columns: Vec<Place> = (0..pixels.min(width)).map(|at| lattice.place(at as u32)).collect();
     full.pixels_mut().par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let place = lattice.place(y as u32);
-        for (first, column) in columns.iter().enumerate() {
-            let spot = Spot::new(lattice, column.phase, place.phase);
-            let mut cell = column.cell;
-            let mut at = first;
-            while at < width && cell < source.width as i32 {
-                let mut codes = [[0; 4]; LANES];
-                lanes(level, source, (cell, place.cell), spot, &mut codes);
-                for color in codes.iter().step_by(samples) {
-                    if let Some(pixel) = row.get_mut(at) {
-                        *pixel = *color;
-                    }
-                    at += pixels;
-                }
-                cell += LANES as i32;
-            }
-        }
+        let phases = Phases { lattice, row: lattice.place(y as u32) };
+        on_lanes!(lanes, simd => fill_lanes(simd, source, phases, row));
     });
 }
 
-/// Pixels of one phase in neighbouring cells, from `cell` on.
-fn lanes(level: Level, source: &Source, cell: (i32, i32), spot: Spot, codes: &mut [Rgba8; LANES]) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = level.as_avx2() {
-        return lanes_avx2(avx2, source, cell, spot, codes);
-    }
-    lanes_plain(source, cell, spot, codes);
+/// Where the pixels of a row lie.
+#[derive(Clone, Copy)]
+struct Phases {
+    lattice: Lattice,
+    row: Place,
 }
 
-#[cfg(target_arch = "x86_64")]
-kernel! {
-    /// [`lanes_plain`], compiled for eight lanes.
-    fn lanes_avx2(avx2: Avx2, source: &Source, cell: (i32, i32), spot: Spot, codes: &mut [Rgba8; LANES]) {
-        let _ = avx2;
-        lanes_plain(source, cell, spot, codes);
-    }
-}
-
-/// Lane by lane in loops of fixed length, which a compiler turns into lanes.
+/// Fills a row, phase after phase: in neighbouring cells the pixels of one phase look at neighbouring samples.
 #[inline(always)]
-fn lanes_plain(source: &Source, (column, row): (i32, i32), spot: Spot, codes: &mut [Rgba8; LANES]) {
-    let mut slopes = [[[0.0_f32; RUN]; 2]; 3];
-    for (plane, of) in slopes.iter_mut().enumerate() {
-        for (below, run) in of.iter_mut().enumerate() {
-            run.copy_from_slice(source.run::<RUN>(4 + plane, column - 1, row + below as i32));
-        }
-    }
-    let mut all_weights = [[0.0_f32; LANES]; 12];
-    let mut totals = [0.0_f32; LANES];
-    for lane in 0..LANES {
-        let at = |of: &[[f32; RUN]; 2]| [of[0][lane + 1], of[0][lane + 2], of[1][lane + 1], of[1][lane + 2]];
-        let (weights, total) = weights(spot, [at(&slopes[0]), at(&slopes[1]), at(&slopes[2])]);
-        for (all, weight) in all_weights.iter_mut().zip(weights) {
-            all[lane] = weight;
-        }
-        totals[lane] = total;
-    }
-    for channel in 0..4 {
-        let mut runs = [[0.0_f32; RUN]; 4];
-        for (index, run) in runs.iter_mut().enumerate() {
-            run.copy_from_slice(source.run::<RUN>(channel, column - 1, row + index as i32 - 1));
-        }
-        let mut values = [0.0_f32; LANES];
-        for (lane, value) in values.iter_mut().enumerate() {
-            let mut samples = [0.0; 12];
-            let mut weights = [0.0; 12];
-            for (index, (x, y)) in PLACES.into_iter().enumerate() {
-                samples[index] = runs[(y + 1) as usize][lane + (x + 1) as usize];
-                weights[index] = all_weights[index][lane];
+fn fill_lanes<S: Simd>(simd: S, source: &Source, Phases { lattice, row: place }: Phases, row: &mut [Rgba8]) {
+    let (pixels, samples) = lattice.scale.ratio();
+    let (pixels, samples) = (pixels as usize, samples as usize);
+    for first in 0..pixels.min(row.len()) {
+        let column = lattice.place(first as u32);
+        let spot = Spot::new(lattice, column.phase, place.phase);
+        let (mut cell, mut at) = (column.cell, first);
+        while at < row.len() {
+            let codes: [u32; LANES] = lanes(simd, source, (cell, place.cell), spot).into();
+            for color in codes.iter().step_by(samples) {
+                if let Some(pixel) = row.get_mut(at) {
+                    *pixel = color.to_le_bytes();
+                }
+                at += pixels;
             }
-            *value = code(&weights, totals[lane], &samples) + 0.5;
+            cell += LANES as i32;
         }
-        for (code, value) in codes.iter_mut().zip(values) {
-            code[channel] = value as u8;
+    }
+}
+
+/// Eight pixels of one phase in neighbouring cells, from `cell` on: the steps of [`weights`] and [`code`] in lanes, with
+/// the same sums in the same order. A pixel is its four codes, the first in the lowest byte. Written without closures: those
+/// that the standard library calls would be compiled without the wide lanes' features.
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, source: &Source, (column, row): (i32, i32), spot: Spot) -> u32x8<S> {
+    let across = mixed(simd, source.rows(4, column, row, 0), spot);
+    let down = mixed(simd, source.rows(5, column, row, 0), spot);
+    let shape = Shape8::new(simd, across, down, mixed(simd, source.rows(6, column, row, 0), spot));
+    let (weights, total) = shape.weights(spot);
+    let mut codes = u32x8::splat(simd, 0);
+    codes |= channel(simd, &weights, total, source.rows(0, column, row, 1));
+    codes |= channel(simd, &weights, total, source.rows(1, column, row, 1)) << 8;
+    codes |= channel(simd, &weights, total, source.rows(2, column, row, 1)) << 16;
+    codes | channel(simd, &weights, total, source.rows(3, column, row, 1)) << 24
+}
+
+/// Neighbouring rows of a plane, from the sample before a group of cells on.
+type Rows<'a> = [&'a [f32; RUN]; 4];
+
+/// Eight values from place `at` of a row on.
+#[inline(always)]
+fn run<S: Simd>(simd: S, row: &[f32; RUN], at: usize) -> f32x8<S> {
+    f32x8::from_slice(simd, &row[at..at + LANES])
+}
+
+/// What is known about the four nearest samples, by their nearness; rows from the cells' own on.
+#[inline(always)]
+fn mixed<S: Simd>(simd: S, rows: Rows<'_>, spot: Spot) -> f32x8<S> {
+    let [f, g, j, k] = spot.shares;
+    let upper = run(simd, rows[0], 1) * f + run(simd, rows[0], 2) * g;
+    upper + run(simd, rows[1], 1) * j + run(simd, rows[1], 2) * k
+}
+
+/// [`code`] in lanes, of one channel; rows from the one before the cells' own on.
+#[inline(always)]
+fn channel<S: Simd>(simd: S, weights: &[f32x8<S>; 12], total: f32x8<S>, rows: Rows<'_>) -> u32x8<S> {
+    let (f, g) = (run(simd, rows[1], 1), run(simd, rows[1], 2));
+    let (j, k) = (run(simd, rows[2], 1), run(simd, rows[2], 2));
+    let mut sum = weights[0] * run(simd, rows[0], 1);
+    sum += weights[1] * run(simd, rows[0], 2);
+    sum += weights[2] * run(simd, rows[1], 0);
+    sum += weights[3] * f;
+    sum += weights[4] * g;
+    sum += weights[5] * run(simd, rows[1], 3);
+    sum += weights[6] * run(simd, rows[2], 0);
+    sum += weights[7] * j;
+    sum += weights[8] * k;
+    sum += weights[9] * run(simd, rows[2], 3);
+    sum += weights[10] * run(simd, rows[3], 1);
+    sum += weights[11] * run(simd, rows[3], 2);
+    let (least, greatest) = (f.min(g).min(j.min(k)), f.max(g).max(j.max(k)));
+    u32x8::truncate_from((sum / total).max(least).min(greatest) * 255.0 + 0.5)
+}
+
+/// [`Shape`] in lanes.
+struct Shape8<S: Simd> {
+    along: (f32x8<S>, f32x8<S>),
+    across: (f32x8<S>, f32x8<S>),
+    lobe: f32x8<S>,
+    cut: f32x8<S>,
+}
+
+impl<S: Simd> Shape8<S> {
+    #[inline(always)]
+    fn new(simd: S, across: f32x8<S>, down: f32x8<S>, straightness: f32x8<S>) -> Self {
+        let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
+        let squared = across * across + down * down;
+        let flat = squared.simd_lt(f32x8::splat(simd, LEAST_SLOPE));
+        let length = squared.sqrt();
+        let (x, y) = (flat.select(one, across / length), flat.select(zero, down / length));
+        let half = straightness * 0.5;
+        let edge = half * half;
+        let stretch = (x * x + y * y) / x.abs().max(y.abs());
+        let (scale_along, scale_across) = ((stretch - 1.0) * edge + 1.0, one - edge * 0.5);
+        let lobe = edge * LOBE_OF_EDGE + 0.5;
+        Self {
+            along: (x * scale_along, y * scale_along),
+            across: (x * scale_across, y * scale_across),
+            lobe,
+            cut: one / lobe,
         }
+    }
+
+    /// Weights of the twelve samples, and their sum.
+    #[inline(always)]
+    fn weights(&self, Spot { x, y, .. }: Spot) -> ([f32x8<S>; 12], f32x8<S>) {
+        let weights = [
+            self.weight(-x, -1.0 - y),
+            self.weight(1.0 - x, -1.0 - y),
+            self.weight(-1.0 - x, -y),
+            self.weight(-x, -y),
+            self.weight(1.0 - x, -y),
+            self.weight(2.0 - x, -y),
+            self.weight(-1.0 - x, 1.0 - y),
+            self.weight(-x, 1.0 - y),
+            self.weight(1.0 - x, 1.0 - y),
+            self.weight(2.0 - x, 1.0 - y),
+            self.weight(-x, 2.0 - y),
+            self.weight(1.0 - x, 2.0 - y),
+        ];
+        let [b, c, e, f, g, h, i, j, k, l, n, o] = weights;
+        (weights, b + c + e + f + g + h + i + j + k + l + n + o)
+    }
+
+    #[inline(always)]
+    fn weight(&self, dx: f32, dy: f32) -> f32x8<S> {
+        let along = self.along.0 * dx + self.along.1 * dy;
+        let across = self.across.0 * dy - self.across.1 * dx;
+        let squared = (along * along + across * across).min(self.cut);
+        let base = squared * 0.4 - 1.0;
+        let window = self.lobe * squared - 1.0;
+        (base * base * (25.0 / 16.0) - 9.0 / 16.0) * (window * window)
     }
 }

@@ -8,11 +8,10 @@ mod rcas;
 
 use std::collections::BTreeMap;
 
-use fearless_simd::Level;
-
 use super::choice::MOST_SHARPENING;
 use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::Lanes;
 use easu::Source;
 
 /// Edge-adaptive enlargement, and sharpening.
@@ -60,7 +59,7 @@ impl Upscaler for Fsr1 {
     }
 
     fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        fill(Level::new(), how, drawn.color, full);
+        fill(Lanes::best(), how, drawn.color, full);
     }
 
     fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
@@ -105,17 +104,17 @@ impl Upscaler for Fsr1 {
     }
 }
 
-fn fill(level: Level, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
+fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     if full.pixels().is_empty() {
         return;
     }
     let source = Source::new(drawn);
     if how.sharpening() == 0 {
-        return easu::fill(level, &source, how.lattice(), full);
+        return easu::fill(lanes, &source, how.lattice(), full);
     }
     let mut enlarged = Image::filled(full.width(), full.height(), [0; 4]);
-    easu::fill(level, &source, how.lattice(), &mut enlarged);
-    rcas::fill(level, &enlarged, strength(how), full);
+    easu::fill(lanes, &source, how.lattice(), &mut enlarged);
+    rcas::fill(lanes, &enlarged, strength(how), full);
 }
 
 #[cfg(test)]

@@ -12,9 +12,9 @@ fn noise(width: u32, height: u32) -> Image<Rgba8> {
     })
 }
 
-fn filled(level: Level, how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32)) -> Image<Rgba8> {
+fn filled(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, size: (u32, u32)) -> Image<Rgba8> {
     let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
-    fill(level, how, drawn, &mut full);
+    fill(lanes, how, drawn, &mut full);
     full
 }
 
@@ -74,7 +74,7 @@ fn enlarging_agrees_with_the_published_steps() {
     let drawn = noise(14, 11);
     for scale in [Scale::ONE_AND_A_HALF, Scale::TWO] {
         let size = ((14.0 * scale.value()) as u32, (11.0 * scale.value()) as u32);
-        let full = filled(Level::new(), how(scale, Anchor::Centre, 0), &drawn, size);
+        let full = filled(Lanes::best(), how(scale, Anchor::Centre, 0), &drawn, size);
         for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
             let exact = published(&drawn, scale.value(), (x, y));
             for (code, exact) in full.at(x, y).into_iter().zip(exact) {
@@ -92,7 +92,7 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
             for (scale, sharpening) in [(Scale::ONE_AND_A_HALF, 0), (Scale::TWO, 0), (Scale::TWO, 80)] {
                 let how = how(scale, *anchor, sharpening);
                 let size = ((f64::from(width) * scale.value()) as u32, (f64::from(height) * scale.value()) as u32);
-                let [wide, plain] = [Level::new(), Level::fallback()].map(|level| filled(level, how, &drawn, size));
+                let [wide, plain] = [Lanes::best(), Lanes::baseline()].map(|lanes| filled(lanes, how, &drawn, size));
                 assert!(wide == plain, "{} {size:?}", how.label());
             }
         }
@@ -120,7 +120,7 @@ fn columns_and_rows_may_change_places() {
     let drawn = noise(9, 9);
     let turned = Image::from_fn(9, 9, |x, y| drawn.at(y, x));
     let how = how(Scale::TWO, Anchor::Centre, 0);
-    let (full, other) = (filled(Level::new(), how, &drawn, (18, 18)), filled(Level::new(), how, &turned, (18, 18)));
+    let (full, other) = (filled(Lanes::best(), how, &drawn, (18, 18)), filled(Lanes::best(), how, &turned, (18, 18)));
     for (x, y) in (0..18).flat_map(|y| (0..18).map(move |x| (x, y))) {
         for (a, b) in full.at(x, y).into_iter().zip(other.at(y, x)) {
             assert!(a.abs_diff(b) <= 1, "({x}, {y}): sums in another order, rounded");

@@ -1,0 +1,260 @@
+//! Where in a pixel it is sampled when one sample is not enough.
+//!
+//! Offsets lie in [0, 1)², x right and y down from the pixel's corner; their mean is the pixel's colour. What a pattern
+//! is worth shows at edges: a regular one of n² samples has but n distinct steps where an edge is nearly upright, the
+//! others have up to as many as samples.
+
+/// A pattern of samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pattern {
+    /// The middles of `side` × `side` squares.
+    Regular {
+        /// Squares along an axis, at least 1.
+        side: u32,
+    },
+    /// The pixel quartered, the quarters quartered, and so on `level` times: the same places as 2^`level` squares along an
+    /// axis, but square by square, as one that splits where it must would come by them (the source article's).
+    Recursive {
+        /// How often, at most [`Pattern::MOST_LEVELS`].
+        level: u32,
+    },
+    /// In each of `side` × `side` squares one of [`Pattern::JITTER`]² places, another one in each pixel: turns stairs into
+    /// noise.
+    Jittered {
+        /// Squares along an axis, at least 1.
+        side: u32,
+        /// Other seeds, other places.
+        seed: u32,
+    },
+    /// Four samples, each in a row and a column of its own: a square turned by about 27°.
+    RotatedGrid,
+    /// The first points of the (0, 2)-sequence of Sobol: any 2ᵏ of them from a multiple on have one in each of the 2ᵏ equal
+    /// rectangles of any shape that halving makes.
+    LowDiscrepancy {
+        /// How many.
+        count: u32,
+    },
+}
+
+impl Pattern {
+    /// Greatest level of [`Pattern::Recursive`]: 256 samples.
+    pub const MOST_LEVELS: u32 = 4;
+
+    /// Places along an axis that a jittered sample has in its square.
+    pub const JITTER: u32 = 4;
+
+    /// How many samples a pixel gets.
+    pub fn count(self) -> u32 {
+        match self {
+            Self::Regular { side } | Self::Jittered { side, .. } => side.max(1).pow(2),
+            Self::Recursive { level } => 4_u32.pow(level.min(Self::MOST_LEVELS)),
+            Self::RotatedGrid => 4,
+            Self::LowDiscrepancy { count } => count.max(1),
+        }
+    }
+
+    /// The places in pixel (x, y).
+    pub fn offsets(self, x: u32, y: u32) -> Vec<[f64; 2]> {
+        match self {
+            Self::Regular { side } => grid(side.max(1), |_, _| [0.5; 2]),
+            Self::Recursive { level } => quartered(level.min(Self::MOST_LEVELS)),
+            Self::Jittered { side, seed } => {
+                let side = side.max(1);
+                grid(side, |column, row| jittered_place(jitter(x, y, row * side + column, seed)))
+            }
+            Self::RotatedGrid => [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]].to_vec(),
+            Self::LowDiscrepancy { count } => {
+                // As many steps as a power of two lie between points; in the middle of theirs their mean is that of the pixel.
+                let half_step = 0.5 / f64::from(count.max(1).next_power_of_two());
+                (0..count.max(1)).map(|index| sobol(index).map(|at| at + half_step)).collect()
+            }
+        }
+    }
+}
+
+/// Which of its places a sample of pixel (x, y) has under a seed, row by row of its square.
+pub fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
+    // Odd constants without a simple ratio spread what the generator then mixes; neighbours share no pattern.
+    let spread = u64::from(x).wrapping_mul(0x9E37_79B9_7F4A_7C15)
+        ^ u64::from(y).wrapping_mul(0xC2B2_AE3D_27D4_EB4F)
+        ^ u64::from(sample).wrapping_mul(0xD6E8_FEB8_6659_FD93)
+        ^ u64::from(seed).wrapping_mul(0x1656_67B1_9E37_79F9);
+    fastrand::Rng::with_seed(spread).usize(0..(Pattern::JITTER * Pattern::JITTER) as usize)
+}
+
+/// Where in its square a place is.
+fn jittered_place(place: usize) -> [f64; 2] {
+    let steps = Pattern::JITTER as usize;
+    [place % steps, place / steps].map(|step| (step as f64 + 0.5) / steps as f64)
+}
+
+/// For each of `side` × `side` squares the places that [`jitter`] numbers.
+pub fn jittered_places(side: u32) -> Vec<Vec<[f64; 2]>> {
+    let all = (0..(Pattern::JITTER * Pattern::JITTER) as usize).map(|place| grid(side, |_, _| jittered_place(place)));
+    let all: Vec<_> = all.collect();
+    (0..(side * side) as usize).map(|square| all.iter().map(|places| places[square]).collect()).collect()
+}
+
+/// A place in each of `side` × `side` squares, row by row.
+fn grid(side: u32, mut within: impl FnMut(u32, u32) -> [f64; 2]) -> Vec<[f64; 2]> {
+    let squares = (0..side).flat_map(|row| (0..side).map(move |column| (column, row)));
+    squares
+        .map(|(column, row)| {
+            let [x, y] = within(column, row);
+            [(f64::from(column) + x) / f64::from(side), (f64::from(row) + y) / f64::from(side)]
+        })
+        .collect()
+}
+
+/// The middles of squares quartered `level` times, quarter by quarter.
+fn quartered(level: u32) -> Vec<[f64; 2]> {
+    let mut places = vec![[0.5; 2]];
+    for depth in 1..=level {
+        let shift = 0.5_f64.powi(depth as i32 + 1);
+        let quarter = |[x, y]: [f64; 2]| {
+            [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(dx, dy)| [x + dx * shift, y + dy * shift])
+        };
+        places = places.into_iter().flat_map(quarter).collect();
+    }
+    places
+}
+
+/// Point `index` of the (0, 2)-sequence: the bits of the index reversed, and those of Sobol's second dimension.
+fn sobol(index: u32) -> [f64; 2] {
+    let mut second = 0_u32;
+    let (mut rest, mut direction) = (index, 1_u32 << 31);
+    while rest != 0 {
+        if rest & 1 == 1 {
+            second ^= direction;
+        }
+        rest >>= 1;
+        direction ^= direction >> 1;
+    }
+    [index.reverse_bits(), second].map(|bits| f64::from(bits) / (1_u64 << 32) as f64)
+}
+
+/// How much a place near a pixel counts for it: filters of unit volume around the pixel's centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AreaFilter {
+    /// The pixel itself, all of it alike.
+    Box,
+    /// Falls off straight along both axes, to nothing one pixel away: never lets a thin line vanish between pixels.
+    Pyramid,
+    /// Falls off straight in all directions alike, to nothing one pixel away.
+    Cone,
+}
+
+impl AreaFilter {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Box, Self::Pyramid, Self::Cone];
+
+    /// How far from the centre it reaches, px.
+    pub fn reach_px(self) -> f64 {
+        if self == Self::Box { 0.5 } else { 1.0 }
+    }
+
+    /// Weight per px² at a distance from the pixel's centre, px.
+    pub fn weight(self, dx: f64, dy: f64) -> f64 {
+        match self {
+            Self::Box => f64::from(u8::from((-0.5..0.5).contains(&dx) && (-0.5..0.5).contains(&dy))),
+            Self::Pyramid => (1.0 - dx.abs()).max(0.0) * (1.0 - dy.abs()).max(0.0),
+            Self::Cone => (1.0 - dx.hypot(dy)).max(0.0) * 3.0 / std::f64::consts::PI,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PATTERNS: [Pattern; 7] = [
+        Pattern::Regular { side: 1 },
+        Pattern::Regular { side: 3 },
+        Pattern::Recursive { level: 3 },
+        Pattern::Jittered { side: 4, seed: 9 },
+        Pattern::RotatedGrid,
+        Pattern::LowDiscrepancy { count: 256 },
+        Pattern::LowDiscrepancy { count: 5 },
+    ];
+
+    #[test]
+    fn all_samples_lie_in_the_pixel_and_are_as_many_as_told() {
+        for pattern in PATTERNS {
+            let offsets = pattern.offsets(17, 4);
+            assert_eq!(offsets.len(), pattern.count() as usize, "{pattern:?}");
+            assert!(offsets.as_flattened().iter().all(|at| (0.0..1.0).contains(at)), "{pattern:?}");
+        }
+        assert_eq!(Pattern::Regular { side: 1 }.offsets(0, 0), [[0.5, 0.5]]);
+        assert_eq!(Pattern::LowDiscrepancy { count: 1 }.offsets(0, 0), [[0.5, 0.5]]);
+    }
+
+    #[test]
+    fn samples_balance_around_the_middle_of_the_pixel() {
+        for pattern in PATTERNS.into_iter().filter(|p| !matches!(p, Pattern::Jittered { .. }) && p.count() != 5) {
+            let offsets = pattern.offsets(0, 0);
+            let mean = [0, 1].map(|axis| offsets.iter().map(|at| at[axis]).sum::<f64>() / offsets.len() as f64);
+            assert!(mean.iter().all(|at| (at - 0.5).abs() < 1e-9), "{pattern:?}: {mean:?}");
+        }
+    }
+
+    #[test]
+    fn a_quartered_pixel_has_the_places_of_a_regular_grid() {
+        for level in 0..=Pattern::MOST_LEVELS {
+            let sorted = |pattern: Pattern| {
+                let mut offsets = pattern.offsets(0, 0);
+                offsets.sort_by(|a, b| a[1].total_cmp(&b[1]).then(a[0].total_cmp(&b[0])));
+                offsets
+            };
+            assert_eq!(sorted(Pattern::Recursive { level }), sorted(Pattern::Regular { side: 1 << level }), "{level}");
+        }
+    }
+
+    #[test]
+    fn every_rectangle_of_a_low_discrepancy_pattern_has_one_sample() {
+        for power in 0..=8 {
+            let offsets = Pattern::LowDiscrepancy { count: 1 << power }.offsets(0, 0);
+            for across in 0..=power {
+                let (columns, rows) = (1 << across, 1 << (power - across));
+                let mut hits = vec![0; 1 << power];
+                for [x, y] in &offsets {
+                    hits[(y * f64::from(rows)) as usize * columns as usize + (x * f64::from(columns)) as usize] += 1;
+                }
+                assert!(hits.iter().all(|hit| *hit == 1), "{} samples in {columns} × {rows}", 1 << power);
+            }
+        }
+    }
+
+    #[test]
+    fn the_rotated_grid_has_a_row_and_a_column_for_each_sample() {
+        for axis in [0, 1] {
+            let mut places: Vec<_> =
+                Pattern::RotatedGrid.offsets(0, 0).iter().map(|at| (at[axis] * 4.0) as u32).collect();
+            places.sort_unstable();
+            assert_eq!(places, [0, 1, 2, 3]);
+        }
+    }
+
+    #[test]
+    fn jitter_keeps_to_its_squares_and_differs_from_pixel_to_pixel_but_not_from_run_to_run() {
+        let pattern = Pattern::Jittered { side: 4, seed: 1 };
+        assert_eq!(pattern.offsets(3, 5), pattern.offsets(3, 5));
+        assert_ne!(pattern.offsets(3, 5), pattern.offsets(4, 5));
+        assert_ne!(pattern.offsets(3, 5), Pattern::Jittered { side: 4, seed: 2 }.offsets(3, 5));
+        for (index, [x, y]) in pattern.offsets(3, 5).into_iter().enumerate() {
+            assert_eq!(((x * 4.0) as usize, (y * 4.0) as usize), (index % 4, index / 4));
+        }
+    }
+
+    #[test]
+    fn filters_have_unit_volume_within_their_reach() {
+        const STEPS: i32 = 600;
+        for filter in AreaFilter::ALL {
+            let place = |step: i32| (f64::from(step) + 0.5) / f64::from(STEPS) * 3.0 - 1.5;
+            let all = || (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (place(i), place(j))));
+            let volume: f64 = all().map(|(x, y)| filter.weight(x, y)).sum::<f64>() * (3.0 / f64::from(STEPS)).powi(2);
+            assert!((volume - 1.0).abs() < 0.01, "{filter:?}: {volume}");
+            let beyond = |(x, y): &(f64, f64)| x.abs().max(y.abs()) > filter.reach_px();
+            assert!(all().filter(beyond).all(|(x, y)| filter.weight(x, y) == 0.0), "{filter:?}");
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! The filter over the finished picture, as a recipe chooses it.
+
+use super::fxaa;
+use super::mask::Mask;
+use super::settings::{Filter, PostFilter};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::settings::ColorSpace;
+
+/// The filtered picture; none if there is nothing to do.
+pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>) -> Option<Image<Rgba8>> {
+    let linear = filter.light == ColorSpace::Linear;
+    if filter.filter == Filter::Fxaa {
+        return Some(fxaa::apply(picture, linear));
+    }
+    mask(filter).map(|mask| mask.apply(picture, linear))
+}
+
+/// The mask that a filter amounts to, if it is one.
+pub fn mask(filter: &PostFilter) -> Option<Mask> {
+    match filter.filter {
+        Filter::None | Filter::Fxaa => None,
+        Filter::Blur => Some(Mask::blur(filter.strength.round() as usize)),
+        Filter::Gaussian => Some(Mask::gaussian(filter.strength)),
+        Filter::Sharpen => Some(Mask::sharpen(filter.strength)),
+        Filter::Motion => Some(Mask::motion(filter.strength, filter.angle_degrees.to_radians())),
+        Filter::Own => Mask::square(&filter.mask).ok(),
+    }
+}
+
+/// How many pixels around a pixel a filter reads; none if there is nothing to do.
+pub fn reach(filter: &PostFilter) -> Option<u32> {
+    match filter.filter {
+        // Along the edge to its end, and around there by one.
+        Filter::Fxaa => Some(fxaa::SEARCH_PX + 1),
+        _ => mask(filter).map(|mask| mask.reach()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::antialias::settings::widened;
+
+    #[test]
+    fn an_own_mask_of_three_rows_stands_in_the_middle() {
+        let weights = [0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0];
+        let filter = PostFilter { filter: Filter::Own, mask: widened(weights), ..PostFilter::default() };
+        let picture = Image::from_fn(3, 6, |x, y| [(x * 20 + y * 7) as u8, 0, 0, 255]);
+        let expected = Mask::square(&weights).unwrap().apply(&picture, true);
+        assert_eq!(apply(&filter, &picture), Some(expected));
+        assert_eq!(apply(&PostFilter::default(), &picture), None);
+    }
+}

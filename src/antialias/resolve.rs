@@ -1,0 +1,115 @@
+//! From the samples of pixels to their colours: the mean, in linear light or of codes.
+
+use rayon::prelude::*;
+
+use crate::image::color::Tables;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::settings::ColorSpace;
+
+/// Sums samples until their mean is asked for. The order of the samples decides the last bits, nothing else does.
+#[derive(Clone, Debug)]
+pub struct Mean {
+    sums: Image<[f32; 3]>,
+    samples: u32,
+    light: ColorSpace,
+}
+
+impl Mean {
+    /// Of no samples yet, for a picture of `width` × `height` px.
+    pub fn new(width: u32, height: u32, light: ColorSpace) -> Self {
+        Self { sums: Image::filled(width, height, [0.0; 3]), samples: 0, light }
+    }
+
+    /// One more sample for every pixel; of a picture of this size.
+    pub fn add(&mut self, picture: &Image<Rgba8>) {
+        let numbers = numbers(self.light);
+        let sums = self.sums.pixels_mut().par_iter_mut().with_min_len(MIN_LEN);
+        sums.zip(picture.pixels()).for_each(|(sum, color)| add(sum, *color, numbers));
+        self.samples += 1;
+    }
+
+    /// How many samples each pixel has.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// The colours, opaque.
+    pub fn picture(&self) -> Image<Rgba8> {
+        let mut picture = Image::filled(self.sums.width(), self.sums.height(), [0; 4]);
+        let pixels = picture.pixels_mut().par_iter_mut().with_min_len(MIN_LEN);
+        pixels.zip(self.sums.pixels()).for_each(|(pixel, sum)| *pixel = finished(*sum, self.samples, self.light));
+        picture
+    }
+}
+
+/// Pixels that are worth a thread.
+const MIN_LEN: usize = 4096;
+
+/// The colour of one pixel with these samples: what [`Mean`] arrives at.
+pub fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
+    let (mut sum, numbers) = ([0.0; 3], numbers(light));
+    samples.iter().for_each(|color| add(&mut sum, *color, numbers));
+    finished(sum, samples.len() as u32, light)
+}
+
+fn numbers(light: ColorSpace) -> &'static [f32; 256] {
+    match light {
+        ColorSpace::Linear => &Tables::get().linear_of_code,
+        ColorSpace::Bytes => &Tables::get().code,
+    }
+}
+
+fn add(sum: &mut [f32; 3], color: Rgba8, numbers: &[f32; 256]) {
+    for (sum, code) in sum.iter_mut().zip(color) {
+        *sum += numbers[code as usize];
+    }
+}
+
+fn finished(sum: [f32; 3], samples: u32, light: ColorSpace) -> Rgba8 {
+    let [r, g, b] = sum.map(|sum| {
+        let mean = sum / samples.max(1) as f32;
+        match light {
+            ColorSpace::Linear => Tables::get().encode(mean),
+            ColorSpace::Bytes => (mean + 0.5) as u8,
+        }
+    });
+    [r, g, b, 255]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::Choice as _;
+
+    #[test]
+    fn equal_samples_stay_as_they_are() {
+        for light in ColorSpace::ALL {
+            for code in 0..=255 {
+                assert_eq!(mean(&[[code, 255 - code, 7, 255]; 16], *light), [code, 255 - code, 7, 255]);
+            }
+        }
+    }
+
+    #[test]
+    fn half_black_half_white_is_half_the_light_or_half_the_code() {
+        let samples = [[0, 0, 0, 255], [255; 4]];
+        assert_eq!(mean(&samples, ColorSpace::Linear), [188, 188, 188, 255]);
+        assert_eq!(mean(&samples, ColorSpace::Bytes), [128, 128, 128, 255]);
+    }
+
+    #[test]
+    fn a_picture_is_the_mean_of_each_pixel() {
+        let mut random = fastrand::Rng::with_seed(3);
+        let pictures: Vec<_> =
+            (0..5).map(|_| Image::from_fn(4, 3, |_, _| [random.u8(..), random.u8(..), 1, 255])).collect();
+        for light in ColorSpace::ALL {
+            let mut all = Mean::new(4, 3, *light);
+            pictures.iter().for_each(|picture| all.add(picture));
+            let picture = all.picture();
+            for (x, y) in (0..3).flat_map(|y| (0..4).map(move |x| (x, y))) {
+                let samples: Vec<_> = pictures.iter().map(|picture| picture.at(x, y)).collect();
+                assert_eq!(picture.at(x, y), mean(&samples, *light));
+            }
+        }
+    }
+}

@@ -1,0 +1,184 @@
+//! What can be chosen about smooth edges: parts of a recipe.
+
+use serde::{Deserialize, Serialize};
+
+use super::pattern::Pattern;
+use crate::pipeline::settings::{Choice, ColorSpace, choice};
+
+choice! {
+    /// How a drawn pixel is sampled.
+    Method {
+        None = "none", "None", "One sample at the pixel's centre: stairs along edges, and moiré where a pattern is finer than pixels.";
+        Regular = "regular", "Supersampling, regular", "The middles of n × n squares of the pixel, all shaded, and their mean: simple, but edges that are nearly upright or level show only n steps.";
+        Recursive = "recursive", "Supersampling, recursive", "The pixel quartered again and again, as the source article does: the places of the regular grid, square by square. It splits everywhere, so the picture is that of the regular grid.";
+        Jittered = "jittered", "Supersampling, jittered", "Somewhere in each of n × n squares, elsewhere in each pixel: what would be moiré becomes noise, which the eye forgives.";
+        RotatedGrid = "rotated-grid", "Supersampling, rotated grid", "Four samples, each in a row and a column of its own: four steps along edges where the regular grid of four has two.";
+        LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy", "The first points of Sobol's sequence: as many steps along any edge as there are samples. Converges fastest.";
+        Multisample = "multisample", "Multisampling", "Coverage and depth at every sample, but each triangle shaded once in a pixel: smooth edges for little more than the price of one sample. Inside of surfaces, in textures and at cut-outs, nothing improves.";
+    }
+}
+
+choice! {
+    /// How many samples a pixel gets.
+    Samples {
+        Four = "4", "4", "2 × 2, or one level of quarters.";
+        Sixteen = "16", "16", "4 × 4, or two levels of quarters.";
+        SixtyFour = "64", "64", "8 × 8, or three levels of quarters.";
+        All = "256", "256", "16 × 16, or four levels of quarters: as good as the truth for the eye, and as slow.";
+    }
+}
+
+impl Samples {
+    /// How often the pixel is halved along each axis.
+    fn level(self) -> u32 {
+        match self {
+            Self::Four => 1,
+            Self::Sixteen => 2,
+            Self::SixtyFour => 3,
+            Self::All => 4,
+        }
+    }
+
+    /// The number.
+    pub fn count(self) -> u32 {
+        1 << (2 * self.level())
+    }
+
+    /// Squares along an axis.
+    pub fn side(self) -> u32 {
+        1 << self.level()
+    }
+}
+
+/// How drawn pixels are sampled, and how samples become a colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Antialiasing {
+    /// Where samples lie, and what is done for each.
+    pub method: Method,
+    /// How many; the rotated grid always has four.
+    pub samples: Samples,
+    /// Other seeds, other places of jittered samples.
+    pub seed: u32,
+    /// The numbers whose mean is taken.
+    pub light: ColorSpace,
+}
+
+impl Default for Antialiasing {
+    fn default() -> Self {
+        Self { method: Method::None, samples: Samples::Four, seed: 0, light: ColorSpace::Linear }
+    }
+}
+
+impl Antialiasing {
+    /// One sample at the centre, and nothing else.
+    pub fn is_off(self) -> bool {
+        self.method == Method::None
+    }
+
+    /// Whether places differ from pixel to pixel, or shading is not done for each sample: then pixels are drawn one triangle
+    /// after the other.
+    pub fn is_per_pixel(self) -> bool {
+        matches!(self.method, Method::Jittered | Method::Multisample)
+    }
+
+    /// Where samples lie.
+    pub fn pattern(self) -> Pattern {
+        let (side, count) = (self.samples.side(), self.samples.count());
+        match self.method {
+            Method::None => Pattern::Regular { side: 1 },
+            Method::Regular => Pattern::Regular { side },
+            Method::Recursive => Pattern::Recursive { level: self.samples.level() },
+            Method::Jittered => Pattern::Jittered { side, seed: self.seed },
+            Method::RotatedGrid => Pattern::RotatedGrid,
+            Method::Multisample if count == Samples::Four.count() => Pattern::RotatedGrid,
+            Method::LowDiscrepancy | Method::Multisample => Pattern::LowDiscrepancy { count },
+        }
+    }
+
+    /// How many samples a pixel gets.
+    pub fn count(self) -> u32 {
+        self.pattern().count()
+    }
+
+    /// Name with the number of samples, such as "Multisampling, 4 samples".
+    pub fn label(self) -> String {
+        if self.is_off() { "1 sample".to_owned() } else { format!("{}, {} samples", self.method.name(), self.count()) }
+    }
+}
+
+choice! {
+    /// What is done with the finished picture.
+    Filter {
+        None = "none", "None", "Nothing.";
+        Fxaa = "fxaa", "Edges (FXAA)", "Finds edges by their contrast in brightness, follows each to its ends, and shifts it by the share that a slanted line would cover: stairs vanish for a few percent of a frame's time. Texture detail and letters soften too, and thin lines stay broken (after T. Lottes, FXAA, 2009).";
+        Blur = "blur", "Blur", "The mean of 3 × 3 pixels or more: the cheapest smoothing, and everything loses sharpness, not only edges.";
+        Gaussian = "gaussian", "Gaussian blur", "A bell-shaped mean: softer than the plain one, without its boxes.";
+        Sharpen = "sharpen", "Sharpen", "What sets a pixel off from its four neighbours, added to it: crisper, and stairs and noise grow too.";
+        Motion = "motion", "Motion blur", "The mean along a straight way, as if the camera had moved while the shutter was open.";
+        Own = "own", "Own mask", "Your own 3 × 3 or 5 × 5 weights; sums are clamped.";
+    }
+}
+
+/// Weights of an own mask: five rows of five.
+pub type Weights = [f32; 25];
+
+/// The mask that changes nothing.
+const UNIT: Weights = {
+    let mut weights = [0.0; 25];
+    weights[12] = 1.0;
+    weights
+};
+
+/// The filter over the finished picture.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PostFilter {
+    /// Which one.
+    pub filter: Filter,
+    /// How far or how much: px from the middle to the edge of a blur, standard deviation in px of a Gaussian one, amount of
+    /// sharpening, px of a motion.
+    pub strength: f32,
+    /// Direction of a motion, degrees from the right towards below.
+    pub angle_degrees: f32,
+    /// Weights of an own mask, row by row; a mask of 3 × 3 stands in the middle.
+    pub mask: Weights,
+    /// The numbers that are filtered. Edges are always found in codes.
+    pub light: ColorSpace,
+}
+
+impl Default for PostFilter {
+    fn default() -> Self {
+        Self { filter: Filter::None, strength: 1.0, angle_degrees: 0.0, mask: UNIT, light: ColorSpace::Linear }
+    }
+}
+
+/// Nine weights in the middle of five rows of five.
+pub fn widened(weights: [f32; 9]) -> Weights {
+    let mut wide = [0.0; 25];
+    for (index, weight) in weights.into_iter().enumerate() {
+        wide[(index / 3 + 1) * 5 + index % 3 + 1] = weight;
+    }
+    wide
+}
+
+/// Greatest strength of a filter.
+pub const MOST_STRENGTH: f32 = 30.0;
+
+impl PostFilter {
+    /// Whether it changes nothing.
+    pub fn is_off(&self) -> bool {
+        self.filter == Filter::None
+    }
+
+    /// Why these numbers cannot be filtered with.
+    pub fn check(&self) -> Result<(), String> {
+        if !(0.0..=MOST_STRENGTH).contains(&self.strength) {
+            return Err(format!("the strength must lie in 0…{MOST_STRENGTH}, not {}", self.strength));
+        }
+        if !self.angle_degrees.is_finite() || !self.mask.iter().all(|weight| weight.is_finite()) {
+            return Err("numbers must be finite".to_owned());
+        }
+        Ok(())
+    }
+}

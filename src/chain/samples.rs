@@ -1,0 +1,292 @@
+//! Pixels from several samples: what is drawn more than once, and moved a little each time.
+//!
+//! Where all pixels have their samples at the same places, each sample is a pass of its own: the whole picture, seen through
+//! a window that lies a fraction of a pixel elsewhere, drawn by whatever way draws one sample. Where places differ from
+//! pixel to pixel, or shading is not done for each sample, triangles are drawn one after the other into rows of samples.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::{Frame, KeepDepth, Recipe, Renderer, camera_of, raster_of};
+use crate::antialias::pattern::{Pattern, jitter, jittered_places};
+use crate::antialias::resolve::{self, Mean};
+use crate::antialias::settings::{Antialiasing, Method};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::multisample::{self, Places, ShadingRate};
+use crate::pipeline::raster::Scissor;
+use crate::pipeline::settings::{ColorSpace, Filter as TextureFilter};
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::scene::{Camera, Scene};
+use crate::upscale::{CENTRE, Sampling};
+
+/// Where the passes of a recipe sample each pixel, from its corner, px; none if it has no passes.
+pub(super) fn passes(antialias: Antialiasing) -> Vec<[f64; 2]> {
+    if antialias.is_off() || antialias.is_per_pixel() { Vec::new() } else { antialias.pattern().offsets(0, 0) }
+}
+
+/// Packed rows that are sampled together: their samples fit into the caches.
+const ROWS: u32 = 8;
+
+/// The picture of a method whose samples lie elsewhere in each pixel.
+pub(super) fn per_pixel(
+    scene: &Scene,
+    geometry: &Geometry,
+    recipe: &Recipe,
+    (grid, raster): (SampleGrid, Viewport),
+) -> Image<Rgba8> {
+    let (columns, rows) = grid.packed_size(raster.width, raster.height);
+    let mut picture = Image::filled(columns, rows, [0; 4]);
+    let places = candidates(recipe.antialias);
+    let bands = picture.pixels_mut().par_chunks_mut((columns * ROWS) as usize);
+    bands.zip((0..rows).into_par_iter().step_by(ROWS as usize)).for_each(|(band, first)| {
+        let last = (first + ROWS).min(rows) - 1;
+        let scissor = Scissor {
+            top: grid.pixel(0, first).1,
+            bottom: grid.pixel(0, last).1 + 1,
+            ..Scissor::full(raster.width, raster.height)
+        };
+        let size = (raster.width, raster.height);
+        let cleared = Framebuffer::of_rows(grid, size, first..last + 1, scene.background, &recipe.pipeline);
+        let extent = Extent { triangles: 0..geometry.triangles.len(), scissor };
+        let frames = sampled(scene, geometry, recipe, &extent, (&places, cleared));
+        let mut samples = Vec::with_capacity(frames.len());
+        for (place, pixel) in band.iter_mut().enumerate() {
+            samples.clear();
+            samples.extend(frames.iter().map(|frame| frame.color.pixels()[place]));
+            *pixel = resolve::mean(&samples, recipe.antialias.light);
+        }
+    });
+    picture
+}
+
+/// For each sample of a pixel the places that it may have, px from the pixel's centre.
+fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
+    let from_centre = |[x, y]: [f64; 2]| [(x - CENTRE[0]) as f32, (y - CENTRE[1]) as f32];
+    let places = match antialias.method {
+        Method::Jittered => jittered_places(antialias.samples.side()),
+        _ => antialias.pattern().offsets(0, 0).into_iter().map(|place| vec![place]).collect(),
+    };
+    places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
+}
+
+/// All samples of the pixels of a rectangle, drawn into copies of a cleared framebuffer.
+fn sampled(
+    scene: &Scene,
+    geometry: &Geometry,
+    recipe: &Recipe,
+    extent: &Extent,
+    (candidates, cleared): (&[Vec<[f32; 2]>], Framebuffer),
+) -> Vec<Framebuffer> {
+    let Antialiasing { method, seed, .. } = recipe.antialias;
+    let chosen = |(x, y): (u32, u32), sample: usize| jitter(x, y, sample as u32, seed);
+    let rate = if method == Method::Multisample { ShadingRate::Pixel } else { ShadingRate::Sample };
+    let mut frames = vec![cleared; candidates.len()];
+    let places = Places { candidates, chosen: &chosen };
+    multisample::draw(scene, geometry, &recipe.pipeline, extent, (places, rate), &mut frames);
+    frames
+}
+
+/// The samples of some drawn pixels of a frame, replayed, in the order in which they were drawn: of each pixel one, unless it
+/// was drawn smoothly. Nothing for pixels that were not drawn.
+pub fn replay(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Vec<Rgba8>> {
+    let Frame { antialias, sampling, viewport, camera, .. } = frame;
+    if antialias.is_off() {
+        return of_pass(scene, recipe, frame, &frame.geometry, pixels)
+            .into_iter()
+            .map(|s| s.into_iter().collect())
+            .collect();
+    }
+    if antialias.is_per_pixel() {
+        return pixels.iter().map(|pixel| of_pixel(scene, recipe, frame, *pixel)).collect();
+    }
+    let passes: Vec<Vec<Option<Rgba8>>> = passes(*antialias)
+        .into_par_iter()
+        .map(|offset| {
+            let seen = camera_of(camera, *sampling, *viewport, offset);
+            let geometry = prepare(scene, &seen, &recipe.pipeline, raster_of(*sampling, *viewport), &mut ());
+            of_pass(scene, recipe, frame, &geometry, pixels)
+        })
+        .collect();
+    (0..pixels.len()).map(|pixel| passes.iter().filter_map(|pass| pass[pixel]).collect()).collect()
+}
+
+/// One sample of each pixel, as one pass drew it.
+fn of_pass(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    geometry: &Geometry,
+    pixels: &[(u32, u32)],
+) -> Vec<Option<Rgba8>> {
+    let grid = frame.drawn.grid;
+    let color = |&(x, y): &(u32, u32)| {
+        let sample = grid.sample_at(x, y)?;
+        let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
+        let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
+        draw(scene, geometry, &recipe.pipeline, &extent, Until::Shade, &mut one, &mut ());
+        Some(one.color.at(0, 0))
+    };
+    pixels.iter().map(color).collect()
+}
+
+/// All samples of one pixel whose places are its own.
+fn of_pixel(scene: &Scene, recipe: &Recipe, frame: &Frame, (x, y): (u32, u32)) -> Vec<Rgba8> {
+    let Some(sample) = frame.drawn.grid.sample_at(x, y) else { return Vec::new() };
+    let cleared = Framebuffer::one_sample(frame.drawn.grid, sample, scene.background, &recipe.pipeline);
+    let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
+    let places = candidates(frame.antialias);
+    let frames = sampled(scene, &frame.geometry, recipe, &extent, (&places, cleared));
+    frames.iter().map(|frame| frame.color.at(0, 0)).collect()
+}
+
+/// Where the samples of a drawn pixel lie, from its corner, px, in the order of [`replay`].
+pub fn places(antialias: Antialiasing, (x, y): (u32, u32)) -> Vec<[f64; 2]> {
+    antialias.pattern().offsets(x, y)
+}
+
+/// A picture that gathers one sample for every pixel after another, so that whoever waits can see how far it is, and stop.
+/// Samples are those of the low-discrepancy pattern, one sample alone the pixel's centre; their mean is that of light.
+#[derive(Debug)]
+pub struct Gathering {
+    scene: Arc<Scene>,
+    camera: Camera,
+    recipe: Recipe,
+    viewport: Viewport,
+    places: Vec<[f64; 2]>,
+    mean: Mean,
+    renderer: Renderer,
+}
+
+impl Gathering {
+    /// Of the pipeline of a recipe alone: no upscaler, no filter, no lines, and textures read without mip-mapping.
+    pub fn new(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, samples: u32) -> Self {
+        let mut bare = Recipe { pipeline: recipe.pipeline, execution: recipe.execution, ..Recipe::default() };
+        if bare.pipeline.filter == TextureFilter::Trilinear {
+            bare.pipeline.filter = TextureFilter::Bilinear;
+        }
+        Self {
+            scene: Arc::clone(scene),
+            camera: *camera,
+            recipe: bare,
+            viewport,
+            places: Pattern::LowDiscrepancy { count: samples }.offsets(0, 0),
+            mean: Mean::new(viewport.width, viewport.height, ColorSpace::Linear),
+            renderer: Renderer::default(),
+        }
+    }
+
+    /// Draws the next sample of every pixel; false if there is none left.
+    pub fn step(&mut self) -> bool {
+        let Some(place) = self.places.get(self.mean.samples() as usize) else { return false };
+        let seen = camera_of(&self.camera, Sampling::Grid(SampleGrid::FULL), self.viewport, *place);
+        let frame = self.renderer.render(&self.scene, &seen, &self.recipe, self.viewport, KeepDepth::No);
+        self.mean.add(frame.image());
+        self.renderer.recycle(frame);
+        true
+    }
+
+    /// Share of the samples that are drawn.
+    pub fn progress(&self) -> f32 {
+        self.mean.samples() as f32 / self.places.len() as f32
+    }
+
+    /// The mean of the samples drawn so far.
+    pub fn picture(&self) -> Image<Rgba8> {
+        self.mean.picture()
+    }
+}
+
+/// The camera of a pass: as [`camera_of`] one sample would be seen, moved so that it lies at `place` in its pixel.
+pub(super) fn moved_window(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Option<Camera> {
+    let moved = |step: f64| [0, 1].map(|axis| (place[axis] - CENTRE[axis]) * step);
+    let (step, [x, y]) = match sampling {
+        Sampling::Grid(_) if place == CENTRE => return None,
+        Sampling::Grid(_) => (1.0, moved(1.0)),
+        Sampling::Lattice(lattice) => {
+            let step = lattice.scale.value();
+            (step, moved(step).map(|by| by + lattice.origin_px()))
+        }
+    };
+    let window = raster_of(sampling, viewport).window(viewport, step, [x, y]);
+    Some(Camera { window: Some(window), ..*camera })
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::antialias::area::triangle_area;
+    use crate::antialias::settings::Samples;
+    use crate::chain::run;
+    use crate::pipeline::settings::{Choice as _, Shading};
+    use crate::scene::builtin;
+
+    const SIZE: Viewport = Viewport { width: 61, height: 47 };
+
+    /// Root mean square of what the coverage of one triangle is off by, over the pixels that its edges cross; the truth is
+    /// the exact area.
+    fn coverage_error(antialias: Antialiasing) -> f64 {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe { antialias, ..Recipe::default() };
+        recipe.pipeline.shading = Shading::TriangleId;
+        let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+        let triangle = frame.geometry.triangles[0];
+        let corners = triangle.snapped_px().map(|[x, y]| DVec2::new(x.into(), y.into()));
+        let inside = f64::from(crate::pipeline::shade::id_color(triangle.id)[0]);
+        let outside = f64::from(scene.background[0]);
+        let mut squares = Vec::new();
+        for (x, y, area) in triangle_area(corners, SIZE.width, SIZE.height).filter(|(.., area)| *area < 1.0) {
+            let share = (f64::from(frame.image().at(x, y)[0]) - outside) / (inside - outside);
+            squares.push((share - area).powi(2));
+        }
+        assert!(squares.len() > 50);
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn every_method_comes_closer_to_the_area_with_every_sample() {
+        let of = |method, samples| Antialiasing { method, samples, light: ColorSpace::Bytes, seed: 3 };
+        let none = coverage_error(Antialiasing::default());
+        for method in Method::ALL.iter().copied().filter(|method| *method != Method::None) {
+            let errors = Samples::ALL.iter().map(|samples| coverage_error(of(method, *samples)));
+            let errors: Vec<_> =
+                if method == Method::RotatedGrid { errors.take(1).collect() } else { errors.collect() };
+            assert!(errors[0] < none / 1.8, "{method:?}: {none} {errors:?}");
+            assert!(errors.windows(2).all(|pair| pair[1] < pair[0] / 1.5), "{method:?}: {errors:?}");
+            // A code of 8 bits is a few thousandths of the coverage.
+            assert!(errors.len() == 1 || errors[3] < 0.02, "{method:?}: {errors:?}");
+        }
+    }
+
+    #[test]
+    fn the_recursive_pattern_draws_the_regular_picture_but_for_rounding() {
+        let scene = builtin::by_id("chess").unwrap().build();
+        let of = |method| {
+            let antialias = Antialiasing { method, samples: Samples::Sixteen, ..Antialiasing::default() };
+            run(&scene, &scene.home, &Recipe { antialias, ..Recipe::default() }, SIZE, &mut ()).image().clone()
+        };
+        let (regular, recursive) = (of(Method::Regular), of(Method::Recursive));
+        let codes = regular.pixels().as_flattened().iter().zip(recursive.pixels().as_flattened());
+        assert!(codes.into_iter().all(|(a, b)| a.abs_diff(*b) <= 1));
+    }
+
+    #[test]
+    fn multisampling_leaves_the_inside_of_triangles_alone() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let antialias =
+            Antialiasing { method: Method::Multisample, samples: Samples::Sixteen, ..Antialiasing::default() };
+        let draw = |recipe: &Recipe| run(&scene, &scene.home, recipe, SIZE, &mut ());
+        let (plain, smooth) = (draw(&Recipe::default()), draw(&Recipe { antialias, ..Recipe::default() }));
+        let corners = plain.geometry.triangles[0].snapped_px().map(|[x, y]| DVec2::new(x.into(), y.into()));
+        let covered: Vec<_> = triangle_area(corners, SIZE.width, SIZE.height).collect();
+        let whole: Vec<_> = covered.iter().filter(|(.., area)| *area > 1.0 - 1e-9).collect();
+        assert!(whole.len() > 200);
+        assert!(whole.iter().all(|(x, y, _)| plain.image().at(*x, *y) == smooth.image().at(*x, *y)));
+        assert_ne!(plain.image(), smooth.image());
+    }
+}

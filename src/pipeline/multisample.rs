@@ -1,0 +1,222 @@
+//! Several samples for each pixel, each where its pixel wants it: what jittered supersampling and multisampling need.
+//!
+//! A sample off the centre of its pixel is found by moving the triangle the other way, after projection: edges, depth and
+//! attributes then come about as for a centre, in any arithmetic and by any rasterizer. Supersampling shades every sample.
+//! Multisampling shades once for each pixel that a triangle shows up in, at its centre if the triangle covers that and at the
+//! first covered sample if not, and gives all covered samples that colour (Akeley, "RealityEngine Graphics", 1993).
+
+use super::depth::{Comparison, DepthScale, depth_at};
+use super::framebuffer::Framebuffer;
+use super::interpolate::interpolate;
+use super::raster::numbers::Numbers;
+use super::raster::{Span, Triangle, cover_samples, doubled_area, with_arithmetic};
+use super::settings::Settings;
+use super::shade::Shader;
+use super::viewport::{ScreenTriangle, ScreenVertex};
+use super::{Extent, Geometry, Until, samples};
+use crate::scene::{Scene, Transparency};
+
+/// Where the samples of pixels lie.
+#[derive(Clone, Copy)]
+pub struct Places<'a> {
+    /// For each sample of a pixel the places that it may have, px right of and below the pixel's centre.
+    pub candidates: &'a [Vec<[f32; 2]>],
+    /// Which of its places a sample has in the pixel at a column and a row of the full picture.
+    pub chosen: &'a (dyn Fn((u32, u32), usize) -> usize + Sync),
+}
+
+/// How often a triangle is shaded in a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShadingRate {
+    /// Once for each sample.
+    Sample,
+    /// Once, however many samples it covers.
+    Pixel,
+}
+
+/// Draws the triangles of `extent` into one framebuffer for each sample of a pixel, all of them of the same rectangle.
+pub fn draw(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    extent: &Extent,
+    (places, rate): (Places<'_>, ShadingRate),
+    frames: &mut [Framebuffer],
+) {
+    let job = Job::new(scene, geometry, settings, extent, places);
+    with_arithmetic!(settings.arithmetic, N => match rate {
+        ShadingRate::Sample => job.per_sample::<N>(frames),
+        ShadingRate::Pixel => job.per_pixel::<N>(frames),
+    });
+}
+
+/// What is the same for all triangles.
+struct Job<'a> {
+    geometry: &'a Geometry,
+    settings: &'a Settings,
+    extent: &'a Extent,
+    places: Places<'a>,
+    comparison: Comparison,
+    shaders: Vec<Shader<'a>>,
+}
+
+/// A covered sample: packed row, packed column, number within its pixel, and which of its places it has.
+type Covered = (u32, u32, usize, usize);
+
+/// A triangle as a place off the centre sees it, and its edges.
+type Moved<N> = Option<(ScreenTriangle, Triangle<N>)>;
+
+impl<'a> Job<'a> {
+    fn new(
+        scene: &'a Scene,
+        geometry: &'a Geometry,
+        settings: &'a Settings,
+        extent: &'a Extent,
+        places: Places<'a>,
+    ) -> Self {
+        let draws = scene.instances.iter().zip(&geometry.plans);
+        let shaders = draws.map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan)).collect();
+        Self { geometry, settings, extent, places, comparison: Comparison::of(settings), shaders }
+    }
+
+    /// The triangles that may have samples here, in drawing order.
+    fn triangles(&self) -> impl Iterator<Item = (&ScreenTriangle, &Shader<'a>)> {
+        let triangles = self.geometry.triangles[self.extent.triangles.clone()].iter();
+        let near = triangles.filter(|triangle| self.extent.scissor.may_meet(triangle.corners_px()));
+        near.map(|triangle| (triangle, &self.shaders[triangle.instance as usize]))
+    }
+
+    /// The triangle as each place of each sample sees it.
+    fn displaced<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<Moved<N>>>) {
+        out.clear();
+        let moved = |offset_px: &[f32; 2]| {
+            let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
+            Some((moved, Triangle::<N>::new(moved.corners_px(), self.settings.fill_rule)?))
+        };
+        out.extend(self.places.candidates.iter().map(|places| places.iter().map(moved).collect()));
+    }
+
+    /// The samples of number `sample` within their pixels that a moved triangle covers, where they have that place.
+    fn cover<N: Numbers>(
+        &self,
+        (triangle, edges): (&ScreenTriangle, &Triangle<N>),
+        (sample, place): (usize, usize),
+        frame: &Framebuffer,
+        spans: &mut Vec<Span>,
+    ) {
+        spans.clear();
+        let area = (frame.grid, self.extent.scissor);
+        cover_samples(self.settings.rasterizer, edges, triangle.corners_px(), area, spans);
+        if self.places.candidates[sample].len() > 1 {
+            let all = std::mem::take(spans);
+            let columns =
+                all.into_iter().flat_map(|span| (span.left..span.right).map(move |column| (column, span.row)));
+            for (column, row) in columns {
+                if (self.places.chosen)(frame.grid.pixel(column, row), sample) == place {
+                    spans.push(Span { row, left: column, right: column + 1 });
+                }
+            }
+        }
+    }
+
+    fn per_sample<N: Numbers>(&self, frames: &mut [Framebuffer]) {
+        let (mut spans, mut moved) = (Vec::new(), Vec::new());
+        for (triangle, shader) in self.triangles() {
+            self.displaced::<N>(triangle, &mut moved);
+            for ((sample, frame), places) in frames.iter_mut().enumerate().zip(&moved) {
+                for (place, seen) in places.iter().enumerate() {
+                    let Some((moved, edges)) = seen else { continue };
+                    self.cover((moved, edges), (sample, place), frame, &mut spans);
+                    let how = (self.comparison, Until::Shade);
+                    samples::draw((moved, edges), &spans, shader, how, frame, &mut ());
+                }
+            }
+        }
+    }
+
+    fn per_pixel<N: Numbers>(&self, frames: &mut [Framebuffer]) {
+        let (mut spans, mut moved, mut covered) = (Vec::new(), Vec::new(), Vec::<Covered>::new());
+        for (triangle, shader) in self.triangles() {
+            self.displaced::<N>(triangle, &mut moved);
+            covered.clear();
+            for ((sample, frame), places) in frames.iter().enumerate().zip(&moved) {
+                for (place, seen) in places.iter().enumerate() {
+                    let Some((moved, edges)) = seen else { continue };
+                    self.cover((moved, edges), (sample, place), frame, &mut spans);
+                    for span in &spans {
+                        covered.extend((span.left..span.right).map(|column| (span.row, column, sample, place)));
+                    }
+                }
+            }
+            covered.sort_unstable();
+            let centre = Triangle::<N>::new(triangle.corners_px(), self.settings.fill_rule);
+            for pixel in covered.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+                self.shade_pixel((triangle, centre.as_ref()), &moved, pixel, shader, frames);
+            }
+        }
+    }
+
+    /// Tests the covered samples of one pixel, shades once, and gives those that passed that colour.
+    fn shade_pixel<N: Numbers>(
+        &self,
+        (triangle, centre): (&ScreenTriangle, Option<&Triangle<N>>),
+        moved: &[Vec<Moved<N>>],
+        covered: &[Covered],
+        shader: &Shader<'_>,
+        frames: &mut [Framebuffer],
+    ) {
+        let Some(first @ (row, column, ..)) = covered.first().copied() else { return };
+        let pixel = frames[first.2].grid.pixel(column, row);
+        let at = |(_, _, sample, place): Covered| {
+            let (seen, edges) = moved[sample][place].as_ref()?;
+            Some((seen, edges.sample((column, row), pixel)))
+        };
+        let centre = centre.filter(|edges| edges.contains(pixel.0.into(), pixel.1.into()));
+        let in_the_middle = centre.map(|edges| (triangle, edges.sample((column, row), pixel)));
+        let Some((seen, shaded_at)) = in_the_middle.or_else(|| at(first)) else { return };
+        let fragment = interpolate(seen, shaded_at, shader.attributes());
+        let transparency = shader.transparency();
+        if transparency == Transparency::CutOut && shader.cuts_out(&fragment) {
+            return;
+        }
+        let opaque = (transparency != Transparency::Blended).then(|| shader.shade(&fragment, seen));
+        for sample in covered {
+            let Some((moved, at)) = at(*sample) else { continue };
+            let frame = &mut frames[sample.2];
+            let (x, y) = (column - frame.origin.0, row - frame.origin.1);
+            if let Some(depths) = &mut frame.depth {
+                let new = depth_at(moved, &at);
+                if !self.comparison.passes(new, depths.at(x, y)) {
+                    continue;
+                }
+                if opaque.is_some() {
+                    depths.set(x, y, new);
+                }
+            }
+            let below = frame.color.at(x, y);
+            frame.color.set(x, y, opaque.unwrap_or_else(|| shader.blend(&fragment, seen, below)));
+        }
+    }
+}
+
+/// A triangle moved against an offset; none if snapping leaves nothing of it there.
+fn displaced(
+    triangle: &ScreenTriangle,
+    [right, down]: [f32; 2],
+    settings: &Settings,
+    scale: &DepthScale,
+) -> Option<ScreenTriangle> {
+    let vertices = triangle.vertices.map(|vertex| {
+        let [x, y] = vertex.position_px;
+        ScreenVertex::at([x - right, y - down], vertex.depth, vertex.inv_w, vertex.varyings)
+    });
+    let positions_px = vertices.each_ref().map(|vertex| vertex.position_px);
+    let (area, unit) = doubled_area(settings.arithmetic, positions_px);
+    let doubled_area = (area * unit).abs();
+    (doubled_area > 0.0).then(|| ScreenTriangle {
+        vertices,
+        doubled_area,
+        depth: scale.over(&vertices, doubled_area),
+        ..*triangle
+    })
+}

@@ -1,0 +1,106 @@
+//! Smaller and smaller copies of a texture, each half as long on both sides down to one texel (Williams, "Pyramidal
+//! Parametrics", 1983).
+//!
+//! Every texel of a copy is the mean of the area of the last one that it covers; where a side is odd, texels at the border
+//! of that area count by what lies inside. Copies are kept unrounded until the last is made. Colours count by their alpha,
+//! so that what cannot be seen does not tint what can.
+
+use crate::image::color::{Tables, quantize};
+use crate::image::{Image, Rgba8};
+
+/// Colour × alpha, and alpha, in [0, 1].
+type Texel = [f32; 4];
+
+/// The copies, the largest first; none of a texture of one texel. Means are those of linear light or of codes.
+pub(super) fn smaller(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
+    let tables = Tables::get();
+    let value = |code: u8| if linear { tables.linear_of_code[code as usize] } else { f32::from(code) / 255.0 };
+    let mut last = image.map(|[r, g, b, a]| {
+        let alpha = f32::from(a) / 255.0;
+        [value(r) * alpha, value(g) * alpha, value(b) * alpha, alpha]
+    });
+    let mut copies = Vec::new();
+    while last.width() > 1 || last.height() > 1 {
+        last = halved(&last);
+        copies.push(last.map(|[r, g, b, alpha]| {
+            let encode = |value: f32| {
+                let straight = if alpha > 0.0 { value / alpha } else { 0.0 };
+                if linear { tables.encode(straight) } else { quantize(straight) }
+            };
+            [encode(r), encode(g), encode(b), quantize(alpha)]
+        }));
+    }
+    copies
+}
+
+fn halved(image: &Image<Texel>) -> Image<Texel> {
+    let (width, height) = (half(image.width()), half(image.height()));
+    Image::from_fn(width, height, |x, y| {
+        let mut sum = [0.0; 4];
+        for (row, down) in covered(y, height, image.height()) {
+            for (column, across) in covered(x, width, image.width()) {
+                for (sum, value) in sum.iter_mut().zip(image.at(column, row)) {
+                    *sum += value * across * down;
+                }
+            }
+        }
+        sum
+    })
+}
+
+fn half(length: u32) -> u32 {
+    (length / 2).max(1)
+}
+
+/// The texels of a side of `from` texels that texel `at` of a side of `to` covers, and their shares.
+fn covered(at: u32, to: u32, from: u32) -> impl Iterator<Item = (u32, f32)> {
+    let edge = |at: u32| f64::from(at) * f64::from(from) / f64::from(to);
+    let (start, end) = (edge(at), edge(at + 1));
+    (start as u32..end.ceil() as u32).map(move |texel| {
+        let inside = end.min(f64::from(texel) + 1.0) - start.max(f64::from(texel));
+        (texel, (inside / (end - start)) as f32)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sides_are_halved_down_to_one_texel() {
+        let sizes = |width, height| -> Vec<_> {
+            smaller(&Image::filled(width, height, [9; 4]), true).iter().map(Image::size).collect()
+        };
+        assert_eq!(sizes(8, 4), [(4, 2), (2, 1), (1, 1)]);
+        assert_eq!(sizes(5, 7), [(2, 3), (1, 1)]);
+        assert_eq!(sizes(1, 1), []);
+    }
+
+    #[test]
+    fn plain_textures_stay_plain_and_the_mean_is_kept() {
+        let mut random = fastrand::Rng::with_seed(8);
+        for (width, height) in [(16, 16), (5, 7), (1, 9), (12, 3)] {
+            let plain = Image::filled(width, height, [7, 130, 255, 255]);
+            for linear in [false, true] {
+                assert!(smaller(&plain, linear).iter().all(|copy| copy.pixels().iter().all(|t| *t == plain.at(0, 0))));
+            }
+            let noise = Image::from_fn(width, height, |_, _| [random.u8(..), 0, 0, 255]);
+            let mean = noise.pixels().iter().map(|t| f64::from(t[0])).sum::<f64>() / f64::from(width * height);
+            let last = smaller(&noise, false).pop().unwrap();
+            assert!((f64::from(last.at(0, 0)[0]) - mean).abs() <= 0.51, "{width} × {height}: {mean}");
+        }
+    }
+
+    #[test]
+    fn a_chessboard_is_half_the_light_or_half_the_code() {
+        let board = Image::from_fn(4, 4, |x, y| if (x + y) % 2 == 0 { [0, 0, 0, 255] } else { [255; 4] });
+        assert_eq!(smaller(&board, true)[0].at(1, 1), [188, 188, 188, 255]);
+        assert_eq!(smaller(&board, false)[0].at(1, 1), [128, 128, 128, 255]);
+    }
+
+    #[test]
+    fn what_cannot_be_seen_tints_nothing() {
+        let leaf = Image::from_fn(2, 2, |x, _| if x == 0 { [0, 200, 0, 255] } else { [255, 0, 255, 0] });
+        assert_eq!(smaller(&leaf, true)[0].at(0, 0), [0, 200, 0, 128]);
+    }
+}

@@ -1,0 +1,119 @@
+//! The rows of the last stage: how drawn pixels are sampled, how the others are filled in, and what is done with the
+//! finished picture.
+
+use eframe::egui::{DragValue, Grid, Ui};
+
+use super::pick;
+use super::switches::note;
+use crate::antialias::settings::{Antialiasing, Filter, MOST_STRENGTH, Method, PostFilter};
+use crate::chain::Recipe;
+use crate::ui::widgets::{choice, row, slider};
+use crate::upscale::{self, Upscaling};
+
+/// Anti-aliasing.
+pub(super) fn antialias(ui: &mut Ui, antialias: &mut Antialiasing) {
+    row(ui, "Anti-aliasing", "How a drawn pixel is sampled", |ui| pick(ui, &mut antialias.method));
+    note(ui, crate::pipeline::settings::Choice::help(antialias.method));
+    if antialias.is_off() {
+        return;
+    }
+    if antialias.method != Method::RotatedGrid {
+        row(ui, "Samples", "Samples of each drawn pixel", |ui| pick(ui, &mut antialias.samples));
+    }
+    if antialias.method == Method::Jittered {
+        row(ui, "Seed", "Other seeds, other places", |ui| ui.add(DragValue::new(&mut antialias.seed)));
+    }
+    row(ui, "Mean of", "The numbers whose mean is the pixel: light, as physics asks, or codes", |ui| {
+        pick(ui, &mut antialias.light)
+    });
+}
+
+/// The method that fills in what was not drawn, and all that can be chosen about it.
+pub(super) fn upscaler(ui: &mut Ui, recipe: &mut Recipe) {
+    let before = recipe.upscaler;
+    let mut method = before.method();
+    let methods: Vec<_> = upscale::ALL.iter().map(|u| (u.id(), u.name(), u.help())).collect();
+    row(ui, "Method", "How the pixels that are not drawn are filled in", |ui| choice(ui, &mut method, &methods));
+    let chosen = before.with_method(method).unwrap_or(before);
+    recipe.upscaler = choices(ui, chosen);
+    note(ui, recipe.upscaler.upscaler().help());
+}
+
+/// The rows of what a method offers.
+fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
+    let offers = chosen.upscaler().offers();
+    let mut result = chosen;
+    if offers.scales.len() > 1 {
+        let mut scale = chosen.scale();
+        let names: Vec<_> = offers.scales.iter().map(|s| (*s, format!("×{s}"))).collect();
+        let options: Vec<_> = names.iter().map(|(s, name)| (*s, name.as_str(), "Enlargement per axis")).collect();
+        row(ui, "Scale", "Enlargement per axis: ×4 draws one pixel of sixteen", |ui| choice(ui, &mut scale, &options));
+        result = result.with_scale(scale);
+    }
+    if offers.anchors.len() > 1 {
+        let mut anchor = chosen.anchor();
+        row(ui, "Anchor", "Where in its block a drawn sample lies", |ui| pick(ui, &mut anchor));
+        result = result.with_anchor(anchor);
+    }
+    if offers.lights.len() > 1 {
+        let mut light = chosen.light();
+        row(ui, "Filtered numbers", "What is filtered: codes or linear light", |ui| pick(ui, &mut light));
+        result = result.with_light(light);
+    }
+    if offers.deringing {
+        let mut deringing = chosen.deringing();
+        row(ui, "De-ringing", "Keeps a pixel between the drawn ones around it", |ui| ui.checkbox(&mut deringing, ""));
+        result = result.with_deringing(deringing);
+    }
+    if offers.sharpening {
+        let mut sharpening = chosen.sharpening() as f32;
+        row(ui, "Sharpening", "Percent of the most that makes no new extremes", |ui| {
+            slider(ui, &mut sharpening, 0.0..=100.0, " %", 0)
+        });
+        result = result.with_sharpening(sharpening.round() as u32);
+    }
+    result
+}
+
+/// The filter over the finished picture.
+pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
+    row(ui, "Post filter", "What is done with the finished picture", |ui| pick(ui, &mut post.filter));
+    if post.is_off() {
+        return;
+    }
+    note(ui, crate::pipeline::settings::Choice::help(post.filter));
+    let strength = match post.filter {
+        Filter::Blur => Some(("Reach", "Pixels from the middle of the mask to its edge", " px", 0)),
+        Filter::Gaussian => Some(("Deviation", "Standard deviation of the bell", " px", 1)),
+        Filter::Sharpen => Some(("Amount", "How much of what sets a pixel off is added to it", "", 2)),
+        Filter::Motion => Some(("Way", "How far the picture moves", " px", 1)),
+        Filter::None | Filter::Fxaa | Filter::Own => None,
+    };
+    if let Some((label, help, unit, decimals)) = strength {
+        let most = if post.filter == Filter::Motion { MOST_STRENGTH } else { MOST_STRENGTH / 6.0 };
+        row(ui, label, help, |ui| slider(ui, &mut post.strength, 0.0..=most, unit, decimals));
+    }
+    if post.filter == Filter::Motion {
+        row(ui, "Direction", "From the right towards below", |ui| {
+            slider(ui, &mut post.angle_degrees, -180.0..=180.0, "°", 0)
+        });
+    }
+    if post.filter == Filter::Own {
+        mask(ui, post);
+    }
+    row(ui, "Filtered in", "The numbers that are mixed", |ui| pick(ui, &mut post.light));
+}
+
+/// Five rows of five weights.
+fn mask(ui: &mut Ui, post: &mut PostFilter) {
+    /// How fast a weight moves, per point.
+    const SPEED: f64 = 0.01;
+    Grid::new("mask").num_columns(5).show(ui, |ui| {
+        for row in post.mask.chunks_mut(5) {
+            for weight in row {
+                ui.add(DragValue::new(weight).speed(SPEED).range(-100.0..=100.0).max_decimals(3));
+            }
+            ui.end_row();
+        }
+    });
+}

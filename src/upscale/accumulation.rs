@@ -1,0 +1,223 @@
+//! Temporal accumulation: every frame samples its pixels elsewhere, and what the frames before found is kept.
+//!
+//! With n samples remembered at a pixel, a new one counts for 1 / (n + 1), until n has reached the most that is remembered;
+//! from then on the past fades. While the view stands still nothing fades before all places of the pattern were drawn once,
+//! so that the picture becomes the mean of as many samples as the pattern has. In motion the past is looked up where the frame
+//! before showed the same surface, and kept between the least and the greatest of the nine samples around: what is no longer
+//! true is cut off there, and sometimes what is still true, too.
+//!
+//! Enlarged, a sample that lies within the output pixel counts in full; where none does, the four around are interpolated,
+//! and count for little.
+
+use rayon::prelude::*;
+
+use super::{Anchor, Before, Drawn, Lattice, Light, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling};
+use crate::antialias::pattern::Pattern;
+use crate::image::color::Tables;
+use crate::image::{Image, Rgba8};
+
+/// Samples gathered over frames.
+pub static ACCUMULATION: Accumulation = Accumulation;
+
+/// See [`ACCUMULATION`].
+pub struct Accumulation;
+
+/// Places of a pixel's samples, one a frame.
+const PLACES: u32 = 16;
+
+/// What the interpolated colour of a pixel without a sample of its own counts for.
+const INTERPOLATED: f32 = 0.05;
+
+impl Upscaler for Accumulation {
+    fn id(&self) -> &'static str {
+        "accumulation"
+    }
+
+    fn name(&self) -> &'static str {
+        "Temporal accumulation"
+    }
+
+    fn help(&self) -> &'static str {
+        "Moves the samples by a fraction of a pixel in every frame and keeps the mean of what the frames before found, \
+         looked up where they showed the same surface. Still pictures become as smooth as with 16 samples for the price \
+         of one; enlarged ones regain the detail that one frame has not. In motion it softens, and where the remembered \
+         colour is cut off to what is around, fine detail flickers. TAA, in the way of B. Karis, “High Quality Temporal \
+         Supersampling”, 2014."
+    }
+
+    fn offers(&self) -> Offers {
+        Offers {
+            scales: &[Scale::ONE, Scale::TWO],
+            anchors: &[Anchor::Centre],
+            lights: &[Light::Linear, Light::Bytes],
+            deringing: false,
+            sharpening: false,
+        }
+    }
+
+    fn reads(&self) -> Reads {
+        Reads { surfaces: true, past: true }
+    }
+
+    fn settles_after(&self, _how: Upscaling) -> u32 {
+        PLACES
+    }
+
+    fn sampling(&self, how: Upscaling) -> Sampling {
+        Sampling::Lattice(how.lattice())
+    }
+
+    fn sampling_of(&self, how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
+        (self.sampling(how), place(frames))
+    }
+
+    fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+        let size = full.size();
+        let rows = full.pixels_mut().par_chunks_mut((size.0 as usize).max(1));
+        rows.zip(0..size.1).for_each(|(row, y)| {
+            for (pixel, x) in row.iter_mut().zip(0..) {
+                *pixel = self.pixel(how, drawn, size, (x, y));
+            }
+        });
+    }
+
+    fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        let [r, g, b, _] = accumulated(how, drawn, size, at);
+        let encode = |value: f32| match how.light() {
+            Light::Linear => Tables::get().encode(value),
+            Light::Bytes => (value + 0.5) as u8,
+        };
+        let (taps, _) = present(how, drawn, at);
+        let alpha: f32 = taps.iter().map(|tap| tap.weight * f32::from(drawn.color.at(tap.x, tap.y)[3])).sum();
+        [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
+    }
+
+    /// The samples of this frame; what the frames before add is no sample.
+    fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+        let (mut taps, _) = present(how, drawn, at);
+        if drawn.seen.is_some_and(|seen| seen.before(size, at).is_some_and(|before| !before.is_still)) {
+            for (x, y) in nine(how, drawn, at) {
+                if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
+                    taps.push(Tap { x, y, weight: 0.0 });
+                }
+            }
+        }
+        taps
+    }
+
+    fn remembers(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
+        let seen = drawn.seen?;
+        seen.past?.memory.as_ref().and_then(|_| seen.before(size, at))
+    }
+
+    fn memory(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32)) -> Option<Image<[f32; 4]>> {
+        let mut memory = Image::filled(size.0, size.1, [0.0; 4]);
+        let rows = memory.pixels_mut().par_chunks_mut((size.0 as usize).max(1));
+        rows.zip(0..size.1).for_each(|(row, y)| {
+            for (pixel, x) in row.iter_mut().zip(0..) {
+                *pixel = accumulated(how, drawn, size, (x, y));
+            }
+        });
+        Some(memory)
+    }
+}
+
+/// Where in its pixel a frame samples, when so many came before.
+fn place(frames: u32) -> [f64; 2] {
+    let places = Pattern::LowDiscrepancy { count: PLACES }.offsets(0, 0);
+    places[(frames % PLACES) as usize]
+}
+
+fn place_of(drawn: &Drawn<'_>) -> [f64; 2] {
+    drawn.seen.map_or(super::CENTRE, |seen| place(seen.frames()))
+}
+
+fn number(how: Upscaling, code: u8) -> f32 {
+    match how.light() {
+        Light::Linear => Tables::get().linear_of_code[code as usize],
+        Light::Bytes => f32::from(code),
+    }
+}
+
+/// The mean at a pixel, with this frame, and how many samples it is of.
+fn accumulated(how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> [f32; 4] {
+    let (taps, counts_for) = present(how, drawn, at);
+    let color = |x: u32, y: u32| drawn.color.at(x, y).map(|code| number(how, code));
+    let mut now = [0.0; 3];
+    for tap in &taps {
+        let sample = color(tap.x, tap.y);
+        (0..3).for_each(|channel| now[channel] += tap.weight * sample[channel]);
+    }
+    let remembered = drawn.seen.and_then(|seen| {
+        let memory = seen.past?.memory.as_ref()?;
+        let before = seen.before(size, at)?;
+        Some((before, before.read(size, |x, y| memory.at(x, y))))
+    });
+    let Some((before, [mut r, mut g, mut b, count])) = remembered else {
+        return [now[0], now[1], now[2], counts_for];
+    };
+    if !before.is_still {
+        let around: Vec<_> = nine(how, drawn, at).map(|(x, y)| color(x, y)).collect();
+        for (channel, value) in [&mut r, &mut g, &mut b].into_iter().enumerate() {
+            let all = around.iter().map(|color| color[channel]);
+            *value = value.min(all.clone().fold(f32::MIN, f32::max)).max(all.fold(f32::MAX, f32::min));
+        }
+    }
+    let count = count.min((PLACES - 1) as f32);
+    let share = counts_for / (count + counts_for);
+    let mix = |past: f32, now: f32| past + (now - past) * share;
+    [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
+}
+
+/// Where an output pixel lies among the samples of this frame: the sample before it on an axis, which may be outside, and how
+/// far on.
+fn among(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
+    let (scale, origin) = (lattice.scale.value(), lattice.position_px(0));
+    let index = (f64::from(at) + 0.5 - origin) / scale - (place - 0.5);
+    (index.floor() as i64, (index - index.floor()) as f32)
+}
+
+/// The samples of this frame that make an output pixel, and what they count for.
+fn present(how: Upscaling, drawn: &Drawn<'_>, (x, y): (u32, u32)) -> (Vec<Tap>, f32) {
+    let (lattice, place) = (how.lattice(), place_of(drawn));
+    let (width, height) = drawn.color.size();
+    let inside = |index: i64, length: u32| index.clamp(0, i64::from(length) - 1) as u32;
+    if lattice.scale == Scale::ONE {
+        return (vec![Tap { x, y, weight: 1.0 }], 1.0);
+    }
+    let [(column, right), (row, down)] = [among(lattice, place[0], x), among(lattice, place[1], y)];
+    // Within half an output pixel of its centre.
+    let half = (0.5 / lattice.scale.value()) as f32;
+    let own = |cell: i64, on: f32, length: u32| {
+        let index = if on <= half { cell } else { cell + 1 };
+        ((on <= half || 1.0 - on < half) && (0..i64::from(length)).contains(&index)).then_some(index as u32)
+    };
+    if let (Some(x), Some(y)) = (own(column, right, width), own(row, down, height)) {
+        return (vec![Tap { x, y, weight: 1.0 }], 1.0);
+    }
+    let mut taps: Vec<Tap> = Vec::with_capacity(4);
+    for (dy, vertical) in [(0, 1.0 - down), (1, down)] {
+        for (dx, horizontal) in [(0, 1.0 - right), (1, right)] {
+            let (x, y, weight) = (inside(column + dx, width), inside(row + dy, height), horizontal * vertical);
+            match taps.iter_mut().find(|tap| (tap.x, tap.y) == (x, y)) {
+                Some(tap) => tap.weight += weight,
+                None => taps.push(Tap { x, y, weight }),
+            }
+        }
+    }
+    (taps, INTERPOLATED)
+}
+
+/// The nine samples of this frame around an output pixel, fewer at borders.
+fn nine(how: Upscaling, drawn: &Drawn<'_>, (x, y): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+    let (width, height) = drawn.color.size();
+    let place = place_of(drawn);
+    let nearest = |place: f64, at: u32| {
+        let (cell, on) = among(how.lattice(), place, at);
+        cell + i64::from(on > 0.5)
+    };
+    let (column, row) = (nearest(place[0], x), nearest(place[1], y));
+    let within = move |(x, y): &(i64, i64)| (0..i64::from(width)).contains(x) && (0..i64::from(height)).contains(y);
+    let all = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
+    all.filter(within).map(|(x, y)| (x as u32, y as u32))
+}

@@ -1,0 +1,113 @@
+//! The checkerboard whose missing pixels take only of drawn neighbours that show the same surface.
+//!
+//! Which object a pixel shows, and how far away, is known of every pixel: that is found without shading. A missing pixel is
+//! the mean of those of the four drawn pixels around it, two in its row and two in its column, that show its object at about
+//! its distance, each counting the more the nearer it is. If none does, the published mean stands.
+
+use rayon::prelude::*;
+
+use super::checkerboard::{self, BEHIND, TOUCHING};
+use super::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::grid::SampleGrid;
+
+/// Missing squares of a checkerboard, filled from the same surface.
+pub static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
+
+/// See [`CHECKERBOARD_SURFACES`].
+pub struct CheckerboardSurfaces;
+
+impl Upscaler for CheckerboardSurfaces {
+    fn id(&self) -> &'static str {
+        "checkerboard-surfaces"
+    }
+
+    fn name(&self) -> &'static str {
+        "Checkerboard, by surface"
+    }
+
+    fn help(&self) -> &'static str {
+        "Draws the 2×2-pixel squares of one colour of a checkerboard, and finds of all pixels which object they show and \
+         how far away; a missing pixel takes only of neighbours that show the same. Outlines stay as sharp as native; \
+         textures still lose half of their detail. Shading is halved, finding surfaces is not: it pays where shading is \
+         dear. Consoles do so with an id buffer in hardware (PlayStation 4 Pro, 2016)."
+    }
+
+    fn offers(&self) -> Offers {
+        checkerboard::OFFERS
+    }
+
+    fn reads(&self) -> Reads {
+        Reads { surfaces: true, past: false }
+    }
+
+    fn sampling(&self, _how: Upscaling) -> Sampling {
+        Sampling::Grid(SampleGrid::Checkerboard)
+    }
+
+    fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
+        let (width, height) = full.size();
+        let rows = full.pixels_mut().par_chunks_mut((width as usize).max(1));
+        rows.zip(0..height).for_each(|(row, y)| {
+            for (pixel, x) in row.iter_mut().zip(0..) {
+                *pixel = filled(SampleGrid::Checkerboard, drawn, (width, height), (x, y));
+            }
+        });
+    }
+
+    fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+        filled(SampleGrid::Checkerboard, drawn, size, at)
+    }
+
+    fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
+        taps(SampleGrid::Checkerboard, drawn, size, at)
+    }
+}
+
+/// A pixel of a picture of which one colour of a checkerboard was drawn.
+pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+    let color = |tap: &Tap| grid.sample_at(tap.x, tap.y).map_or([0; 4], |(column, row)| drawn.color.at(column, row));
+    let taps = taps(grid, drawn, size, at);
+    if let [only] = taps.as_slice() {
+        return color(only);
+    }
+    std::array::from_fn(|channel| {
+        let sum: f32 = taps.iter().map(|tap| tap.weight * f32::from(color(tap)[channel])).sum();
+        (sum + 0.5) as u8
+    })
+}
+
+/// The drawn pixels that a pixel is made of.
+pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+    /// What a pixel that touches the missing one counts for, and one behind it.
+    const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
+    if grid.sample_at(x, y).is_some() {
+        return vec![Tap { x, y, weight: 1.0 }];
+    }
+    let around = [(TOUCHING, NEAR_AND_FAR[0]), (BEHIND, NEAR_AND_FAR[1])].into_iter().flat_map(|(by, weight)| {
+        let beside = checkerboard::step(x, by, width).map(|x| (x, y));
+        let across = checkerboard::step(y, by, height).map(|y| (x, y));
+        [beside, across].into_iter().flatten().map(move |at| (at, weight))
+    });
+    let all: Vec<((u32, u32), f32)> = around.collect();
+    let same = |at: (u32, u32)| drawn.seen.is_some_and(|seen| seen.surfaces.are_one(at, (x, y)));
+    let mut used: Vec<_> = all.iter().copied().filter(|(at, _)| same(*at)).collect();
+    if used.is_empty() {
+        let nearest = all.iter().map(|(_, weight)| *weight).fold(0.0, f32::max);
+        used = all.into_iter().filter(|(_, weight)| *weight == nearest).collect();
+    }
+    let sum: f32 = used.iter().map(|(_, weight)| weight).sum();
+    if used.is_empty() {
+        // A picture so small that nothing near the pixel was drawn.
+        return drawn_nearest(grid, (width, height), (x, y)).into_iter().collect();
+    }
+    used.into_iter().map(|((x, y), weight)| Tap { x, y, weight: weight / sum }).collect()
+}
+
+/// The drawn pixel nearest to one, found by looking at all.
+fn drawn_nearest(grid: SampleGrid, (width, height): (u32, u32), (x, y): (u32, u32)) -> Option<Tap> {
+    let all = (0..height).flat_map(|j| (0..width).map(move |i| (i, j)));
+    let drawn = all.filter(|(i, j)| grid.sample_at(*i, *j).is_some());
+    let (x, y) = drawn.min_by_key(|(i, j)| x.abs_diff(*i).pow(2) + y.abs_diff(*j).pow(2))?;
+    Some(Tap { x, y, weight: 1.0 })
+}

@@ -1,0 +1,197 @@
+//! What methods read besides the colours that were drawn: which surface every pixel of the full picture shows, how far away it
+//! is, and what the last frame was.
+
+use glam::{DMat4, DVec3};
+
+use crate::image::{Image, Rgba8};
+use crate::scene::{Camera, Projection};
+
+/// What every pixel of the full picture shows, found without shading it. What is cut out or blended counts as if it were
+/// opaque.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surfaces {
+    /// A colour for each object, and the background where there is none.
+    pub object: Image<Rgba8>,
+    /// Distance along the line of sight, world units; beyond all surfaces infinite, or the far plane.
+    pub distance: Image<f32>,
+}
+
+/// A share of the distance by which the same surface may seem nearer or farther: depths are rounded, and pixels look at
+/// slightly different places.
+const SAME_DISTANCE: f32 = 0.02;
+
+impl Surfaces {
+    /// Whether a place shows the object, and about the distance, that is asked for.
+    pub fn shows(&self, (x, y): (u32, u32), object: Rgba8, distance: f32) -> bool {
+        let there = self.distance.at(x, y);
+        let near = (there - distance).abs() <= SAME_DISTANCE * distance.abs();
+        self.object.at(x, y) == object && (near || there == distance)
+    }
+
+    /// Whether two places show the same object at about the same distance.
+    pub fn are_one(&self, a: (u32, u32), b: (u32, u32)) -> bool {
+        self.shows(a, self.object.at(b.0, b.1), self.distance.at(b.0, b.1))
+    }
+}
+
+/// A frame that was drawn before.
+#[derive(Clone, Debug)]
+pub struct History {
+    /// Its full picture.
+    pub picture: Image<Rgba8>,
+    /// What the method remembers more precisely than the picture can.
+    pub memory: Option<Image<[f32; 4]>>,
+    /// What it showed.
+    pub surfaces: Surfaces,
+    /// Its view.
+    pub camera: Camera,
+    /// How many frames came before it without a break.
+    pub frames: u32,
+    /// How many of the last ones, with it, had the same view.
+    pub still: u32,
+}
+
+/// What is known of the frame that is filled in.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// What it shows.
+    pub surfaces: &'a Surfaces,
+    /// Its view.
+    pub camera: &'a Camera,
+    /// The frame before it, if it shows the same scene by the same recipe.
+    pub past: Option<&'a History>,
+}
+
+impl Seen<'_> {
+    /// How many frames came before without a break.
+    pub fn frames(&self) -> u32 {
+        self.past.map_or(0, |past| past.frames + 1)
+    }
+
+    /// Where the frame before showed what pixel `at` shows, px from the corner of the picture, if it showed it at all.
+    pub fn before(&self, (width, height): (u32, u32), at: (u32, u32)) -> Option<Before> {
+        let past = self.past?;
+        let center = [f64::from(at.0) + 0.5, f64::from(at.1) + 0.5];
+        if past.camera == *self.camera {
+            return Some(Before { place: center, is_still: true });
+        }
+        let distance = self.surfaces.distance.at(at.0, at.1);
+        let lenses = [self.camera, &past.camera].map(|camera| Lens::new(camera, (width, height)));
+        let (place, expected) = moved(lenses, [self.camera, &past.camera], center, distance.into())?;
+        let inside = |at: f64, length: u32| at >= 0.0 && at < f64::from(length);
+        if !inside(place[0], width) || !inside(place[1], height) {
+            return None;
+        }
+        let pixel = (place[0] as u32, place[1] as u32);
+        let same = past.surfaces.shows(pixel, self.surfaces.object.at(at.0, at.1), expected as f32);
+        same.then_some(Before { place, is_still: false })
+    }
+}
+
+/// Where a pixel was in the frame before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Before {
+    /// Px from the corner of the picture.
+    pub place: [f64; 2],
+    /// Whether the view was the same, so that it is the very same pixel.
+    pub is_still: bool,
+}
+
+impl Before {
+    /// A picture at this place, between the centres of its four pixels around; the pixel itself if nothing moved.
+    pub fn read<const N: usize>(&self, size: (u32, u32), value: impl Fn(u32, u32) -> [f32; N]) -> [f32; N] {
+        let [x, y] = self.place;
+        if self.is_still {
+            return value(x as u32, y as u32);
+        }
+        let axis = |at: f64, length: u32| {
+            let (floor, last) = ((at - 0.5).floor(), f64::from(length - 1));
+            let pixel = |at: f64| at.clamp(0.0, last) as u32;
+            ([pixel(floor), pixel(floor + 1.0)], (at - 0.5 - floor) as f32)
+        };
+        let ((columns, right), (rows, down)) = (axis(x, size.0), axis(y, size.1));
+        let row = |row: u32| {
+            let [a, b] = columns.map(|column| value(column, row));
+            std::array::from_fn::<f32, N, _>(|channel| a[channel] + (b[channel] - a[channel]) * right)
+        };
+        let [a, b] = rows.map(row);
+        std::array::from_fn(|channel| a[channel] + (b[channel] - a[channel]) * down)
+    }
+}
+
+/// How a view's pixels lie around its line of sight.
+#[derive(Clone, Copy, Debug)]
+struct Lens {
+    /// Half of the picture's width and height, in world units, at distance 1 in perspective and everywhere without.
+    half: [f64; 2],
+    size: [f64; 2],
+    in_perspective: bool,
+}
+
+impl Lens {
+    fn new(camera: &Camera, (width, height): (u32, u32)) -> Self {
+        let (half_height, in_perspective) = match camera.projection {
+            Projection::Perspective { fov_y } => ((f64::from(fov_y) * 0.5).tan(), true),
+            Projection::Orthographic { height } => (f64::from(height) * 0.5, false),
+        };
+        let size = [f64::from(width), f64::from(height)];
+        Self { half: [half_height * size[0] / size[1], half_height], size, in_perspective }
+    }
+
+    /// The point at a distance that is seen at a place, px; view space.
+    fn point(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
+        let spread = if self.in_perspective { distance } else { 1.0 };
+        let ndc = [x / self.size[0] * 2.0 - 1.0, 1.0 - y / self.size[1] * 2.0];
+        DVec3::new(ndc[0] * self.half[0] * spread, ndc[1] * self.half[1] * spread, -distance)
+    }
+
+    /// Where a point of view space is seen, px, and how far away it is; nowhere behind the eye.
+    fn place(&self, point: DVec3) -> Option<([f64; 2], f64)> {
+        let distance = -point.z;
+        let spread = if self.in_perspective { distance } else { 1.0 };
+        let ndc = [point.x / (self.half[0] * spread), point.y / (self.half[1] * spread)];
+        let place = [(ndc[0] + 1.0) / 2.0 * self.size[0], (1.0 - ndc[1]) / 2.0 * self.size[1]];
+        (distance > 0.0 && place.iter().all(|at| at.is_finite())).then_some((place, distance))
+    }
+}
+
+/// Where the second view sees what the first one sees at a place and a distance.
+fn moved(lenses: [Lens; 2], cameras: [&Camera; 2], place: [f64; 2], distance: f64) -> Option<([f64; 2], f64)> {
+    let [from, to] = cameras.map(Camera::view_from_world_f64);
+    let to_from: DMat4 = to * from.inverse();
+    lenses[1].place(to_from.transform_point3(lenses[0].point(place, distance)))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Vec3, Vec4};
+
+    use super::*;
+    use crate::scene::DepthMapping;
+
+    #[test]
+    fn a_point_is_found_where_the_other_camera_projects_it() {
+        let mut random = fastrand::Rng::with_seed(4);
+        let size = (320, 180);
+        for orthographic in [false, true] {
+            let mut cameras = [Vec3::new(1.0, 2.0, 5.0), Vec3::new(1.4, 1.8, 4.6)]
+                .map(|eye| Camera::look_at(eye, Vec3::ZERO).with_orthographic(orthographic));
+            cameras[1].up = Vec3::new(0.1, 1.0, 0.0);
+            let project = |camera: &Camera, point: Vec3| {
+                let clip: Vec4 = camera.clip_from_world(320.0 / 180.0, DepthMapping::Standard) * point.extend(1.0);
+                let ndc = clip / clip.w;
+                let view = camera.view_from_world().transform_point3(point);
+                ([(f64::from(ndc.x) + 1.0) * 160.0, (1.0 - f64::from(ndc.y)) * 90.0], f64::from(-view.z))
+            };
+            for _ in 0..200 {
+                let point = Vec3::new(random.f32(), random.f32(), random.f32()) - 0.5;
+                let (place, distance) = project(&cameras[0], point);
+                let lenses = cameras.each_ref().map(|camera| Lens::new(camera, size));
+                let (found, how_far) = moved(lenses, cameras.each_ref(), place, distance).unwrap();
+                let (expected, expected_distance) = project(&cameras[1], point);
+                assert!((how_far - expected_distance).abs() < 1e-4);
+                assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.01), "{found:?} {expected:?}");
+            }
+        }
+    }
+}
