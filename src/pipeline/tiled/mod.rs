@@ -393,7 +393,7 @@ impl Frame<'_> {
                     Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, owner),
                     Transparency::CutOut => {
                         let keep = self.keeper(key, draw as usize, place);
-                        tile.draw_cut_out(simd, &triangle, &self.lattice, &self.rules, owner, keep);
+                        tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, owner, keep);
                     }
                     Transparency::Blended => blended.push(slot),
                 }

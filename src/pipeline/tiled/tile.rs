@@ -328,17 +328,17 @@ impl Tile {
         );
     }
 
-    /// Draws a triangle of which some samples may not be there. `keep` is asked for eight of a row, given by edge values, column
-    /// and row, which of those that passed the depth test are.
+    /// Draws those samples of a triangle that `keep` wants: of eight of a row, given by edge values, column and row, it is told
+    /// which pass the depth test, and says which of those are stored.
     #[inline(never)]
-    pub(super) fn draw_cut_out<S: Simd>(
+    pub(super) fn draw_kept<S: Simd>(
         &mut self,
         simd: S,
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
         owner: impl Fn(Slot) -> Option<Setup>,
-        keep: impl Fn(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
+        mut keep: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
     ) {
         for (bx, by) in blocks(triangle) {
             let block = by * BLOCKS + bx;
@@ -359,35 +359,6 @@ impl Tile {
             if self.bounded && rules.stored {
                 self.measure_bounds(simd, (bx, by));
             }
-        }
-    }
-
-    /// Hands eight samples of a row at a time to `sink` that a triangle covers in front of what is stored, by edge values,
-    /// column, row and bits. Nothing is stored.
-    #[inline(never)]
-    pub(super) fn each_in_front<S: Simd>(
-        &mut self,
-        simd: S,
-        triangle: &Setup,
-        lattice: &Lattice,
-        rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
-        mut sink: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64),
-    ) {
-        for (bx, by) in blocks(triangle) {
-            let block = by * BLOCKS + bx;
-            if !self.may_show(triangle, block, rules) {
-                continue;
-            }
-            self.write_out(simd, block, lattice, rules, &owner);
-            for row in rows_in(triangle, by) {
-                let place = (bx * BLOCK, row);
-                let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
-                if passed != 0 {
-                    sink(&edges, place, passed);
-                }
-            }
-            self.counts.visited += (BLOCK * BLOCK) as u64;
         }
     }
 
