@@ -115,6 +115,8 @@ pub(crate) enum Tab {
     FrameTime,
     /// What each upscaler costs and how wrong it is
     ErrorTime,
+    /// Every step of the arithmetic of the picked pixel
+    Arithmetic,
     /// What the picked pixel is made of
     Xray,
     /// What the scene needs and what is left out

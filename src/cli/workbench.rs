@@ -64,6 +64,7 @@ fn tab(tab: Tab) -> bottom::Tab {
     match tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
+        Tab::Arithmetic => bottom::Tab::Arithmetic,
         Tab::Xray => bottom::Tab::Xray,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,

@@ -12,11 +12,15 @@ pub mod feeds;
 
 pub mod hits;
 
+pub mod intermediate;
+
 pub mod outline;
 
 pub mod pixel;
 
 pub mod stages;
+
+pub mod trace;
 
 mod verdict;
 
@@ -25,5 +29,7 @@ pub mod view;
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use hits::{Fault, FaultKind, Hits};
+pub use intermediate::Intermediate;
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
 pub use stages::Stage;
+pub use trace::Trace;

@@ -379,6 +379,7 @@ impl Workbench {
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
+            Command::Trace(_) => self.tab = Tab::Arithmetic,
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::SavePicture => self.save_picture(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),

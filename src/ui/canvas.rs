@@ -21,8 +21,7 @@ use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
-use crate::inspect::view::{Value, absence, map_color, value};
-use crate::pipeline::settings::Choice as _;
+use crate::inspect::view::{Value, absence, magnitude_color, map_color};
 
 /// The grid is drawn from this many points per pixel on.
 const GRID_FROM: f32 = 10.0;
@@ -136,11 +135,8 @@ impl Canvas {
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
         grid(&painter, placement, (width, height));
-        let value = |x, y| match view.request.shown {
-            Shown::Stage(_) => Value::Color(view.picture.at(x, y)),
-            Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
-        };
-        numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), value);
+        let bits = ui.input(|i| i.modifiers.alt);
+        numbers(&painter, placement, &view.picture, bits, |x, y| view.value(x, y));
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }
@@ -206,10 +202,12 @@ fn legend(ui: &Ui, canvas: Rect, view: &View) -> Rect {
     let painter = ui.painter().with_clip_rect(canvas);
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;
-    let (name, help) = match view.request.shown {
-        Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
-        Shown::Stage(stage) => (stage.name(), stage.help()),
+    let shown = view.request.shown;
+    let missing = match shown {
+        Shown::Buffer(buffer) => absence(buffer, &view.frame),
+        _ => None,
     };
+    let (name, help) = (shown.name(), missing.unwrap_or(shown.help()));
     let small = FontId::proportional(font_size::SMALL);
     let text = painter.layout(format!("{name}: {help}"), small, tokens(ui).text, WIDTH);
     let bar_height = if view.range.is_some() { BAR + 20.0 } else { 0.0 };
@@ -219,10 +217,14 @@ fn legend(ui: &Ui, canvas: Rect, view: &View) -> Rect {
     let inner = frame.shrink(space::S);
     let text_height = text.size().y;
     painter.galley(inner.min, text, tokens(ui).text);
-    let (Some(range), Shown::Buffer(buffer)) = (view.range, view.request.shown) else { return frame };
+    let Some(range) = view.range else { return frame };
     let bar = Rect::from_min_size(inner.min + vec2(0.0, text_height + 4.0), vec2(WIDTH, BAR));
     for step in 0..WIDTH as u32 {
-        let [r, g, b, _] = map_color(buffer, step as f32 / (WIDTH - 1.0));
+        let position = step as f32 / (WIDTH - 1.0);
+        let [r, g, b, _] = match shown {
+            Shown::Buffer(buffer) => map_color(buffer, position),
+            _ => magnitude_color(position),
+        };
         let column = Rect::from_min_size(bar.min + vec2(step as f32, 0.0), vec2(1.0, BAR));
         painter.rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
     }

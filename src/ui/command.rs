@@ -13,8 +13,10 @@ use super::judging::StabilityView;
 use super::lab;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
+use super::trace;
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
+use crate::inspect::trace::Direction;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
 
@@ -131,6 +133,8 @@ pub enum Command {
     ToggleLab,
     /// Change something in the lab.
     Lab(lab::Change),
+    /// Step through the arithmetic of the picked pixel.
+    Trace(trace::Change),
 }
 
 /// A key, what it does, and the words for it.
@@ -199,6 +203,32 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::R, || Command::Compare(Change::ToggleRegion), "Comparing: drag a rectangle to measure"),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
+    bind(Modifiers::SHIFT, Key::F10, || Command::Trace(trace::Change::Step(-1)), "Arithmetic: one line back"),
+    bind(Modifiers::NONE, Key::F10, || Command::Trace(trace::Change::Step(1)), "Arithmetic: one line forward"),
+    bind(
+        Modifiers::SHIFT,
+        Key::F5,
+        || Command::Trace(trace::Change::Run(None, Direction::Back)),
+        "Arithmetic: back to the last notable line",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::F5,
+        || Command::Trace(trace::Change::Run(None, Direction::Forward)),
+        "Arithmetic: on to the next notable line",
+    ),
+    bind(
+        Modifiers::SHIFT,
+        Key::F11,
+        || Command::Trace(trace::Change::Stage(Direction::Back)),
+        "Arithmetic: the stage before",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::F11,
+        || Command::Trace(trace::Change::Stage(Direction::Forward)),
+        "Arithmetic: the next stage",
+    ),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),

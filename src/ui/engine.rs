@@ -9,10 +9,12 @@ use std::sync::Arc;
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer, run};
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
-use crate::inspect::view::{self, Range};
-use crate::inspect::{PixelReport, Stage, inspect, stages};
+use crate::inspect::intermediate::{self, Captured};
+use crate::inspect::view::{self, Range, Value};
+use crate::inspect::{Intermediate, PixelReport, Stage, inspect, stages};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
+use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Until, prepare};
 use crate::scene::{Camera, Scene};
@@ -24,6 +26,28 @@ pub enum Shown {
     Buffer(Buffer),
     /// The picture after a stage.
     Stage(Stage),
+    /// A number on the way from triangle to colour.
+    Intermediate(Intermediate),
+}
+
+impl Shown {
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Buffer(buffer) => buffer.name(),
+            Self::Stage(stage) => stage.name(),
+            Self::Intermediate(intermediate) => intermediate.name(),
+        }
+    }
+
+    /// One sentence: what is seen.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Buffer(buffer) => buffer.help(),
+            Self::Stage(stage) => stage.help(),
+            Self::Intermediate(intermediate) => intermediate.help(),
+        }
+    }
 }
 
 /// Everything that decides what the window shows.
@@ -73,6 +97,8 @@ pub struct View {
     pub picture: Arc<Image<Rgba8>>,
     /// Quantities of the frame, if a buffer that needs them is shown.
     pub buffers: Option<Arc<Buffers>>,
+    /// The number of every sample that is shown, if one is.
+    pub captured: Option<Arc<Captured>>,
     /// Ends of the colour map, if one is used.
     pub range: Option<Range>,
     /// The story of the picked pixel.
@@ -85,6 +111,15 @@ impl View {
     /// Whether the same request again would be answered by a better frame.
     pub fn wants_another(&self) -> bool {
         self.request.triangle_limit.is_none() && self.frame.wants_another(&self.request.recipe)
+    }
+
+    /// What is shown at a pixel inside the picture, as the value that its colour stands for.
+    pub fn value(&self, x: u32, y: u32) -> Value {
+        match (self.request.shown, &self.captured) {
+            (Shown::Buffer(buffer), _) => view::value(buffer, &self.frame, self.buffers.as_deref(), x, y),
+            (Shown::Intermediate(_), Some(captured)) => captured.value(&self.frame, x, y),
+            _ => self.picture.get(x, y).map_or(Value::NotDrawn, Value::Color),
+        }
     }
 }
 
@@ -107,25 +142,28 @@ impl Engine {
             }
         }
         let fresh = last.is_none();
-        let (frame, rasterized, kept_buffers, kept_picture) = match last {
+        let (frame, rasterized, kept_buffers, kept_picture, kept_captured) = match last {
             Some(view) => {
                 let same_picture = (view.request.shown == request.shown).then_some(view.picture);
-                (view.frame, view.rasterized, view.buffers, same_picture)
+                (view.frame, view.rasterized, view.buffers, same_picture, view.captured)
             }
             None => {
                 let (frame, rasterized) = render(&request, &mut self.renderer);
-                (Arc::new(frame), rasterized, None, None)
+                (Arc::new(frame), rasterized, None, None, None)
             }
         };
+        let captured = needed_capture(&request, &frame, kept_captured);
         let buffers = needed_buffers(&request, &frame, kept_buffers);
         let range = match request.shown {
             Shown::Buffer(buffer) => view::range(buffer, &frame, buffers.as_deref()),
             Shown::Stage(_) => None,
+            Shown::Intermediate(_) => captured.as_ref().and_then(|captured| captured.range()),
         };
-        let picture = kept_picture.unwrap_or_else(|| Arc::new(picture(&request, &frame, buffers.as_deref(), range)));
+        let picture = kept_picture
+            .unwrap_or_else(|| Arc::new(picture(&request, &frame, (buffers.as_deref(), captured.as_deref()), range)));
         let report =
             request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
-        let view = View { request, frame, rasterized, picture, buffers, range, report, fresh };
+        let view = View { request, frame, rasterized, picture, buffers, captured, range, report, fresh };
         self.last = Some(view.clone());
         view
     }
@@ -142,6 +180,13 @@ fn needed_buffers(request: &Request, frame: &Frame, kept: Option<Arc<Buffers>>) 
         (_, Some(kept)) => Some(kept),
         (_, None) => Some(Arc::new(capture(scene, recipe, frame).completed_for(buffer, recipe, frame))),
     }
+}
+
+/// The number of every sample that is shown, if one is: that of the last answer if it is the same.
+fn needed_capture(request: &Request, frame: &Frame, kept: Option<Arc<Captured>>) -> Option<Arc<Captured>> {
+    let Shown::Intermediate(which) = request.shown else { return None };
+    let again = || Arc::new(intermediate::capture(&request.scene, &request.recipe, frame, which));
+    Some(kept.filter(|kept| kept.which == which).unwrap_or_else(again))
 }
 
 /// A frame, and how many triangles it would have without a limit.
@@ -205,8 +250,16 @@ fn count(request: &Request, frame: &Frame) -> Counters {
     counters
 }
 
-fn picture(request: &Request, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
+fn picture(
+    request: &Request,
+    frame: &Frame,
+    (buffers, captured): (Option<&Buffers>, Option<&Captured>),
+    range: Option<Range>,
+) -> Image<Rgba8> {
     match request.shown {
+        Shown::Intermediate(_) => {
+            captured.map_or_else(|| frame.image().clone(), |captured| captured.picture(frame, range))
+        }
         Shown::Buffer(buffer) => view::picture(buffer, frame, buffers, range),
         Shown::Stage(stage) => stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage),
     }

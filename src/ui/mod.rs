@@ -26,6 +26,8 @@ pub mod worker;
 
 pub mod lab;
 
+pub mod trace;
+
 pub mod command;
 
 pub mod timings;

@@ -16,6 +16,7 @@ use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
 use super::timings::Timings;
+use super::trace::TraceView;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
@@ -184,6 +185,8 @@ pub struct Session {
     pub growth: Growth,
     /// The 2D lab.
     pub lab: Lab,
+    /// The arithmetic of the picked pixel.
+    pub trace: TraceView,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -238,6 +241,7 @@ impl Session {
             savings: PlanSavings::default(),
             growth: Growth::default(),
             lab: Lab::default(),
+            trace: TraceView::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -396,6 +400,7 @@ impl Session {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
+            Command::Trace(change) => return self.trace.apply(change, self.view.as_ref()).map(Command::Trace),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
@@ -505,7 +510,7 @@ impl Session {
         let last = Stage::ALL.len() as i64 - 1;
         let now = match self.shown {
             Shown::Stage(stage) => Stage::ALL.iter().position(|s| *s == stage).map_or(last, |i| i as i64),
-            Shown::Buffer(_) => last,
+            Shown::Buffer(_) | Shown::Intermediate(_) => last,
         };
         self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
     }

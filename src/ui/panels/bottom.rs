@@ -5,6 +5,7 @@ use eframe::egui::{ScrollArea, Ui};
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::session::Session;
+use crate::ui::trace::panel as trace;
 
 /// A tab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,6 +15,8 @@ pub enum Tab {
     FrameTime,
     /// What each upscaler costs and how wrong it is.
     ErrorTime,
+    /// Every step of the arithmetic of a pixel.
+    Arithmetic,
     /// What a pixel of the picture is made of.
     Xray,
     /// What the scene needs and what is left out.
@@ -26,9 +29,14 @@ pub enum Tab {
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 7] = [
+const TABS: [(Tab, &str, &str); 8] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
+    (
+        Tab::Arithmetic,
+        "Arithmetic",
+        "Every step from the corners of a triangle to the picked pixel, with the numbers and what each step rounded",
+    ),
     (
         Tab::Xray,
         "X-ray",
@@ -67,6 +75,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 plan::controls(ui, session, commands);
             }
+            Tab::Arithmetic => {
+                ui.separator();
+                trace::controls(ui, session, commands);
+            }
             Tab::Scaling => {
                 ui.separator();
                 scaling::controls(ui, session, commands);
@@ -78,6 +90,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
     match tab {
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
+        Tab::Arithmetic => trace::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Stability => stability::ui(ui, session, commands),
