@@ -9,7 +9,7 @@ use rasterscope::chain::Recipe;
 use rasterscope::drawing::file::EXTENSIONS;
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::outline::OutlineKind;
-use rasterscope::inspect::{Buffer, Stage};
+use rasterscope::inspect::{Buffer, Intermediate, Stage};
 use rasterscope::lab::Page;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::report::stability::catalogue;
@@ -103,6 +103,7 @@ fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_case
     let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
     let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
     let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
+    let buffers = buffers.chain(Intermediate::ALL.iter().map(|number| number.id().to_owned()));
     let kinds = Task::KINDS.iter().map(|kind| (*kind).to_owned());
     let classes = catalogue::all().map(|class| class.id.to_owned());
     let pages = Page::ALL.iter().map(|page| page.id().to_owned());

@@ -7,12 +7,13 @@ use std::sync::Arc;
 use clap::Args;
 use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
 use rasterscope::image::file::write_png;
-use rasterscope::inspect::{Buffer, Hits, Stage, capture, stages, view};
+use rasterscope::inspect::{Buffer, Hits, Intermediate, Stage, capture, intermediate, stages, view};
 use rasterscope::measure::stages::stage_times;
 use rasterscope::measure::timing::summarize;
 use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
+use super::parse::Either;
 use super::scene_args::{Drawn, FrameArgs};
 use super::{output, parse};
 
@@ -23,8 +24,8 @@ pub(crate) struct RenderArgs {
     frame: FrameArgs,
 
     /// The quantity to show
-    #[arg(long, default_value = "color", value_parser = parse::choice::<Buffer>())]
-    buffer: Buffer,
+    #[arg(long, default_value = "color", value_parser = parse::either::<Buffer, Intermediate>())]
+    buffer: Either<Buffer, Intermediate>,
 
     /// Show the picture after this stage instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
@@ -42,15 +43,20 @@ pub(crate) struct RenderArgs {
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Drawn { scene, camera, recipe, frame } = args.frame.draw()?;
-    let mut faults = None;
-    let image = match args.stage {
-        Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
-        None if args.buffer == Buffer::Color => frame.image(),
-        None => {
-            let buffers = capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame);
-            let range = view::range(args.buffer, &frame, Some(&buffers));
+    let (mut faults, mut ends) = (None, None);
+    let image = match (args.stage, args.buffer) {
+        (Some(stage), _) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
+        (None, Either::First(Buffer::Color)) => frame.image(),
+        (None, Either::First(buffer)) => {
+            let buffers = capture(&scene, &recipe, &frame).completed_for(buffer, &recipe, &frame);
+            let range = view::range(buffer, &frame, Some(&buffers));
             faults = buffers.hits.as_ref().map(Hits::summary);
-            &view::picture(args.buffer, &frame, Some(&buffers), range)
+            &view::picture(buffer, &frame, Some(&buffers), range)
+        }
+        (None, Either::Second(intermediate)) => {
+            let captured = intermediate::capture(&scene, &recipe, &frame, intermediate);
+            ends = captured.range();
+            &captured.picture(&frame, ends)
         }
     };
     write_png(&args.output, image)?;
@@ -64,6 +70,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         frame.times.total.as_secs_f64() * 1e3,
         frame.drawn_share() * 100.0,
     ))?;
+    if let Some(range) = ends {
+        output::print(&format!("from {:?} (dark) to {:?} (bright)\n", range.low, range.high))?;
+    }
     if let Some(faults) = faults {
         output::print(&format!("shared edges: {faults}\n"))?;
     }

@@ -185,3 +185,93 @@ impl Observer for Capture<'_> {
         self.values.set(fragment.sample.column, fragment.sample.row, value);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::inspect::trace::Trace;
+    use crate::inspect::{Buffer, inspect};
+    use crate::pipeline::settings::{DepthFormat, Filter, Interpolation};
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    const VIEW: Viewport = Viewport { width: 28, height: 20 };
+
+    #[test]
+    fn no_name_is_that_of_another_buffer() {
+        for number in Intermediate::ALL {
+            assert!(Buffer::ALL.iter().all(|buffer| buffer.id() != number.id() && buffer.name() != number.name()));
+        }
+    }
+
+    #[test]
+    fn buffers_hold_what_the_lines_say() {
+        let mut recipe = Recipe::default();
+        recipe.pipeline.filter = Filter::Trilinear;
+        for id in ["cubes", "stained-glass"] {
+            let scene = builtin::by_id(id).unwrap().build();
+            let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+            let captured: Vec<_> = Intermediate::ALL.iter().map(|n| capture(&scene, &recipe, &frame, *n)).collect();
+            let mut compared = 0;
+            for (x, y) in (0..VIEW.height).flat_map(|y| (0..VIEW.width).map(move |x| (x, y))) {
+                let report = inspect(&scene, &recipe, &frame, x, y).unwrap();
+                let trace = Trace::of(&scene, &recipe, &frame, &report, None);
+                if report.visible().is_none() {
+                    assert!(captured.iter().all(|c| c.value(&frame, x, y) == Value::Nothing), "{id} {x},{y}");
+                    continue;
+                }
+                for line in &trace.lines {
+                    let Some(captured) = captured.iter().find(|c| Some(c.which) == line.buffer) else { continue };
+                    // Alpha is that of the material, too, and a line of the texture alone.
+                    if line.buffer == Some(Intermediate::Alpha) {
+                        continue;
+                    }
+                    let Value::Number(value) = captured.value(&frame, x, y) else { panic!("{id} {line:?}") };
+                    assert_eq!(
+                        f64::from(value),
+                        line.number().unwrap().to_f64() as f32 as f64,
+                        "{id} {x},{y} {line:?}"
+                    );
+                    compared += 1;
+                }
+            }
+            assert!(compared > 1000, "{id}: {compared}");
+        }
+    }
+
+    #[test]
+    fn the_slope_of_depth_is_the_step_to_the_neighbour() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.pipeline.depth_format = DepthFormat::Unorm24;
+        let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        let slope = capture(&scene, &recipe, &frame, Intermediate::DepthSlope);
+        let depth = frame.drawn.depth.as_ref().unwrap();
+        let encoding = frame.depth_scale().encoding();
+        let mut compared = 0;
+        for (x, y) in (0..VIEW.height).flat_map(|y| (0..VIEW.width - 1).map(move |x| (x, y))) {
+            let pair = [slope.values.at(x, y), slope.values.at(x + 1, y)];
+            let [Some(step), Some(_)] = pair else { continue };
+            assert_eq!(step, signed_steps(encoding, depth.at(x, y), depth.at(x + 1, y)), "{x},{y}");
+            compared += 1;
+        }
+        assert!(compared > 50, "{compared}");
+    }
+
+    #[test]
+    fn what_is_not_finite_has_a_colour_of_its_own() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.pipeline.interpolation = Interpolation::Published;
+        let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        let mut captured = capture(&scene, &recipe, &frame, Intermediate::Weight0);
+        let place = captured.values.pixels().iter().position(Option::is_some).unwrap();
+        captured.values.pixels_mut()[place] = Some(f32::NAN);
+        let range = captured.range();
+        assert!(range.is_some_and(|range| range.low.is_finite() && range.high.is_finite()));
+        let picture = captured.picture(&frame, range);
+        assert_eq!(picture.pixels()[place], NOT_FINITE);
+        assert_eq!(picture.pixels().iter().filter(|pixel| **pixel == NOT_FINITE).count(), 1);
+    }
+}

@@ -3,8 +3,10 @@
 use super::attributes::CHANNELS;
 use super::formula::{given, sum, whole};
 use super::line::{Scribe, TraceStage};
+use super::shade::encoded;
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
+use crate::image::color::decode_byte;
 use crate::inspect::feeds::Mixture;
 use crate::inspect::pixel::PixelReport;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
@@ -53,13 +55,17 @@ fn resolve(frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
     let Some(drawn) = drawn else { return };
     for (channel, name) in CHANNELS.into_iter().enumerate() {
         let what = format!("mean {name}");
-        if light == ColorSpace::Bytes {
-            let codes = report.samples.iter().map(|sample| given("code", sample.color[channel]));
-            let formula = sum(codes) / whole("samples", count as i64);
-            scribe.compute(what, drawn.color[channel], &formula);
-        } else {
-            scribe.read(what, "the mean of the light that the codes stand for, encoded again", drawn.color[channel]);
-        }
+        let numbers = report.samples.iter().map(|sample| match light {
+            ColorSpace::Bytes => given("code", sample.color[channel]),
+            ColorSpace::Linear => given("light", decode_byte(sample.color[channel])),
+        });
+        let mean = sum(numbers) / whole("samples", count as i64);
+        let formula = if light == ColorSpace::Bytes { mean } else { encoded(&mean, light) };
+        let line = scribe.compute(what, drawn.color[channel], &formula);
+        // Written out it would fill a page.
+        let number = if light == ColorSpace::Bytes { "codes" } else { "linear light, encoded" };
+        line.formula = format!("Σ / {count} of the {number}");
+        line.numbers = String::new();
     }
 }
 

@@ -102,6 +102,9 @@ pub struct TraceLine {
     pub rounding_ulp: Option<f64>,
     /// Whether it is the result of one operation that rounds correctly: at most half an ulp.
     pub rounded_once: bool,
+    /// The most leading bits that any sum or difference in the formula cancelled.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub lost_bits: u32,
     /// Whether the pipeline does not compute it: it only helps to read the rest.
     pub aside: bool,
     /// What is worth stopping at.
@@ -196,6 +199,7 @@ impl Scribe {
             line.exact = Some(ExactText { decimal, fraction });
             line.rounding_ulp = number.rounding_ulp(&value);
             line.rounded_once = rounded_once && line.rounding_ulp.is_some();
+            line.lost_bits = lost_bits;
             let worth_telling = number.precision().is_some_and(|bits| lost_bits >= bits / WORTH_TELLING);
             if worth_telling {
                 line.flags.push(Flag { kind: Notable::Cancellation, lost_bits: Some(lost_bits) });
@@ -251,6 +255,7 @@ impl Scribe {
             exact: None,
             rounding_ulp: None,
             rounded_once: false,
+            lost_bits: 0,
             aside: false,
             flags: Vec::new(),
             buffer: None,
@@ -275,6 +280,11 @@ impl TraceLine {
         self.buffer = Some(buffer);
         self
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_zero(bits: &u32) -> bool {
+    *bits == 0
 }
 
 /// Digits of exact numbers that are written: more than a double has.

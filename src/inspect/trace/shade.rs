@@ -158,16 +158,22 @@ fn texture_color<'a>(subject: &'a Subject<'_>) -> Option<impl Fn(usize) -> Formu
 
 /// The code of a value by the curve of sRGB, or by 255 steps.
 fn code_formula(value: f32, space: ColorSpace) -> Formula {
+    encoded(&given("value", value), space)
+}
+
+/// The code of a formula's value.
+pub(super) fn encoded(value: &Formula, space: ColorSpace) -> Formula {
     /// Where the straight part of the curve ends.
-    const STRAIGHT: f32 = 0.003_130_8;
-    let within = || given("value", value).max(whole("0", 0)).min(whole("1", 1));
-    let steps = || whole("255", 255);
+    const STRAIGHT: f64 = 0.003_130_8;
+    let is_straight = value.evaluate().is_none_or(|exact| exact.value.approximate() <= STRAIGHT);
+    let within = value.clone().max(whole("0", 0)).min(whole("1", 1));
+    let steps = whole("255", 255);
     match space {
-        ColorSpace::Bytes => steps() * within(),
-        ColorSpace::Linear if value <= STRAIGHT => steps() * (fraction("12.92", 1292, 100) * within()),
+        ColorSpace::Bytes => steps * within,
+        ColorSpace::Linear if is_straight => steps * (fraction("12.92", 1292, 100) * within),
         ColorSpace::Linear => {
-            let curve = fraction("1.055", 1055, 1000) * within().apply(Function::SrgbRoot);
-            steps() * (curve - fraction("0.055", 55, 1000))
+            let curve = fraction("1.055", 1055, 1000) * within.apply(Function::SrgbRoot);
+            steps * (curve - fraction("0.055", 55, 1000))
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::pipeline::settings::{
 use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin;
 
-const VIEW: Viewport = Viewport { width: 24, height: 18 };
+const VIEW: Viewport = Viewport { width: 12, height: 9 };
 
 /// All pixels of a small picture by a recipe, traced.
 fn all(id: &str, recipe: &Recipe, mut check: impl FnMut(&PixelReport, &Frame, &Trace)) {
@@ -64,98 +64,77 @@ fn f64s(trace: &Trace, what: &str) -> Option<f64> {
     Some(line(trace, what)?.number()?.to_f64())
 }
 
-/// Whether two numbers are the same, NaN being the same as NaN.
-fn same(a: f64, b: f64) -> bool {
-    a == b || (a.is_nan() && b.is_nan())
-}
-
 #[test]
-fn every_line_that_frame_and_report_know_agrees_bit_for_bit() {
+fn every_trace_is_true() {
     for recipe in recipes() {
+        let (mut traced, mut once) = (0, 0);
         for id in ["stained-glass", "near-plane", "cubes"] {
-            let mut traced = 0;
             all(id, &recipe, |report, frame, trace| {
-                for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
-                    let code = f64s(trace, &format!("pixel {name}")).unwrap();
-                    assert_eq!(code, f64::from(frame.image().at(report.x, report.y)[channel]), "{id} {recipe:?}");
-                }
-                let Some(fragment) = trace.fragment else { return };
-                let record = &report.fragments[fragment];
-                traced += 1;
-                for corner in 0..3 {
-                    let edge = f64s(trace, &format!("edge {corner} · scaled value"))
-                        .or_else(|| f64s(trace, &format!("edge {corner} · value")));
-                    assert_eq!(edge, Some(record.edges[corner]), "{id} {recipe:?}");
-                    let lambda = f64s(trace, &format!("λ{corner} on the screen")).unwrap();
-                    assert!(same(lambda, record.affine_weights[corner].into()));
-                    let weight = f64s(trace, &format!("weight {corner}")).unwrap();
-                    assert!(same(weight, record.attribute_weights[corner].into()), "{id} {weight}");
-                }
-                if record.stored_depth.is_some() {
-                    assert_eq!(f64s(trace, "depth as stored"), Some(record.depth.value.into()));
-                    assert_eq!(f64s(trace, "code"), record.depth.code.map(f64::from));
-                }
-                let Some(shading) = &record.shading else { return };
-                for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
-                    let code = f64s(trace, &format!("{name} code"));
-                    assert_eq!(code, Some(shading.color[channel].into()), "{id} {recipe:?}");
-                }
-                if let (Some(cosine), Some(told)) = (shading.cosine, f64s(trace, "N·L")) {
-                    assert!(same(told, cosine.into()));
-                }
-                if let Some(light) = shading.light {
-                    assert!(same(f64s(trace, "light").unwrap(), light.into()));
-                }
-                if let (Some([u, v]), Some(told)) = (shading.uv, f64s(trace, "u")) {
-                    assert!(same(told, u.into()) && same(f64s(trace, "v").unwrap(), v.into()));
-                }
+                agrees(report, frame, trace);
+                traced += usize::from(trace.fragment.is_some());
+                once += trace.lines.iter().filter(|line| single_operation(line)).count();
+                trace.lines.iter().for_each(is_near_its_formula);
             });
-            assert!(traced > 50, "{id}: {traced}");
         }
+        assert!(traced > 50 && once > 5000, "{recipe:?}: {traced} traces, {once} operations");
     }
 }
 
-#[test]
-fn single_operations_are_off_by_half_an_ulp_at_most() {
-    let (mut count, mut wide) = (0, 0);
-    for recipe in recipes() {
-        for id in ["stained-glass", "near-plane", "z-fighting"] {
-            all(id, &recipe, |_, _, trace| {
-                for line in &trace.lines {
-                    let Some(ulps) = line.rounding_ulp else { continue };
-                    if line.rounded_once {
-                        count += 1;
-                        assert!(ulps.abs() <= 0.5, "{id}: {line:?}");
-                    }
-                    wide += usize::from(!line.rounded_once);
-                }
-            });
-        }
+/// Lines that frame and report know, too, say the same, bit for bit.
+fn agrees(report: &PixelReport, frame: &Frame, trace: &Trace) {
+    for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
+        let code = f64s(trace, &format!("pixel {name}"));
+        assert_eq!(code, Some(frame.image().at(report.x, report.y)[channel].into()));
     }
-    assert!(count > 10_000 && wide > 10_000, "{count} {wide}");
+    let Some(record) = trace.fragment.map(|fragment| &report.fragments[fragment]) else { return };
+    for corner in 0..3 {
+        let edge = f64s(trace, &format!("edge {corner} · scaled value"))
+            .or_else(|| f64s(trace, &format!("edge {corner} · value")));
+        assert_eq!(edge, Some(record.edges[corner]));
+        is_same(trace, &format!("λ{corner} on the screen"), record.affine_weights[corner]);
+        is_same(trace, &format!("weight {corner}"), record.attribute_weights[corner]);
+    }
+    if record.stored_depth.is_some() {
+        is_same(trace, "depth as stored", record.depth.value);
+        assert_eq!(f64s(trace, "code"), record.depth.code.map(f64::from));
+    }
+    let Some(shading) = &record.shading else { return };
+    for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
+        assert_eq!(f64s(trace, &format!("{name} code")), Some(shading.color[channel].into()));
+    }
+    if let (Some(cosine), Some(_)) = (shading.cosine, line(trace, "N·L")) {
+        is_same(trace, "N·L", cosine);
+    }
+    if let Some(light) = shading.light {
+        is_same(trace, "light", light);
+    }
+    if let (Some([u, v]), Some(_)) = (shading.uv, line(trace, "u")) {
+        is_same(trace, "u", u);
+        is_same(trace, "v", v);
+    }
 }
 
-#[test]
-fn formulas_come_to_what_the_pipeline_computes() {
-    // Rounding grows with what cancels; where nothing does, a formula that is another one shows at once.
-    const MOST_ULP: f64 = 64.0;
-    for recipe in recipes() {
-        for id in ["stained-glass", "near-plane"] {
-            all(id, &recipe, |_, _, trace| {
-                for line in &trace.lines {
-                    let Some(ulps) = line.rounding_ulp else { continue };
-                    let cancels = line.has(Notable::Cancellation) || line.formula.contains("N′");
-                    let exact: f64 = line
-                        .exact
-                        .as_ref()
-                        .map_or(1.0, |e| e.decimal.replace('…', "").replace('−', "-").parse().unwrap_or(1.0));
-                    if !cancels && exact.abs() > 1e-6 {
-                        assert!(ulps.abs() <= MOST_ULP, "{id}: {line:#?}");
-                    }
-                }
-            });
-        }
+fn is_same(trace: &Trace, what: &str, expected: f32) {
+    let told = line(trace, what).and_then(TraceLine::number);
+    assert!(told.is_some_and(|told| told.same_bits(expected.into())), "{what}: {told:?}, not {expected}");
+}
+
+/// Whether a line is one correctly rounded operation; if it is, it is off by half an ulp at most.
+fn single_operation(line: &TraceLine) -> bool {
+    if line.rounded_once {
+        assert!(line.rounding_ulp.is_some_and(|ulps| ulps.abs() <= 0.5), "{line:#?}");
     }
+    line.rounded_once
+}
+
+/// Rounding adds up over the operations of a line, and doubles with each leading bit that cancels; a formula that is another
+/// one than the pipeline's is off by far more. What cancels to nothing has no last place to measure by.
+fn is_near_its_formula(line: &TraceLine) {
+    const MOST_ULP: f64 = 16.0;
+    let Some(ulps) = line.rounding_ulp.filter(|_| line.exact.as_ref().is_some_and(|exact| exact.decimal != "0")) else {
+        return;
+    };
+    assert!(ulps.abs() <= MOST_ULP * 2.0_f64.powi(line.lost_bits as i32), "{line:#?}");
 }
 
 #[test]
@@ -173,7 +152,7 @@ fn clipped_triangles_show_the_polygon_and_where_edges_were_cut() {
         );
         cut += pieces;
     });
-    assert!(cut > 20, "{cut}");
+    assert!(cut > 8, "{cut}");
 }
 
 #[test]
@@ -220,7 +199,8 @@ fn what_is_not_finite_or_cancels_is_flagged() {
     let mut scribe = Scribe::new();
     scribe.compute("finite", 0.5_f32, &(whole("1", 1) / given("two", 2.0_f32)));
     scribe.compute("infinite", f32::INFINITY, &(whole("1", 1) / given("zero", 0.0_f32)));
-    scribe.compute("cancels", 0.000_976_562_5_f32, &(given("a", 1.000_976_562_5_f32) - given("b", 1.0_f32)));
+    let near = 1.0_f32 + 1.0 / 1024.0;
+    scribe.compute("cancels", near - 1.0, &(given("a", near) - given("b", 1.0_f32)));
     scribe.compute("keeps", 0.25_f32, &(given("a", 1.0_f32) - given("b", 0.75_f32)));
     scribe.compute("whole", 1_i64, &(given("a", 4096_i64) - given("b", 4095_i64)));
     let flags: Vec<Vec<Notable>> =

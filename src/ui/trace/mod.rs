@@ -15,7 +15,7 @@ use crate::inspect::{PixelReport, trace};
 pub struct TraceView {
     /// The trace, and the report that it is of.
     made: Option<(Arc<PixelReport>, Arc<Trace>)>,
-    /// Lines of the present trace whose value is not that of the pixel that was looked at before.
+    /// Lines of the present trace whose value is not that of the trace before: of another pixel, recipe or view.
     changed: Vec<bool>,
     /// The chosen fragment; the one that the pixel shows if none is chosen.
     fragment: Option<usize>,
@@ -53,7 +53,7 @@ impl TraceView {
         self.made.as_ref().filter(|(of, _)| Arc::ptr_eq(of, report)).map(|(_, trace)| trace)
     }
 
-    /// Whether the value of a line is not that of the pixel that was looked at before.
+    /// Whether the value of a line is not that of the trace before: what changed from pixel to pixel, or with a setting.
     pub fn is_changed(&self, line: usize) -> bool {
         self.changed.get(line).copied().unwrap_or(false)
     }

@@ -235,7 +235,8 @@ fn table_row(
         commands.push(Command::Trace(Change::Line(place)));
     }
     cells(ui, line, (rect, columns), table.is_changed(place));
-    response.on_hover_ui(|ui| explain(ui, line));
+    let is_changed = table.is_changed(place);
+    response.on_hover_ui(|ui| explain(ui, line, is_changed));
     if let Some(buffer) = line.buffer {
         show_button(ui, show, Shown::Intermediate(buffer), shown, commands);
     }
@@ -266,8 +267,7 @@ fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &Columns), is_change
     let value = cell(columns.value, columns.value + VALUE);
     write(value, &line.value_text(), true, &mono, if line.aside { quiet } else { tokens.text_strong });
     if is_changed {
-        // A dot before the value, beside its word in the tooltip: it differs from the pixel that was looked at before.
-        ui.painter().circle_filled(value.left_center() + vec2(0.0, 0.0), 2.0, tokens.accent);
+        ui.painter().circle_filled(value.left_center(), 2.0, tokens.accent);
     }
     if let Some(bits) = columns.bits {
         write(cell(bits, bits + BITS), &line.bits, false, &mono, tokens.text_weak);
@@ -294,7 +294,7 @@ fn cells(ui: &Ui, line: &TraceLine, (rect, columns): (Rect, &Columns), is_change
 }
 
 /// Everything about a line.
-fn explain(ui: &mut Ui, line: &TraceLine) {
+fn explain(ui: &mut Ui, line: &TraceLine, is_changed: bool) {
     ui.label(RichText::new(&line.what).strong());
     ui.label(&line.formula);
     let mut fact = |name: &str, text: &str| {
@@ -312,6 +312,9 @@ fn explain(ui: &mut Ui, line: &TraceLine) {
     fact("off by ", &line.rounding());
     for flag in &line.flags {
         ui.label(format!("{}: {}", flag.words(), flag.kind.help()));
+    }
+    if is_changed {
+        ui.label("The dot: this is not the value of the trace that was shown before.");
     }
     if line.aside {
         ui.label("The pipeline never computes this: it is here to help reading.");
