@@ -13,6 +13,7 @@ pub mod formula;
 
 mod attributes;
 mod coverage;
+mod decimal;
 mod depth;
 mod finish;
 mod geometry;

@@ -3,6 +3,8 @@
 
 pub mod panel;
 
+mod table;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
