@@ -265,6 +265,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             measure: false,
             compare: None,
             tab: None,
+            shown: None,
             lab: None,
         };
         assert_eq!(screenshot(&request).map(|image| image.size()), Ok((width, height)));

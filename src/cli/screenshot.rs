@@ -5,10 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::{Buffer, Intermediate};
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
+use super::parse::Either;
 use super::scene_args::SceneArgs;
 use super::{output, parse, workbench};
 
@@ -57,6 +59,10 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
+    /// What the canvas shows of the frame
+    #[arg(long, value_name = "BUFFER", value_parser = parse::either::<Buffer, Intermediate>())]
+    pub(crate) show: Option<Either<Buffer, Intermediate>>,
+
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
     pub(crate) lab: Option<Page>,
@@ -76,6 +82,7 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            show: None,
             lab: None,
             lab_step: None,
         }

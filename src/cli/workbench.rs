@@ -8,10 +8,12 @@ use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::ui::compare::{Change, Mode};
+use rasterscope::ui::engine::Shown;
 use rasterscope::ui::panels::bottom;
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
 
 use super::failure::Failure;
+use super::parse::Either;
 use super::scene_args::{View, WARNED};
 use super::screenshot::{Compare, Look, Tab, Theme};
 
@@ -41,6 +43,10 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
+        shown: look.show.map(|show| match show {
+            Either::First(buffer) => Shown::Buffer(buffer),
+            Either::Second(number) => Shown::Intermediate(number),
+        }),
         lab: look.lab.map(|page| (page, look.lab_step)),
     };
     ui::screenshot(&request).map_err(|picture| {

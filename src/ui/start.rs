@@ -8,6 +8,7 @@ use eframe::egui::{self, Vec2, ViewportBuilder};
 use super::app::Workbench;
 use super::command::Command;
 use super::compare::Change;
+use super::engine::Shown;
 use super::headless::Headless;
 use super::lab;
 use super::panels::bottom::Tab;
@@ -65,6 +66,8 @@ pub struct ScreenshotRequest {
     pub compare: Option<Change>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
+    /// What the canvas shows, if not the colours.
+    pub shown: Option<Shown>,
     /// The picked pixel; one near the middle if none is given.
     pub selected: Option<(u32, u32)>,
     /// The page of the lab to show, and how many of its steps, instead of the pipeline.
@@ -157,6 +160,9 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
+    }
+    if let Some(shown) = request.shown {
+        app.session_mut().shown = shown;
     }
     if let Some((page, step)) = request.lab {
         let changes = [lab::Change::Open(true), lab::Change::Page(page), lab::Change::Go(step.unwrap_or(usize::MAX))];

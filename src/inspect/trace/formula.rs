@@ -104,6 +104,8 @@ impl Formula {
     /// In words: names and signs.
     pub fn words(&self) -> String {
         self.text(&|formula| match formula {
+            // A name with a sign in it would be taken for a formula.
+            Self::Given(name, _) if name.contains('/') => format!("({name})"),
             Self::Given(name, _) => name.to_string(),
             _ => String::new(),
         })

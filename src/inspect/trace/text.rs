@@ -40,14 +40,19 @@ fn write_line(line: &TraceLine, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     for flag in &line.flags {
         write!(f, "  ! {}", flag.words())?;
     }
+    if line.numbers.is_empty() && line.exact.is_none() {
+        return writeln!(f, "  ({})", line.formula);
+    }
     writeln!(f)?;
-    if line.numbers.is_empty() {
-        return writeln!(f, "      {}", line.formula);
+    match line.numbers.as_str() {
+        "" => writeln!(f, "      {}", line.formula)?,
+        numbers => writeln!(f, "      {} = {numbers}", line.formula)?,
     }
-    writeln!(f, "      {} = {}", line.formula, line.numbers)?;
-    if let Some(exact) = &line.exact {
-        let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
-        writeln!(f, "      exactly {}{fraction}; off by {}", exact.decimal, line.rounding())?;
+    let Some(exact) = &line.exact else { return Ok(()) };
+    let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
+    match line.rounding_ulp {
+        Some(0.0) => writeln!(f, "      exactly {}{fraction}: nothing is rounded", exact.decimal),
+        Some(_) => writeln!(f, "      exactly {}{fraction}: off by {}", exact.decimal, line.rounding()),
+        None => writeln!(f, "      exactly {}{fraction}: it should be finite", exact.decimal),
     }
-    Ok(())
 }

@@ -29,6 +29,17 @@ pub enum Tab {
     Log,
 }
 
+impl Tab {
+    /// What it needs to be of use, in points.
+    pub fn least_height(self) -> f32 {
+        match self {
+            // Some rows of the table under the current line.
+            Self::Arithmetic => 250.0,
+            _ => 90.0,
+        }
+    }
+}
+
 const TABS: [(Tab, &str, &str); 8] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
