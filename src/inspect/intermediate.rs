@@ -223,10 +223,6 @@ mod tests {
                 }
                 for line in &trace.lines {
                     let Some(captured) = captured.iter().find(|c| Some(c.which) == line.buffer) else { continue };
-                    // Alpha is that of the material, too, and a line of the texture alone.
-                    if line.buffer == Some(Intermediate::Alpha) {
-                        continue;
-                    }
                     let Value::Number(value) = captured.value(&frame, x, y) else { panic!("{id} {line:?}") };
                     assert_eq!(
                         f64::from(value),

@@ -142,6 +142,11 @@ impl<'a> Shader<'a> {
         self.transparency
     }
 
+    /// The opacity of the material alone.
+    pub(crate) fn opacity(&self) -> f32 {
+        self.opacity
+    }
+
     /// What its fragments are made of.
     #[inline]
     pub fn attributes(&self) -> Attributes {

@@ -2,7 +2,7 @@
 
 use super::Number;
 use super::formula::{Formula, given};
-use super::line::{Notable, Scribe, TraceStage};
+use super::line::{Notable, Scribe, TraceLine, TraceStage};
 use super::subject::Subject;
 use crate::inspect::intermediate::Intermediate;
 use crate::math::fixed::snap;
@@ -20,15 +20,21 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     area(subject, scribe);
     for (edge, steps) in subject.steps.iter().enumerate() {
         let name = format!("edge {edge}");
-        match &steps.numbers {
-            EdgeNumbers::Fixed { .. } => fixed(&name, steps, subject, edge, scribe),
+        let line = match &steps.numbers {
+            EdgeNumbers::Fixed { a, b, c, centre, value } => {
+                fixed(&name, (*a, *b, *c), (*centre, *value), (subject, edge), scribe)
+            }
             EdgeNumbers::F32(numbers) => float(&name, numbers, scribe),
             EdgeNumbers::F64(numbers) => float(&name, numbers, scribe),
-            EdgeNumbers::Exact { .. } => exact(&name, &steps.numbers, scribe),
-        }
+            EdgeNumbers::Exact { from, to, centre, sign, value } => {
+                exact(&name, [*from, *to, *centre], (*sign, *value), scribe)
+            }
+        };
         let value = raw_value(&steps.numbers);
         let scaled = subject.sample.edges[edge];
-        if steps.scale != 1.0 {
+        if steps.scale == 1.0 {
+            line.shown_by(EDGE_BUFFERS[edge]);
+        } else {
             let formula = given("edge value", value) * given("scale", steps.scale);
             scribe.compute(format!("{name} · scaled value"), scaled, &formula).shown_by(EDGE_BUFFERS[edge]);
         }
@@ -75,8 +81,14 @@ fn raw_value(numbers: &EdgeNumbers) -> Number {
     }
 }
 
-fn fixed(name: &str, steps: &EdgeSteps, subject: &Subject<'_>, edge: usize, scribe: &mut Scribe) {
-    let EdgeNumbers::Fixed { a, b, c, centre, value } = steps.numbers else { return };
+/// The value in fixed point: A·x + B·y + C.
+fn fixed<'s>(
+    name: &str,
+    (a, b, c): (i64, i64, i64),
+    (centre, value): ([i64; 2], i64),
+    (subject, edge): (&Subject<'_>, usize),
+    scribe: &'s mut Scribe,
+) -> &'s mut TraceLine {
     let corners = subject.triangle.vertices.each_ref().map(|v| [i64::from(v.x), i64::from(v.y)]);
     let (from, to) = (corners[(edge + 1) % 3], corners[(edge + 2) % 3]);
     let ends = |first: (&'static str, i64), second: (&'static str, i64), product: i64| {
@@ -89,10 +101,11 @@ fn fixed(name: &str, steps: &EdgeSteps, subject: &Subject<'_>, edge: usize, scri
     let formula = -(given("A", a) * given("x from", from[0]) + given("B", b) * given("y from", from[1]));
     scribe.compute(format!("{name} · C"), c, &formula);
     let formula = given("A", a) * given("x", centre[0]) + given("B", b) * given("y", centre[1]) + given("C", c);
-    scribe.compute(format!("{name} · value"), value, &formula).shown_by(EDGE_BUFFERS[edge]);
+    scribe.compute(format!("{name} · value"), value, &formula)
 }
 
-fn float<F: Copy + Into<Number>>(name: &str, steps: &FloatSteps<F>, scribe: &mut Scribe) {
+/// The value in floats: the difference of two products.
+fn float<'s, F: Copy + Into<Number>>(name: &str, steps: &FloatSteps<F>, scribe: &'s mut Scribe) -> &'s mut TraceLine {
     for axis in 0..2 {
         let part = ["x", "y"][axis];
         let formula =
@@ -112,16 +125,21 @@ fn float<F: Copy + Into<Number>>(name: &str, steps: &FloatSteps<F>, scribe: &mut
     }
     let difference = given("product 1", steps.products[0]) - given("product 2", steps.products[1]);
     let formula: Formula = if steps.negated { -difference } else { difference };
-    scribe.compute(format!("{name} · value"), steps.value, &formula);
+    scribe.compute(format!("{name} · value"), steps.value, &formula)
 }
 
-fn exact(name: &str, numbers: &EdgeNumbers, scribe: &mut Scribe) {
-    let EdgeNumbers::Exact { from, to, centre, sign, value } = *numbers else { return };
+/// The value by the exact predicate.
+fn exact<'s>(
+    name: &str,
+    [from, to, centre]: [[f64; 2]; 3],
+    (sign, value): (f64, f64),
+    scribe: &'s mut Scribe,
+) -> &'s mut TraceLine {
     let along = |axis: usize| given(["x to", "y to"][axis], to[axis]) - given(["x from", "y from"][axis], from[axis]);
     let beyond = |axis: usize| given(["x", "y"][axis], centre[axis]) - given(["x from", "y from"][axis], from[axis]);
     let cross = along(0) * beyond(1) - beyond(0) * along(1);
     let formula = if sign < 0.0 { -cross } else { cross };
-    scribe.compute(format!("{name} · value"), value, &formula);
+    scribe.compute(format!("{name} · value"), value, &formula)
 }
 
 /// Inside, outside, or on the line and owned or not.

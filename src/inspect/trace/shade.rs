@@ -90,7 +90,20 @@ pub(super) fn lambert_formula(normal: [f32; 3], direction: [f32; 3], ambient: f3
 
 /// How much the fragment covers, and whether it is there at all.
 fn opacity(subject: &Subject<'_>, alpha: f32, scribe: &mut Scribe) {
-    scribe.read("alpha", "opacity of the material × alpha of the texture", alpha);
+    let own = given("opacity", subject.shader.opacity());
+    let formula = match subject.shader.texture_for(&subject.fragment) {
+        Some(texture) => {
+            let (levels, count) = texture.levels(&subject.fragment);
+            let term = |(level, share): (usize, f32)| {
+                let alpha = subject.shader.sampler().alpha(texture.level(level), subject.fragment.uv);
+                let alpha = given("texture alpha", alpha);
+                if count > 1 { alpha * given("share", share) } else { alpha }
+            };
+            own * sum(levels[..count].iter().copied().map(term))
+        }
+        None => own,
+    };
+    scribe.compute("alpha", alpha, &formula).shown_by(Intermediate::Alpha);
     if subject.record.transparency == Transparency::CutOut {
         let words = format!("alpha < {CUT_OUT_BELOW}: cut out");
         let line = scribe.decide("cut-out", words, if alpha < CUT_OUT_BELOW { "not there" } else { "there" });

@@ -5,7 +5,6 @@ use super::formula::{Formula, Function, fraction, given, sum, whole};
 use super::line::{Notable, Scribe, TraceStage};
 use super::subject::Subject;
 use crate::image::{Image, Rgba8};
-use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::sample::TexelTap;
 use crate::pipeline::settings::{Address, Choice as _, ColorSpace, Filter};
 
@@ -121,7 +120,7 @@ fn colors(subject: &Subject<'_>, image: &Image<Rgba8>, taps: &[TexelTap], name: 
         let term = |tap: &TexelTap| given("alpha", image.at(tap.x, tap.y)[3]) * given("weight", tap.weight);
         let formula = sum(taps.iter().map(term)) / whole("255", 255);
         let value = sampler.alpha(image, subject.fragment.uv);
-        scribe.compute(format!("{name}texture alpha"), value, &formula).shown_by(Intermediate::Alpha);
+        scribe.compute(format!("{name}texture alpha"), value, &formula);
     }
     if sampler.filter != Filter::Point {
         let words = format!("{} texels, weighted: {}", taps.len(), sampler.filter.name());
