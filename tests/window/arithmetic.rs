@@ -38,6 +38,19 @@ fn keys_step_through_the_lines_and_open_the_tab() {
 }
 
 #[test]
+fn the_inspector_leads_to_the_arithmetic_of_a_fragment() {
+    let mut bench = Bench::small("interpenetrating");
+    bench.click("Write out its arithmetic");
+    bench.rest();
+    let shown = bench.view().report.as_ref().and_then(|report| {
+        let visible = report.visible()?;
+        report.fragments.iter().position(|fragment| std::ptr::eq(fragment, visible))
+    });
+    assert_eq!(trace(&bench).fragment, shown);
+    assert!(bench.mentions("Model: "), "the tab is open");
+}
+
+#[test]
 fn another_pixel_is_traced_when_it_is_picked() {
     let mut bench = Bench::small("interpenetrating");
     bench.click("Arithmetic");

@@ -60,7 +60,7 @@ impl TraceView {
         self.changed.get(line).copied().unwrap_or(false)
     }
 
-    /// Applies a change. Returns it if it moved through the table, which is then worth being seen.
+    /// Applies a change. Returns it if it moved through the table or chose a fragment: the table is then worth being seen.
     pub fn apply(&mut self, change: Change, view: Option<&View>) -> Option<Change> {
         if self.trace(view).is_none() {
             self.renew(view);
@@ -76,7 +76,7 @@ impl TraceView {
             Change::Fragment(fragment) => {
                 self.fragment = Some(*fragment);
                 self.renew(view);
-                return None;
+                return Some(change);
             }
             Change::Line(line) => {
                 self.line = (*line).min(trace.lines.len().saturating_sub(1));

@@ -1,6 +1,7 @@
 //! The tab: buttons beside the tabs, the current line in full, and the table of all lines.
 
-use eframe::egui::{self, RichText, ScrollArea, TextEdit, Ui};
+use eframe::egui::style::ScrollAnimation;
+use eframe::egui::{self, Align, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 
 use super::table::{Columns, headings, table_row};
 use super::{Change, TraceView};
@@ -85,12 +86,14 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let listed = listed(trace, &session.trace.filter);
     let columns = Columns::of(ui.available_width());
     headings(ui, &columns);
-    let mut area = ScrollArea::vertical().auto_shrink(false).id_salt("trace");
-    if let Some(offset) = offset_after_step(ui, &session.trace, &listed) {
-        area = area.vertical_scroll_offset(offset);
-    }
+    let stepped_to = row_after_step(ui, &session.trace, &listed);
     ui.spacing_mut().item_spacing.y = 0.0;
-    area.show_rows(ui, ROW, listed.len(), |ui, rows| {
+    ScrollArea::vertical().auto_shrink(false).id_salt("trace").show_rows(ui, ROW, listed.len(), |ui, rows| {
+        if let Some(row) = stepped_to {
+            let below = (row as f32 - rows.start as f32) * ROW;
+            let place = Rect::from_min_size(ui.max_rect().min + vec2(0.0, below), vec2(1.0, ROW));
+            ui.scroll_to_rect_animation(place, Some(Align::Center), ScrollAnimation::none());
+        }
         for row in rows {
             let place = listed[row];
             table_row(ui, (trace, place), &session.trace, &columns, session.shown, commands);
@@ -112,13 +115,12 @@ fn listed(trace: &Trace, filter: &str) -> Vec<usize> {
     (0..trace.lines.len()).filter(|place| is_listed(&trace.lines[*place])).collect()
 }
 
-/// Where the table has to be scrolled to after a step, so that the current line is in its middle.
-fn offset_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<f32> {
+/// The row of the current line, if it became that by a step since the table was drawn last: it is brought into the middle.
+fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize> {
     let id = egui::Id::unique("steps of the trace");
     let seen: u64 = ui.data(|data| data.get_temp(id)).unwrap_or(0);
     ui.data_mut(|data| data.insert_temp(id, table.steps));
-    let row = listed.iter().position(|place| *place == table.line).filter(|_| seen != table.steps)?;
-    Some((row as f32 * ROW - (ui.available_height() - ROW) / 2.0).max(0.0))
+    listed.iter().position(|place| *place == table.line).filter(|_| seen != table.steps)
 }
 
 /// The current line in full: its formula, the numbers put in, and what it should be.
