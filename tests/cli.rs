@@ -284,6 +284,37 @@ fn the_story_of_a_pixel_is_told_in_words() {
 }
 
 #[test]
+fn the_trace_of_a_pixel_ends_in_its_colour_in_words_and_as_json() {
+    let folder = folder();
+    let options = ["interpenetrating", "--size", "64x48"];
+    assert_success(&run(&folder, &[&["render", "-o", "out.png"], &options[..]].concat()));
+    let [r, g, b, _] = picture(&folder, "out.png").at(32, 24);
+    let traced = |more: &[&str]| run(&folder, &[&["pixel", "--at", "32,24", "--trace"], more, &options[..]].concat());
+    let output = traced(&[]);
+    assert_success(&output);
+    let text = stdout(&output);
+    assert!(text.starts_with("arithmetic of pixel 32, 24: fragment "), "{text}");
+    for part in
+        ["Model: ", "Transform: ", "Coverage: ", "edge 2 · decision = inside", "λ0 on the screen", "depth test = "]
+    {
+        assert!(text.contains(part), "no `{part}` in:\n{text}");
+    }
+    let last = text.lines().rev().take(3).map(str::trim).collect::<Vec<_>>();
+    for (line, (channel, code)) in last.iter().rev().zip([("red", r), ("green", g), ("blue", b)]) {
+        assert!(line.starts_with(&format!("pixel {channel} = {code} [u8 0x{code:02X}]")), "{line}");
+    }
+    let output = traced(&["--json", "--fragment", "1"]);
+    assert_success(&output);
+    let trace: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&trace["fragment"], &trace["pixel"]), (&serde_json::json!(0), &serde_json::json!([32, 24])));
+    let lines = trace["lines"].as_array().unwrap();
+    let weight = lines.iter().find(|line| line["what"] == "weight 1").unwrap();
+    assert!(weight["rounding_ulp"].as_f64().is_some_and(|ulps| ulps.abs() <= 0.5), "{weight}");
+    assert_eq!((&weight["kind"], &weight["buffer"]), (&serde_json::json!("f32"), &serde_json::json!("weight-1")));
+    assert_failure(&traced(&["--fragment", "9"]), 2, "--fragment 9");
+}
+
+#[test]
 fn the_plan_tells_what_draws_leave_out_and_why_the_same_in_words_and_as_json() {
     let folder = folder();
     let camera = r#"{"eye": [0, 0, 40], "target": [0, 0, 0], "fov_y_degrees": 60, "near": 0.1, "far": 100}"#;
