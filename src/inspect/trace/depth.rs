@@ -11,7 +11,7 @@ use crate::pipeline::depth::{Comparison, depth_at, unquantised_depth_at};
 pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     scribe.enter(TraceStage::Depth);
     if subject.record.stored_depth.is_none() {
-        scribe.decide("depth test", "off: what is drawn last is seen", "passes").flag(Notable::DepthEqual, false);
+        scribe.decide("depth test", "off: what is drawn last is seen", "passes");
         return;
     }
     let (triangle, sample) = (subject.triangle, &subject.sample);

@@ -7,9 +7,10 @@ use super::shade::encoded;
 use crate::chain::{Frame, Recipe};
 use crate::image::Rgba8;
 use crate::image::color::decode_byte;
-use crate::inspect::feeds::Mixture;
+use crate::inspect::feeds::{Mixture, Source};
 use crate::inspect::pixel::PixelReport;
 use crate::pipeline::settings::{Choice as _, ColorSpace};
+use crate::upscale::Light;
 
 /// Writes what came after shading.
 pub(super) fn write(recipe: &Recipe, frame: &Frame, report: &PixelReport, scribe: &mut Scribe) {
@@ -79,13 +80,11 @@ fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut Scribe) 
             scribe.read(format!("sample {name}"), words.clone(), source.color[channel]);
         }
     }
-    let is_codes = recipe.upscaler.light() == crate::upscale::Light::Bytes;
+    let is_codes = recipe.upscaler.light() == Light::Bytes;
     for (channel, name) in CHANNELS.into_iter().enumerate() {
         let what = format!("weighted sum {name}");
         if is_codes {
-            let term = |source: &crate::inspect::feeds::Source| {
-                given("weight", source.tap.weight) * given("code", source.color[channel])
-            };
+            let term = |source: &Source| given("weight", source.tap.weight) * given("code", source.color[channel]);
             scribe.aside(what, mixture.sum[channel], &sum(mixture.sources.iter().map(term)));
         } else {
             scribe.read(what, "of light, encoded again", mixture.sum[channel]);

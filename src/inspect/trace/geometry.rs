@@ -106,18 +106,18 @@ fn asides(subject: &Subject<'_>, scribe: &mut Scribe) {
     let (model, view) = (subject.instance.world_from_model.as_dmat4(), subject.camera.view_from_world_f64());
     for (corner, vertex) in subject.corners.into_iter().enumerate() {
         let position = subject.mesh.positions[vertex].as_dvec3().extend(1.0);
-        let world = transformed(("world", &model), (&format!("corner {corner}"), position), scribe);
-        transformed(("view", &view), (&format!("corner {corner} · world"), world), scribe);
+        let world = transformed(&model, position, &format!("corner {corner} · world"), scribe);
+        transformed(&view, world, &format!("corner {corner} · view"), scribe);
     }
 }
 
-fn transformed((space, matrix): (&str, &DMat4), (name, position): (&str, DVec4), scribe: &mut Scribe) -> DVec4 {
-    let result = *matrix * position;
-    let corner = name.split(" · ").next().unwrap_or(name);
+/// A point moved by a matrix, and the lines that say so.
+fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut Scribe) -> DVec4 {
+    let result = *matrix * point;
     for row in 0..3 {
         let formula =
-            product_of(|column| matrix.col(column)[row].into(), position.truncate().to_array().map(Into::into), row);
-        scribe.aside(format!("{corner} · {space} {}", AXES[row]), result[row], &formula);
+            product_of(|column| matrix.col(column)[row].into(), point.truncate().to_array().map(Into::into), row);
+        scribe.aside(format!("{what} {}", AXES[row]), result[row], &formula);
     }
     result
 }

@@ -49,9 +49,9 @@ impl<'a> Subject<'a> {
         let mesh = scene.library.mesh(instance.mesh);
         let first = scene.first_triangles().get(index)?.0;
         let corners = mesh.triangles.get((triangle.id.0 - first) as usize)?.map(|vertex| vertex as usize);
-        let pixel = pixel_of(frame, report)?;
+        let pixel = report.drawn_at.into();
         let edges = AnyTriangle::new(settings.arithmetic, triangle.corners_px(), settings.fill_rule)?;
-        let (column, row) = frame.drawn.grid.sample_at(pixel.0, pixel.1)?;
+        let (column, row) = frame.drawn.grid.sample_at(report.drawn_at[0], report.drawn_at[1])?;
         let sample = Sample { column, row, ..edges.sample(pixel) };
         let shader = Shader::new(settings, &scene.library, instance, plan);
         Some(Self {
@@ -87,10 +87,4 @@ impl<'a> Subject<'a> {
     pub(super) fn runs(&self, part: Part) -> bool {
         self.plan.runs(part)
     }
-}
-
-/// The pixel whose fragments a report tells, in the picture that was drawn.
-fn pixel_of(frame: &Frame, report: &PixelReport) -> Option<(u32, u32)> {
-    let pixel = report.drawn_at.into();
-    frame.drawn.grid.sample_at(report.drawn_at[0], report.drawn_at[1]).map(|_| pixel)
 }

@@ -9,14 +9,15 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::engine::View;
+use crate::chain::Frame;
 use crate::inspect::trace::{Direction, Notable, Trace, TraceStage};
 use crate::inspect::{PixelReport, trace};
 
 /// What the table shows, and where in it one is.
 #[derive(Debug, Default)]
 pub struct TraceView {
-    /// The trace, and the report that it is of.
-    made: Option<(Arc<PixelReport>, Arc<Trace>)>,
+    /// The trace, and what it is of.
+    made: Option<Made>,
     /// Lines of the present trace whose value is not that of the trace before: of another pixel, recipe or view.
     changed: Vec<bool>,
     /// The chosen fragment; the one that the pixel shows if none is chosen.
@@ -27,6 +28,22 @@ pub struct TraceView {
     pub filter: String,
     /// Counts the steps, so that the table can follow them.
     pub steps: u64,
+}
+
+/// A trace and what it was made of.
+#[derive(Debug)]
+struct Made {
+    frame: Arc<Frame>,
+    report: Arc<PixelReport>,
+    trace: Arc<Trace>,
+}
+
+impl Made {
+    /// Whether it is of the pixel that the view tells about. Another buffer of the same frame changes nothing.
+    fn is_of(&self, view: &View) -> bool {
+        let same = |report: &Arc<PixelReport>| Arc::ptr_eq(report, &self.report) || **report == *self.report;
+        Arc::ptr_eq(&self.frame, &view.frame) && view.report.as_ref().is_some_and(same)
+    }
 }
 
 /// A change of what the table shows.
@@ -51,8 +68,13 @@ pub enum Change {
 impl TraceView {
     /// The trace, if it is that of the pixel that the view tells about.
     pub fn trace(&self, view: Option<&View>) -> Option<&Arc<Trace>> {
-        let report = view?.report.as_ref()?;
-        self.made.as_ref().filter(|(of, _)| Arc::ptr_eq(of, report)).map(|(_, trace)| trace)
+        let view = view?;
+        self.made.as_ref().filter(|made| made.is_of(view)).map(|made| &made.trace)
+    }
+
+    /// The last trace, whatever it is of: it stays on screen until the next one is there.
+    pub fn latest(&self) -> Option<&Arc<Trace>> {
+        self.made.as_ref().map(|made| &made.trace)
     }
 
     /// Whether the value of a line is not that of the trace before: what changed from pixel to pixel, or with a setting.
@@ -97,16 +119,16 @@ impl TraceView {
     fn renew(&mut self, view: Option<&View>) {
         let Some((view, report)) = view.and_then(|view| Some((view, view.report.as_ref()?))) else { return };
         let last = self.made.take();
-        let same_pixel = last.as_ref().is_some_and(|(of, _)| (of.x, of.y) == (report.x, report.y));
+        let same_pixel = last.as_ref().is_some_and(|last| (last.report.x, last.report.y) == (report.x, report.y));
         if !same_pixel {
             self.fragment = None;
         }
         let trace = Trace::of(&view.request.scene, &view.request.recipe, &view.frame, report, self.fragment);
-        if let Some((_, last)) = &last {
-            self.changed = changes(last, &trace);
-            self.line = counterpart(last, self.line, &trace);
+        if let Some(last) = &last {
+            self.changed = changes(&last.trace, &trace);
+            self.line = counterpart(&last.trace, self.line, &trace);
         }
-        self.made = Some((report.clone(), Arc::new(trace)));
+        self.made = Some(Made { frame: view.frame.clone(), report: report.clone(), trace: Arc::new(trace) });
     }
 }
 
@@ -184,6 +206,31 @@ mod tests {
         assert_eq!(trace.lines[table.line].what, "λ1 on the screen");
         assert!(table.is_changed(table.line), "a weight differs from pixel to pixel");
         assert!(!table.is_changed(0), "and the corner of the mesh does not");
+    }
+
+    #[test]
+    fn another_buffer_of_the_same_frame_keeps_the_trace() {
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let mut engine = Engine::default();
+        let mut request = Request {
+            camera: scene.home,
+            scene,
+            recipe: Recipe::default(),
+            viewport: Viewport { width: 40, height: 30 },
+            shown: Shown::Buffer(crate::inspect::Buffer::Color),
+            triangle_limit: None,
+            pick: Some((20, 14)),
+        };
+        let mut table = TraceView::default();
+        let first = engine.answer(request.clone());
+        table.apply(Change::Renew, Some(&first));
+        request.shown = Shown::Intermediate(crate::inspect::Intermediate::Lambda0);
+        let second = engine.answer(request.clone());
+        assert!(table.trace(Some(&second)).is_some());
+        assert!(second.captured.is_some() && second.range.is_some());
+        request.recipe.pipeline.light.ambient = 0.9;
+        let third = engine.answer(request);
+        assert!(table.trace(Some(&third)).is_none(), "it is another frame");
     }
 
     #[test]

@@ -17,7 +17,7 @@ pub(super) const ROW: f32 = 19.0;
 
 /// Draws the buttons beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Some(trace) = session.trace.trace(session.view.as_ref()) else { return };
+    let Some(trace) = session.trace.latest().filter(|_| is_picked(session)) else { return };
     let mut push = |change| commands.push(Command::Trace(change));
     for (icon, name, change) in [
         (Icon::ChevronFirst, "The stage before  (Shift+F11)", Change::Stage(Direction::Back)),
@@ -71,17 +71,16 @@ fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(Change)) {
 
 /// Draws the table.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let is_picked = session.view.as_ref().is_some_and(|view| view.report.is_some());
-    let Some(trace) = session.trace.trace(session.view.as_ref()) else {
-        if is_picked {
-            commands.push(Command::Trace(Change::Renew));
-            ui.request_repaint();
-        } else {
-            let how = "Click a pixel of the picture: here stands every step of its arithmetic, with what it rounded.";
-            empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
-        }
+    if !is_picked(session) {
+        let how = "Click a pixel of the picture: here stands every step of its arithmetic, with what it rounded.";
+        empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
         return;
-    };
+    }
+    if session.trace.trace(session.view.as_ref()).is_none() {
+        commands.push(Command::Trace(Change::Renew));
+        ui.request_repaint();
+    }
+    let Some(trace) = session.trace.latest() else { return };
     current_line(ui, trace, &session.trace);
     let listed = listed(trace, &session.trace.filter);
     let columns = Columns::of(ui.available_width());
@@ -99,6 +98,10 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             table_row(ui, (trace, place), &session.trace, &columns, session.shown, commands);
         }
     });
+}
+
+fn is_picked(session: &Session) -> bool {
+    session.view.as_ref().is_some_and(|view| view.report.is_some())
 }
 
 /// The lines that are listed.
