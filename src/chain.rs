@@ -388,14 +388,37 @@ impl Frame {
         &self.drawn.depth_scale
     }
 
-    /// Draws the list of triangles once more, after it was changed, with one sample for each pixel.
-    pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
-        self.drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
-        self.antialias = Antialiasing::default();
-        let triangles = || self.outlines.as_ref().unwrap_or_else(|| &self.geometry.triangles);
-        let drawn = self.as_drawn(&self.drawn.color);
-        let Finished { picture, unfiltered } = finish(recipe, &drawn, self.viewport, triangles);
-        (self.finished, self.unfiltered) = (picture, unfiltered);
+    /// The frame as it was at an earlier moment: `drawn` is what was drawn by then, with one sample for each pixel, and
+    /// `geometry` makes the list of triangles that were drawn, when it is first asked for.
+    pub fn at_moment(
+        &self,
+        recipe: &Recipe,
+        drawn: Framebuffer,
+        geometry: impl Fn() -> Geometry + Send + Sync + 'static,
+    ) -> Self {
+        let geometry = LazyGeometry { made: OnceLock::new(), make: Arc::new(geometry) };
+        let Finished { picture, unfiltered } = {
+            let triangles = || self.outlines.as_ref().unwrap_or_else(|| &geometry.triangles);
+            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, triangles)
+        };
+        Self {
+            finished: picture,
+            unfiltered,
+            drawn,
+            antialias: Antialiasing::default(),
+            camera: self.camera,
+            surfaces: self.surfaces.clone(),
+            past: self.past.clone(),
+            geometry,
+            plans: self.plans.clone(),
+            viewport: self.viewport,
+            raster: self.raster,
+            sampling: self.sampling,
+            outlines: self.outlines.clone(),
+            execution: Execution::Classic,
+            times: self.times,
+            tiled: None,
+        }
     }
 }
 
@@ -825,6 +848,14 @@ pub fn redraw<O: Observer>(
 ) -> Framebuffer {
     let area = (frame.sampling.grid(), frame.raster);
     draw_pixels(scene, recipe, &frame.geometry, area, until, observer)
+}
+
+/// The geometry stages of a frame once more, watched: all triangles, even if the frame's own list was cut short. `recipe`
+/// may differ from the frame's own in anything but the upscaler.
+pub fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
+    let (_, place) = sampling_after(frame.past.as_deref(), recipe);
+    let seen_by = camera_of(&frame.camera, frame.sampling, frame.viewport, place);
+    prepare(scene, &seen_by, &recipe.pipeline, frame.raster, observer)
 }
 
 fn draw_pixels<O: Observer>(

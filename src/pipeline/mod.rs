@@ -29,6 +29,8 @@ pub mod multisample;
 
 pub mod observe;
 
+pub mod partial;
+
 pub mod plan;
 
 pub mod raster;
@@ -71,6 +73,8 @@ pub struct Geometry {
     /// Triangles to rasterize, in the order in which they are drawn: as they were submitted, but for those that are
     /// blended, which come last, from far to near.
     pub triangles: Vec<ScreenTriangle>,
+    /// Of the last triangle only these samples are drawn; all of them if none.
+    pub partial: Option<Vec<Span>>,
     /// What depths of the triangles mean.
     pub depth_scale: DepthScale,
     /// One plan per instance.
@@ -353,7 +357,7 @@ fn draw_in<N: Numbers, O: Observer>(
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
     let mut spans: Vec<Span> = Vec::new();
-    for triangle in &geometry.triangles[extent.triangles.clone()] {
+    for (place, triangle) in extent.triangles.clone().zip(&geometry.triangles[extent.triangles.clone()]) {
         let shader = &shaders[triangle.instance as usize];
         let corners_px = triangle.corners_px();
         if !extent.scissor.may_meet(corners_px) {
@@ -362,8 +366,30 @@ fn draw_in<N: Numbers, O: Observer>(
         let Some(edges) = Triangle::<N>::new(corners_px, settings.fill_rule) else { continue };
         spans.clear();
         let area = (frame.grid, extent.scissor);
-        let visited = cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans);
+        let visited = match &geometry.partial {
+            Some(samples) if place + 1 == geometry.triangles.len() => partial::within(samples, area, &mut spans),
+            _ => cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans),
+        };
         samples::draw((triangle, &edges), &spans, shader, (comparison, until), frame, observer);
         observer.visited(visited);
     }
+}
+
+/// Draws some samples of the triangle at a place of the list, as [`draw`] draws all of them.
+pub fn draw_samples(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    (place, samples): (usize, &[Span]),
+    frame: &mut Framebuffer,
+) {
+    let triangle = &geometry.triangles[place];
+    let instance = triangle.instance as usize;
+    let shader = Shader::new(settings, &scene.library, &scene.instances[instance], &geometry.plans[instance]);
+    with_arithmetic!(settings.arithmetic, N => {
+        if let Some(edges) = Triangle::<N>::new(triangle.corners_px(), settings.fill_rule) {
+            let how = (Comparison::of(settings), Until::Shade);
+            samples::draw((triangle, &edges), samples, &shader, how, frame, &mut ());
+        }
+    });
 }
