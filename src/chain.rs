@@ -23,6 +23,7 @@ use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Settings, Shading};
 use crate::pipeline::tiled::{self, TiledReport};
+use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare, wireframe};
 use crate::scene::{Camera, Scene};
@@ -292,7 +293,7 @@ pub struct Frame {
     /// What of the full picture was drawn.
     pub sampling: Sampling,
     /// The triangles of the full picture, where lines over it need them and `geometry` is of a smaller one.
-    outlines: Option<Vec<ScreenTriangle>>,
+    outlines: Option<TriangleList>,
     /// How it was drawn.
     pub execution: Execution,
     /// Where the time went.
@@ -389,16 +390,10 @@ impl Frame {
     }
 
     /// The frame as it was at an earlier moment: `drawn` is what was drawn by then, with one sample for each pixel, and
-    /// `geometry` makes the list of triangles that were drawn, when it is first asked for.
-    pub fn at_moment(
-        &self,
-        recipe: &Recipe,
-        drawn: Framebuffer,
-        geometry: impl Fn() -> Geometry + Send + Sync + 'static,
-    ) -> Self {
-        let geometry = LazyGeometry { made: OnceLock::new(), make: Arc::new(geometry) };
+    /// `geometry` has the triangles that were drawn.
+    pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered } = {
-            let triangles = || self.outlines.as_ref().unwrap_or_else(|| &geometry.triangles);
+            let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
             finish(recipe, &self.as_drawn(&drawn.color), self.viewport, triangles)
         };
         Self {
@@ -409,7 +404,7 @@ impl Frame {
             camera: self.camera,
             surfaces: self.surfaces.clone(),
             past: self.past.clone(),
-            geometry,
+            geometry: LazyGeometry::made(geometry),
             plans: self.plans.clone(),
             viewport: self.viewport,
             raster: self.raster,
@@ -794,7 +789,7 @@ fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f6
 }
 
 /// The triangles of the full picture, where lines over it need them and what is drawn is a smaller one.
-fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<Vec<ScreenTriangle>> {
+fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<TriangleList> {
     let drawn_smaller = matches!(recipe.upscaler.sampling(), Sampling::Lattice(_));
     (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)
 }
@@ -821,7 +816,7 @@ fn finish<'a>(
     recipe: &Recipe,
     drawn: &Drawn<'_>,
     viewport: Viewport,
-    triangles: impl Fn() -> &'a Vec<ScreenTriangle>,
+    triangles: impl Fn() -> &'a TriangleList,
 ) -> Finished {
     let Viewport { width, height } = viewport;
     let upscaled = (!recipe.upscaler.is_native()).then(|| recipe.upscaler.upscale(drawn, width, height));

@@ -39,7 +39,7 @@ pub(crate) fn measure(view: &View, viewport: Viewport, count: usize) -> ScrubRep
     let mut show = |moment: Moment| {
         let begun = Instant::now();
         let drawn = scrubber.go(moment);
-        let shown = frame.at_moment(recipe, drawn, scrubber.geometry_later(moment));
+        let shown = frame.at_moment(recipe, drawn, scrubber.geometry_at(moment));
         let picture = Arc::new(shown.image().clone());
         (begun.elapsed(), picture, scrubber.memory())
     };

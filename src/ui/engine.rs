@@ -156,9 +156,9 @@ impl Engine {
     }
 
     /// The moments around the one that is asked for, if anybody looks at them.
-    fn timeline(&self, request: &Request, frame: &Frame, report: Option<&PixelReport>) -> Option<Timeline> {
+    fn timeline(&mut self, request: &Request, frame: &Frame, report: Option<&PixelReport>) -> Option<Timeline> {
         let pixel = report.map(|report| report.drawn_at.into());
-        match (request.moment(), &self.reel) {
+        match (request.moment(), &mut self.reel) {
             (Some(moment), Some(reel)) => Some(reel.timeline(moment, pixel)),
             _ => pixel.map(|pixel| timeline_of(request, frame, Some(pixel))),
         }

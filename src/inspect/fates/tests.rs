@@ -185,7 +185,8 @@ fn what_does_not_add_up_is_told() {
     let mut tally = Tally::new(&scene, &recipe, &geometry, (SIZE.width, SIZE.height));
     assert!(Account::of(&geometry, &rejections, &tally).is_balanced());
     tally.generated = 1;
-    let lost = geometry.triangles.pop().unwrap().id;
+    let lost = geometry.triangles.last().unwrap().id;
+    geometry.triangles.truncate(geometry.triangles.len() - 1);
     let again = geometry.triangles[0].id;
     rejections.fates[again.0 as usize] = Some(TriangleFate::Outside);
     let account = Account::of(&geometry, &rejections, &tally);

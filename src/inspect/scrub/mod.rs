@@ -56,7 +56,7 @@ pub struct Scrubber {
     scene: Arc<Scene>,
     recipe: Recipe,
     /// All triangles.
-    geometry: Arc<Geometry>,
+    geometry: Geometry,
     grid: SampleGrid,
     raster: Viewport,
     checkpoints: Checkpoints,
@@ -77,7 +77,7 @@ impl Scrubber {
             checkpoints: Checkpoints::new(&geometry, raster, &now, budget),
             scene: Arc::clone(scene),
             recipe: *recipe,
-            geometry: Arc::new(geometry),
+            geometry,
             grid,
             raster,
             now,
@@ -86,7 +86,7 @@ impl Scrubber {
     }
 
     /// All triangles of the frame, in the order in which they are drawn.
-    pub fn geometry(&self) -> &Arc<Geometry> {
+    pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
@@ -105,16 +105,11 @@ impl Scrubber {
         drawn
     }
 
-    /// The triangles that are drawn at a moment, the last of them in part if need be.
+    /// The triangles that are drawn at a moment, the last of them in part if need be. They share the memory of all.
     pub fn geometry_at(&self, moment: Moment) -> Geometry {
-        let (all, partial) = (&*self.geometry, self.first_samples(moment));
-        first_triangles(all, moment.triangles, partial)
-    }
-
-    /// The same, made when it is asked for.
-    pub fn geometry_later(&self, moment: Moment) -> impl Fn() -> Geometry + Send + Sync + use<> {
-        let (all, partial) = (Arc::clone(&self.geometry), self.first_samples(moment));
-        move || first_triangles(&all, moment.triangles, partial.clone())
+        let mut first = Geometry { partial: self.first_samples(moment), ..self.geometry.clone() };
+        first.triangles.truncate(moment.triangles);
+        first
     }
 
     /// How many fragments a rasterized triangle has; none beyond the last.
@@ -153,20 +148,6 @@ impl Scrubber {
             self.at = end;
             self.checkpoints.keep(end, &self.now);
         }
-    }
-}
-
-fn first_triangles(all: &Geometry, triangles: usize, partial: Option<Vec<Span>>) -> Geometry {
-    let count = triangles.min(all.triangles.len());
-    Geometry {
-        triangles: all.triangles[..count].to_vec(),
-        partial,
-        depth_scale: all.depth_scale,
-        plans: all.plans.clone(),
-        times: all.times,
-        vertices: all.vertices,
-        triangles_in: all.triangles_in,
-        triangles_clipped: all.triangles_clipped,
     }
 }
 

@@ -101,7 +101,7 @@ fn the_inspector_tells_of_the_frame_at_that_moment() {
         for fragments in [None, Some(0), Some(1), Some(fragments / 2), Some(fragments)] {
             let moment = Moment { triangles, fragments };
             let drawn = scrubber.go(moment);
-            let frame = frame.at_moment(&recipe, drawn, scrubber.geometry_later(moment));
+            let frame = frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment));
             for (x, y) in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
                 let report = inspect(&scene, &recipe, &frame, x, y).unwrap();
                 assert_eq!(report.color, frame.image().at(x, y), "({x}, {y}) {moment:?}");

@@ -116,6 +116,7 @@ impl Timeline {
 
     fn fragment_before(&self, Moment { triangles, fragments }: Moment) -> Moment {
         match fragments.unwrap_or(self.fragments[0]) {
+            _ if triangles == 0 => Moment::after(0),
             0 | 1 => Moment::after(triangles.saturating_sub(1)),
             drawn => Moment { triangles, fragments: Some(drawn - 1) },
         }

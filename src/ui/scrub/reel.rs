@@ -13,8 +13,10 @@ pub struct Reel {
     of: Request,
     whole: Arc<Frame>,
     scrubber: Scrubber,
-    /// Without what concerns a single moment.
+    /// Without fragments, which concern a single moment.
     timeline: Timeline,
+    /// The pixel whose touches the timeline has.
+    touched: Option<(u32, u32)>,
 }
 
 impl Reel {
@@ -32,7 +34,7 @@ impl Reel {
         let whole = whole.unwrap_or_else(|| Arc::new(run(scene, camera, recipe, *viewport, &mut ())));
         let scrubber = Scrubber::new(scene, recipe, &whole, BUDGET);
         let timeline = Timeline::new(scrubber.geometry());
-        Self { of: request.clone(), whole, scrubber, timeline }
+        Self { of: request.clone(), whole, scrubber, timeline, touched: None }
     }
 
     /// Triangles of the whole frame.
@@ -43,19 +45,20 @@ impl Reel {
     /// The frame at a moment.
     pub fn frame(&mut self, moment: Moment) -> Frame {
         let drawn = self.scrubber.go(moment);
-        self.whole.at_moment(&self.of.recipe, drawn, self.scrubber.geometry_later(moment))
+        self.whole.at_moment(&self.of.recipe, drawn, self.scrubber.geometry_at(moment))
     }
 
     /// What lies around a moment, with all touches of a drawn pixel.
-    pub fn timeline(&self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
-        let Self { of, whole, scrubber, timeline } = self;
-        let (geometry, area) = (scrubber.geometry(), (whole.sampling.grid(), whole.raster));
-        let fragments = |place: Option<usize>| place.map_or(0, |place| scrubber.fragments_of(place));
-        Timeline {
-            fragments: [fragments(moment.triangles.checked_sub(1)), fragments(Some(moment.triangles))],
-            touches: pixel.map_or_else(Vec::new, |pixel| touches(&of.scene, &of.recipe, geometry, area, pixel)),
-            ..timeline.clone()
+    pub fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
+        let Self { of, whole, scrubber, timeline, touched } = self;
+        if *touched != pixel {
+            let area = (whole.sampling.grid(), whole.raster);
+            let of_pixel = |pixel| touches(&of.scene, &of.recipe, scrubber.geometry(), area, pixel);
+            (*touched, timeline.touches) = (pixel, pixel.map_or_else(Vec::new, of_pixel));
         }
+        let fragments = |place: Option<usize>| place.map_or(0, |place| scrubber.fragments_of(place));
+        let fragments = [fragments(moment.triangles.checked_sub(1)), fragments(Some(moment.triangles))];
+        Timeline { fragments, ..timeline.clone() }
     }
 }
 

@@ -36,8 +36,8 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     ui.horizontal(|ui| {
         ui.set_height(CONTROL_HEIGHT);
-        let gap = ui.spacing().item_spacing.x;
-        let width = ui.available_width() - gap;
+        ui.spacing_mut().item_spacing.x = space::M;
+        let width = ui.available_width() - space::M;
         triangles(ui, session, known.as_ref(), width * TRIANGLES_SHARE, commands);
         fragments(ui, session, known.as_deref(), width * (1.0 - TRIANGLES_SHARE), commands);
     });
@@ -127,6 +127,12 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
     if room >= ROOM[0] {
         let text = format!("{} / {}", format::count(moment.triangles as u64), format::count(all as u64));
         ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Triangles drawn / rasterized");
+    }
+    if session.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
+        let note = RichText::new("1 sample").color(tokens(ui).text_weak);
+        ui.label(note).on_hover_text(
+            "Before the last triangle each pixel shows the sample at its centre alone, not the mean of several",
+        );
     }
     let instance = known.and_then(|known| known.instance_at(moment)).filter(|_| room >= ROOM[1]);
     if let Some(object) = instance.and_then(|instance| session.scene.instances.get(instance as usize)) {
