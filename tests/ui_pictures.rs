@@ -265,6 +265,8 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             measure: false,
             compare: None,
             tab: None,
+            moment: None,
+            fate: None,
             lab: None,
         };
         assert_eq!(screenshot(&request).map(|image| image.size()), Ok((width, height)));
