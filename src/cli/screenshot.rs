@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::inspect::{Buffer, Intermediate};
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
@@ -62,6 +63,17 @@ pub(crate) struct Look {
     /// What the canvas shows of the frame
     #[arg(long, value_name = "BUFFER", value_parser = parse::either::<Buffer, Intermediate>())]
     pub(crate) show: Option<Either<Buffer, Intermediate>>,
+    /// Draw only the first triangles
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) triangles: Option<usize>,
+
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "FRAGMENTS", requires = "triangles")]
+    pub(crate) fragments: Option<usize>,
+
+    /// Select the triangles that ended so, and open the tab of fates
+    #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
+    pub(crate) fate: Option<TriangleFate>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -83,6 +95,9 @@ impl Default for Look {
             compare: None,
             tab: None,
             show: None,
+            triangles: None,
+            fragments: None,
+            fate: None,
             lab: None,
             lab_step: None,
         }
@@ -126,6 +141,8 @@ pub(crate) enum Tab {
     Arithmetic,
     /// What the picked pixel is made of
     Xray,
+    /// Where triangles and fragments went
+    Fates,
     /// What the scene needs and what is left out
     Plan,
     /// How cost grows

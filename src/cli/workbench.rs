@@ -7,6 +7,7 @@
 use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::panels::bottom;
@@ -47,6 +48,8 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
             Either::First(buffer) => Shown::Buffer(buffer),
             Either::Second(number) => Shown::Intermediate(number),
         }),
+        moment: look.triangles.map(|triangles| Moment { triangles, fragments: look.fragments }),
+        fate: look.fate,
         lab: look.lab.map(|page| (page, look.lab_step)),
     };
     ui::screenshot(&request).map_err(|picture| {
@@ -72,6 +75,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Arithmetic => bottom::Tab::Arithmetic,
         Tab::Xray => bottom::Tab::Xray,
+        Tab::Fates => bottom::Tab::Fates,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,

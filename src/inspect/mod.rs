@@ -8,6 +8,8 @@ pub mod buffers;
 
 pub mod depth;
 
+pub mod fates;
+
 pub mod feeds;
 
 pub mod hits;
@@ -17,6 +19,10 @@ pub mod intermediate;
 pub mod outline;
 
 pub mod pixel;
+
+pub mod scrub;
+
+pub mod selection;
 
 pub mod stages;
 
@@ -28,8 +34,10 @@ pub mod view;
 
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
+pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use intermediate::Intermediate;
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use selection::TriangleSelection;
 pub use stages::Stage;
 pub use trace::Trace;

@@ -4,6 +4,7 @@ use eframe::egui::{ScrollArea, Ui};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
+use crate::ui::fates::tab as fates;
 use crate::ui::session::Session;
 use crate::ui::trace::panel as trace;
 
@@ -19,6 +20,8 @@ pub enum Tab {
     Arithmetic,
     /// What a pixel of the picture is made of.
     Xray,
+    /// Where triangles and fragments went.
+    Fates,
     /// What the scene needs and what is left out.
     Plan,
     /// How cost grows.
@@ -40,7 +43,7 @@ impl Tab {
     }
 }
 
-const TABS: [(Tab, &str, &str); 8] = [
+const TABS: [(Tab, &str, &str); 9] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -53,6 +56,7 @@ const TABS: [(Tab, &str, &str); 8] = [
         "X-ray",
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
+    (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
     (
@@ -94,6 +98,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Fates => {
+                ui.separator();
+                fates::controls(ui, session);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -103,6 +111,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Arithmetic => trace::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
+        Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Plan => {

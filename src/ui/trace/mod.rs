@@ -181,6 +181,7 @@ mod tests {
             viewport: Viewport { width: 40, height: 30 },
             shown: Shown::Buffer(crate::inspect::Buffer::Color),
             triangle_limit: None,
+            fragment_limit: None,
             pick: Some(pick),
         };
         pixels.iter().map(|pixel| engine.answer(request(*pixel))).collect()
@@ -219,6 +220,7 @@ mod tests {
             viewport: Viewport { width: 40, height: 30 },
             shown: Shown::Buffer(crate::inspect::Buffer::Color),
             triangle_limit: None,
+            fragment_limit: None,
             pick: Some((20, 14)),
         };
         let mut table = TraceView::default();
