@@ -10,11 +10,17 @@ pub mod depth;
 
 pub mod feeds;
 
+pub mod fields;
+
+pub mod find;
+
 pub mod hits;
 
 pub mod outline;
 
 pub mod pixel;
+
+pub mod place;
 
 pub mod stages;
 
@@ -22,8 +28,13 @@ mod verdict;
 
 pub mod view;
 
+pub mod watch;
+
+pub mod what_if;
+
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use place::Place;
 pub use stages::Stage;

@@ -15,7 +15,10 @@ use super::engine::{Request, Shown, StageFigures, View};
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
+use super::place::{Bookmark, Places};
 use super::timings::Timings;
+use super::watch::Watch;
+use super::what_if::WhatIf;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
@@ -139,6 +142,10 @@ pub struct Preferences {
     pub light_theme: bool,
     /// Interface scale; 0 means 1.
     pub scale: f32,
+    /// Places that were kept.
+    pub bookmarks: Vec<Bookmark>,
+    /// Pixels that are watched.
+    pub watched: Vec<(u32, u32)>,
 }
 
 /// The state of the window.
@@ -184,6 +191,12 @@ pub struct Session {
     pub growth: Growth,
     /// The 2D lab.
     pub lab: Lab,
+    /// Places that are kept, and the way back.
+    pub places: Places,
+    /// What the last change of the settings did.
+    pub what_if: WhatIf,
+    /// Pixels that are watched.
+    pub watch: Watch,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -238,6 +251,9 @@ impl Session {
             savings: PlanSavings::default(),
             growth: Growth::default(),
             lab: Lab::default(),
+            places: Places::default(),
+            what_if: WhatIf::default(),
+            watch: Watch::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -302,6 +318,8 @@ impl Session {
             hint_closed: self.hint_closed,
             light_theme,
             scale,
+            bookmarks: self.places.bookmarks.clone(),
+            watched: self.watch.pixels.clone(),
         }
     }
 
@@ -333,6 +351,7 @@ impl Session {
         (self.stages, self.measuring, self.compared) = (None, None, None);
         self.timings.clear();
         self.error = None;
+        self.arrive();
         // Undo never leads back into another scene's view.
         self.undo.clear();
         self.redo.clear();
@@ -342,6 +361,7 @@ impl Session {
     /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
     /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
     pub fn settle(&mut self, now: f64) {
+        self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
         if self.state == self.settled {
             return;
@@ -358,6 +378,7 @@ impl Session {
             self.undo.push(self.settled.clone());
         }
         self.redo.clear();
+        self.what_if.settled(&self.settled.recipe, &self.state.recipe);
         self.settled = self.state.clone();
     }
 
@@ -396,6 +417,9 @@ impl Session {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
+            Command::Place(change) => return self.change_places(change),
+            Command::WhatIf(change) => return self.change_what_if(change),
+            Command::Watch(change) => self.change_watch(change),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
@@ -519,6 +543,7 @@ impl Session {
         let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         if let Some(state) = from.pop() {
             to.push(std::mem::replace(&mut self.state, state));
+            self.what_if.settled(&self.settled.recipe, &self.state.recipe);
             self.settled = self.state.clone();
             self.camera_moved_at = f64::NEG_INFINITY;
         }
