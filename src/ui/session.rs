@@ -20,6 +20,7 @@ use super::scrub::{self, Scrub};
 use super::timings::Timings;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
+use crate::image::file;
 use crate::inspect::scrub::{Moment, Unit};
 use crate::inspect::{Buffer, Stage, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
@@ -483,6 +484,14 @@ impl Session {
         self.report(Level::Info, format!("Opened the case {}", case.id));
         self.error = None;
         self.case = Some(OpenCase::new(case));
+    }
+
+    /// Makes the picture of a file the canvas of the lab.
+    pub fn open_picture(&mut self, path: &Path) {
+        match file::read(path) {
+            Ok(picture) => self.lab.show_picture(&picture),
+            Err(error) => self.report(Level::Error, error.to_string()),
+        }
     }
 
     fn open_worst(&mut self, column: Column, json: &str) {
