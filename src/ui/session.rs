@@ -281,7 +281,7 @@ impl Session {
             viewport: self.viewport(),
             shown: self.shown,
             triangle_limit: self.triangle_limit,
-            fragment_limit: self.scrub.fragment_limit,
+            fragment_limit: self.scrub.fragment_limit(self.triangle_limit),
             pick: self.pick,
         }
     }
@@ -342,7 +342,7 @@ impl Session {
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
-        (self.triangle_limit, self.scrub.fragment_limit, self.scrub.playing) = (None, None, 0);
+        (self.triangle_limit, self.scrub.playing) = (None, 0);
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         (self.selection, self.fates) = Default::default();

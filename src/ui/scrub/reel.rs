@@ -23,8 +23,13 @@ impl Reel {
     /// Puts the reel of a request into `slot` unless it is there already. `whole` is the frame with all of its triangles, if
     /// it was just drawn.
     pub fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
-        slot.take_if(|reel| !reel.of.same_complete_frame(request));
+        slot.take_if(|reel| !reel.is_of(request));
         slot.get_or_insert_with(|| Self::new(request, whole))
+    }
+
+    /// Whether a request asks for a moment of its frame, or for all of it.
+    pub fn is_of(&self, request: &Request) -> bool {
+        self.of.same_complete_frame(request)
     }
 
     fn new(request: &Request, whole: Option<Arc<Frame>>) -> Self {
