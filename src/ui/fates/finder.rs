@@ -71,5 +71,8 @@ fn find(View { request, frame, .. }: &View) -> Fates {
 }
 
 fn found(session: &mut Session, fates: Fates) {
+    for complaint in fates.account.complaints() {
+        session.report(Level::Error, format!("Fates do not add up, which is a fault of this program: {complaint}"));
+    }
     session.fates.take(Arc::new(fates), &mut session.selection);
 }
