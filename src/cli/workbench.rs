@@ -7,7 +7,6 @@
 use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::inspect::scrub::Moment;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::panels::bottom;
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
@@ -42,7 +41,7 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
-        moment: look.triangles.map(|triangles| Moment { triangles, fragments: look.fragments }),
+        moment: look.moment,
         fate: look.fate,
         lab: look.lab.map(|page| (page, look.lab_step)),
     };
