@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -66,13 +67,9 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
-    /// Draw only the first triangles
-    #[arg(long, value_name = "TRIANGLES")]
-    pub(crate) triangles: Option<usize>,
-
-    /// Of the last of them draw only the first fragments
-    #[arg(long, value_name = "FRAGMENTS", requires = "triangles")]
-    pub(crate) fragments: Option<usize>,
+    /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
+    #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
+    pub(crate) moment: Option<Moment>,
 
     /// Select the triangles that ended so, and open the tab of fates
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
@@ -104,8 +101,7 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
-            triangles: None,
-            fragments: None,
+            moment: None,
             fate: None,
             watch: false,
             open: None,
@@ -173,6 +169,12 @@ pub(crate) enum Tab {
     Watch,
     /// Messages
     Log,
+}
+
+fn moment(text: &str) -> Result<Moment, String> {
+    let number = |text: &str| text.trim().parse().map_err(|_| format!("`{text}` is not a whole number"));
+    let (triangles, fragments) = text.split_once(',').map_or((text, None), |(first, second)| (first, Some(second)));
+    Ok(Moment { triangles: number(triangles)?, fragments: fragments.map(number).transpose()? })
 }
 
 fn scale(text: &str) -> Result<f32, String> {

@@ -8,7 +8,6 @@ use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::inspect::scrub::Moment;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::engine::Shown;
@@ -49,7 +48,7 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
-        moment: look.triangles.map(|triangles| Moment { triangles, fragments: look.fragments }),
+        moment: look.moment,
         fate: look.fate,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against

@@ -199,9 +199,8 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     if let Some(tab) = request.tab {
         app.open_tab(tab);
     }
-    if let Some(Moment { triangles, fragments }) = request.moment {
-        app.session_mut().triangle_limit = Some(triangles);
-        app.session_mut().scrub.fragment_limit = fragments;
+    if let Some(moment) = request.moment {
+        app.session_mut().begin_at(moment);
     }
     if let Some(fate) = request.fate {
         app.open_tab(Tab::Fates);
