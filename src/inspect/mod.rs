@@ -12,6 +12,10 @@ pub mod fates;
 
 pub mod feeds;
 
+pub mod fields;
+
+pub mod find;
+
 pub mod hits;
 
 pub mod intermediate;
@@ -22,6 +26,7 @@ pub mod pixel;
 
 pub mod scrub;
 
+pub mod place;
 pub mod selection;
 
 pub mod stages;
@@ -32,12 +37,17 @@ mod verdict;
 
 pub mod view;
 
+pub mod watch;
+
+pub mod what_if;
+
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use intermediate::Intermediate;
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use place::Place;
 pub use selection::TriangleSelection;
 pub use stages::Stage;
 pub use trace::Trace;

@@ -16,9 +16,12 @@ use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
+use super::place::{Bookmark, Places};
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
 use super::trace::TraceView;
+use super::watch::Watch;
+use super::what_if::WhatIf;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
@@ -144,6 +147,10 @@ pub struct Preferences {
     pub light_theme: bool,
     /// Interface scale; 0 means 1.
     pub scale: f32,
+    /// Places that were kept.
+    pub bookmarks: Vec<Bookmark>,
+    /// Pixels that are watched.
+    pub watched: Vec<(u32, u32)>,
 }
 
 /// The state of the window.
@@ -197,6 +204,12 @@ pub struct Session {
     pub selection: TriangleSelection,
     /// Where triangles and fragments went.
     pub fates: FatesView,
+    /// Places that are kept, and the way back.
+    pub places: Places,
+    /// What the last change of the settings did.
+    pub what_if: WhatIf,
+    /// Pixels that are watched.
+    pub watch: Watch,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -255,6 +268,9 @@ impl Session {
             trace: TraceView::default(),
             selection: TriangleSelection::default(),
             fates: FatesView::default(),
+            places: Places::default(),
+            what_if: WhatIf::default(),
+            watch: Watch::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -285,7 +301,7 @@ impl Session {
             viewport: self.viewport(),
             shown: self.shown,
             triangle_limit: self.triangle_limit,
-            fragment_limit: self.scrub.fragment_limit,
+            fragment_limit: self.scrub.fragment_limit(self.triangle_limit),
             pick: self.pick,
         }
     }
@@ -320,6 +336,8 @@ impl Session {
             hint_closed: self.hint_closed,
             light_theme,
             scale,
+            bookmarks: self.places.bookmarks.clone(),
+            watched: self.watch.pixels.clone(),
         }
     }
 
@@ -346,12 +364,13 @@ impl Session {
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
-        (self.triangle_limit, self.scrub.fragment_limit, self.scrub.playing) = (None, None, 0);
+        (self.triangle_limit, self.scrub.playing) = (None, 0);
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         (self.selection, self.fates) = Default::default();
         self.timings.clear();
         self.error = None;
+        self.arrive();
         // Undo never leads back into another scene's view.
         self.undo.clear();
         self.redo.clear();
@@ -361,6 +380,7 @@ impl Session {
     /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
     /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
     pub fn settle(&mut self, now: f64) {
+        self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
         if self.state == self.settled {
             return;
@@ -377,6 +397,7 @@ impl Session {
             self.undo.push(self.settled.clone());
         }
         self.redo.clear();
+        self.what_if.settled(&self.settled.recipe, &self.state.recipe);
         self.settled = self.state.clone();
     }
 
@@ -416,6 +437,9 @@ impl Session {
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
             Command::Trace(change) => return self.trace.apply(change, self.view.as_ref()).map(Command::Trace),
+            Command::Place(change) => return self.change_places(change),
+            Command::WhatIf(change) => return self.change_what_if(change),
+            Command::Watch(change) => self.change_watch(change),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
@@ -460,7 +484,7 @@ impl Session {
             }
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
-            Command::Select(selection) => self.selection = selection,
+            Command::Select(selection) => self.fates.give_way(selection, &mut self.selection),
             Command::ShowStability(view) => self.stability.view = view,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
@@ -546,6 +570,7 @@ impl Session {
         let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         if let Some(state) = from.pop() {
             to.push(std::mem::replace(&mut self.state, state));
+            self.what_if.settled(&self.settled.recipe, &self.state.recipe);
             self.settled = self.state.clone();
             self.camera_moved_at = f64::NEG_INFINITY;
         }

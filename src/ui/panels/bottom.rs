@@ -7,6 +7,7 @@ use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
 use crate::ui::session::Session;
 use crate::ui::trace::panel as trace;
+use crate::ui::watch;
 
 /// A tab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,6 +29,8 @@ pub enum Tab {
     Scaling,
     /// How the engine does on hard cases.
     Stability,
+    /// What all buffers hold at watched pixels.
+    Watch,
     /// Messages.
     Log,
 }
@@ -43,7 +46,8 @@ impl Tab {
     }
 }
 
-const TABS: [(Tab, &str, &str); 9] = [
+/// All tabs, with name and explanation.
+pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -64,6 +68,7 @@ const TABS: [(Tab, &str, &str); 9] = [
         "Stability",
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
+    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -71,7 +76,7 @@ const TABS: [(Tab, &str, &str); 9] = [
 pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         for (value, name, help) in TABS {
-            ui.selectable_value(tab, value, name).on_hover_text(help);
+            ui.selectable_value(tab, *value, *name).on_hover_text(*help);
         }
         match tab {
             Tab::FrameTime => {
@@ -102,6 +107,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 fates::controls(ui, session);
             }
+            Tab::Watch => {
+                ui.separator();
+                watch::panel::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -113,6 +122,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
+        Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
