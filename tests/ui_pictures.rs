@@ -263,6 +263,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             theme: Theme::Light,
             selected: None,
             measure: false,
+            probe: false,
             compare: None,
             tab: None,
             lab: None,

@@ -57,6 +57,10 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
+    /// Probe how firmly the picture stands, with the default probe, and show it
+    #[arg(long)]
+    pub(crate) probe: bool,
+
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
     pub(crate) lab: Option<Page>,
@@ -76,6 +80,7 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            probe: false,
             lab: None,
             lab_step: None,
         }
@@ -123,6 +128,10 @@ pub(crate) enum Tab {
     Scaling,
     /// How the engine does on hard cases
     Stability,
+    /// The vertices of the picked triangle at every stage
+    Vertices,
+    /// How firmly the picture stands
+    Probe,
     /// Messages
     Log,
 }

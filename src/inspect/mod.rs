@@ -12,13 +12,19 @@ pub mod feeds;
 
 pub mod hits;
 
+pub mod mesh_view;
+
 pub mod outline;
 
 pub mod pixel;
 
+pub mod probe;
+
 pub mod stages;
 
 mod verdict;
+
+pub mod vertices;
 
 pub mod view;
 

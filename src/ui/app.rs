@@ -23,6 +23,7 @@ use super::panels::case::CaseView;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
+use super::probe;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
 use super::theme;
@@ -349,6 +350,7 @@ impl Workbench {
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             Command::SaveCase => self.save_case(),
             Command::RunStability => self.judge(ui),
+            Command::Probe(change) => self.probe(ui, change),
             Command::MeasurePlan => self.measure_plan(ui),
             Command::CancelPlan => {
                 if let Some(task) = &self.measuring_savings {
@@ -478,6 +480,7 @@ impl Workbench {
 
     /// Takes what long measurements have said.
     fn hear_tasks(&mut self) {
+        probe::listen(&mut self.session);
         let session = &mut self.session;
         let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
             session.stability.report = Some(Arc::from(report));
@@ -495,6 +498,15 @@ impl Workbench {
         }
     }
 
+    /// Changes what is known of how firmly the picture stands.
+    fn probe(&mut self, ui: &Ui, change: probe::Change) {
+        match probe::apply(&mut self.session, ui.ctx(), change) {
+            probe::Rest::Nothing => {}
+            probe::Rest::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
+            probe::Rest::Write(case) => self.write_case(&case),
+        }
+    }
+
     /// Writes the triangle that the picked pixel shows as a case into the current folder.
     fn save_case(&mut self) {
         let Some(view) = &self.session.view else { return };
@@ -507,11 +519,14 @@ impl Workbench {
         let settings = &view.request.recipe.pipeline;
         let triangle = &view.frame.geometry.triangles[submission];
         let minimal = MinimalCase::new(triangle, (x, y), view.frame.viewport, settings, &view.request.scene.name);
+        self.write_case(&minimal);
+    }
+
+    fn write_case(&mut self, minimal: &MinimalCase) {
         let path = free_name(&self.session.folder, &minimal.id, "json");
         match std::fs::write(&path, minimal.to_json()) {
             Ok(()) => {
-                self.session
-                    .report(Level::Info, format!("Saved triangle {} as the case {}", triangle.id.0, path.display()));
+                self.session.report(Level::Info, format!("Saved {} as the case {}", minimal.id, path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),

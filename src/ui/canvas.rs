@@ -15,8 +15,10 @@ use super::engine::{Shown, View};
 use super::fault_bar;
 use super::format;
 use super::navigate::navigate;
+use super::probe;
 use super::session::Session;
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
+use super::vertices;
 use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
@@ -108,7 +110,9 @@ impl Canvas {
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
-        if session.shown != Shown::Buffer(Buffer::Color) {
+        if session.probing.picture(view).is_some() {
+            probe::legend(ui, rect, &session.probing);
+        } else if session.shown != Shown::Buffer(Buffer::Color) {
             let frame = legend(ui, rect, view);
             let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
             if let Some(hits) = hits.filter(|_| view.request.shown == Shown::Buffer(Buffer::Hits)) {
@@ -131,19 +135,23 @@ impl Canvas {
 
     fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &View) {
         let (width, height) = view.picture.size();
-        let texture = self.texture.show(ui, &view.picture);
+        let heat = session.probing.picture(view);
+        let shown = heat.unwrap_or(&view.picture);
+        let texture = self.texture.show(ui, shown);
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
         grid(&painter, placement, (width, height));
         let value = |x, y| match view.request.shown {
+            _ if heat.is_some() => Value::Count(session.probing.count((x, y)).unwrap_or(0).into()),
             Shown::Stage(_) => Value::Color(view.picture.at(x, y)),
             Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
         };
-        numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), value);
+        numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }
+        vertices::mark(ui, &painter, placement, session);
     }
 }
 

@@ -11,8 +11,10 @@ use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::judging::StabilityView;
 use super::lab;
+use super::probe;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
+use super::vertices;
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
 use crate::report::stability::column::Column;
@@ -47,6 +49,10 @@ pub enum Command {
     MeasurePlan,
     /// Stop measuring that.
     CancelPlan,
+    /// Change what is known of how firmly the picture stands.
+    Probe(probe::Change),
+    /// Change what of the vertices is shown.
+    Vertices(vertices::Change),
     /// Measure how cost grows with triangles, pixels, layers and threads.
     MeasureGrowth,
     /// Stop measuring that.

@@ -26,6 +26,8 @@ pub mod worker;
 
 pub mod lab;
 
+pub mod probe;
+
 pub mod command;
 
 pub mod timings;
@@ -39,6 +41,8 @@ pub mod session;
 pub mod fault_bar;
 
 pub mod zoom;
+
+pub mod vertices;
 
 pub mod navigate;
 

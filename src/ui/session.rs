@@ -15,7 +15,9 @@ use super::engine::{Request, Shown, StageFigures, View};
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
+use super::probe::Probing;
 use super::timings::Timings;
+use super::vertices::Vertices;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::inspect::{Buffer, Stage};
@@ -182,6 +184,10 @@ pub struct Session {
     pub savings: PlanSavings,
     /// How cost grows.
     pub growth: Growth,
+    /// How firmly the picture stands.
+    pub probing: Probing,
+    /// What of the vertices is shown.
+    pub vertices: Vertices,
     /// The 2D lab.
     pub lab: Lab,
     /// The error to show until it is read.
@@ -237,6 +243,8 @@ impl Session {
             stability: Stability::default(),
             savings: PlanSavings::default(),
             growth: Growth::default(),
+            probing: Probing::default(),
+            vertices: Vertices::default(),
             lab: Lab::default(),
             error: None,
             log: VecDeque::new(),
@@ -329,6 +337,7 @@ impl Session {
         self.source = source;
         self.mirrored = false;
         self.triangle_limit = None;
+        self.vertices.selected = None;
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         self.timings.clear();
@@ -408,6 +417,7 @@ impl Session {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
                 self.comparison.apply(change, tiles, recipe);
             }
+            Command::Vertices(change) => self.vertices.apply(change),
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,

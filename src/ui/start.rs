@@ -61,6 +61,8 @@ pub struct ScreenshotRequest {
     pub theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
     pub measure: bool,
+    /// Whether it is probed first how firmly the picture stands.
+    pub probe: bool,
     /// What is compared, if anything.
     pub compare: Option<Change>,
     /// The tab that is open, if not the first.
@@ -173,6 +175,10 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let picture = app.session().viewport();
     if request.selected.is_some_and(|(x, y)| x >= picture.width || y >= picture.height) {
         return Err(picture);
+    }
+    if request.probe {
+        super::probe::probe_now(app.session_mut());
+        headless.pass(Vec::new(), |ui| app.show(ui));
     }
     if request.measure {
         app.measure();

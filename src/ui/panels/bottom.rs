@@ -4,7 +4,9 @@ use eframe::egui::{ScrollArea, Ui};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
+use crate::ui::probe;
 use crate::ui::session::Session;
+use crate::ui::vertices;
 
 /// A tab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,11 +24,15 @@ pub enum Tab {
     Scaling,
     /// How the engine does on hard cases.
     Stability,
+    /// The vertices of the picked triangle at every stage.
+    Vertices,
+    /// How firmly the picture stands.
+    Probe,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 7] = [
+const TABS: [(Tab, &str, &str); 9] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -40,6 +46,12 @@ const TABS: [(Tab, &str, &str); 7] = [
         Tab::Stability,
         "Stability",
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
+    ),
+    (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
+    (
+        Tab::Probe,
+        "Probe",
+        "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
     ),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
@@ -71,6 +83,14 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Vertices => {
+                ui.separator();
+                vertices::controls(ui, session, commands);
+            }
+            Tab::Probe => {
+                ui.separator();
+                probe::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -81,6 +101,8 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Stability => stability::ui(ui, session, commands),
+        Tab::Vertices => vertices::ui(ui, session, commands),
+        Tab::Probe => probe::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
         }
