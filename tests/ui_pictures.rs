@@ -264,6 +264,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             selected: None,
             measure: false,
             probe: false,
+            mesh: None,
             compare: None,
             tab: None,
             lab: None,

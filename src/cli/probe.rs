@@ -113,7 +113,9 @@ fn text(found: &ProbeResult) -> String {
     let mut text = format!("{runs} runs, {name} moved by up to {ulps} ulp, seed {seed}\n");
     let mut line = |name: &str, Changed { pixels, most }: Changed| {
         let percent = pixels as f64 / summary.pixels as f64 * 100.0;
-        text.push_str(&format!("{name:7} {pixels:9} pixels changed ({percent:.2} %), one pixel in {most} of {runs} runs\n"));
+        text.push_str(&format!(
+            "{name:7} {pixels:9} pixels changed ({percent:.2} %), one pixel in {most} of {runs} runs\n"
+        ));
     };
     line("owner", summary.owner);
     if let Some(depth) = summary.depth {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::mesh_view::MeshStyle;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -61,6 +62,10 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) probe: bool,
 
+    /// Show the scene from outside beside the picture, its triangles drawn so; by their fate if nothing is said
+    #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
+    pub(crate) mesh: Option<MeshStyle>,
+
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
     pub(crate) lab: Option<Page>,
@@ -81,6 +86,7 @@ impl Default for Look {
             compare: None,
             tab: None,
             probe: false,
+            mesh: None,
             lab: None,
             lab_step: None,
         }

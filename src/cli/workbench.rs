@@ -42,6 +42,7 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
         probe: look.probe,
+        mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
     };
     ui::screenshot(&request).map_err(|picture| {

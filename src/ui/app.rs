@@ -17,6 +17,7 @@ use super::compare::{self, Change, Mode};
 use super::engine::{Request, Shown};
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
+use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
@@ -77,6 +78,7 @@ pub struct Workbench {
     case_view: CaseView,
     saving: Option<Receiver<Result<PathBuf, String>>>,
     canvas: Canvas,
+    mesh: MeshPane,
     tiles: TilesView,
     asked_to_compare: Option<CompareRequest>,
     inspector: Inspector,
@@ -104,6 +106,7 @@ impl Workbench {
             saving: None,
             asked_at: None,
             canvas: Canvas::default(),
+            mesh: MeshPane::default(),
             tiles: TilesView::default(),
             asked_to_compare: None,
             inspector: Inspector::default(),
@@ -198,6 +201,17 @@ impl Workbench {
                 compare::bar::ui(ui, &self.session, self.canvas.scale(), commands);
             });
         }
+        if self.session.mesh_view.open && self.session.case.is_none() {
+            let half = ui.available_width() / 2.0;
+            Panel::right("mesh")
+                .frame(theme::canvas_frame(ui))
+                .resizable(true)
+                .default_size(half)
+                .min_size(200.0)
+                .show(ui, |ui| self.mesh.ui(ui, &self.session, self.waits, commands));
+        } else {
+            self.mesh.hovered = false;
+        }
         CentralPanel::no_frame().show(ui, |ui| {
             let canvas = ui.max_rect();
             let size = if compares { TilesView::picture_size(canvas, &self.session) } else { ui.available_size() };
@@ -240,7 +254,7 @@ impl Workbench {
             return;
         }
         // In camera mode the letters that fly are no commands.
-        let flies = self.session.pointer_mode == PointerMode::Camera;
+        let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
             if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {

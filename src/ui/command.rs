@@ -11,6 +11,7 @@ use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::judging::StabilityView;
 use super::lab;
+use super::mesh_view;
 use super::probe;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
@@ -53,6 +54,8 @@ pub enum Command {
     Probe(probe::Change),
     /// Change what of the vertices is shown.
     Vertices(vertices::Change),
+    /// Change how the scene is seen from outside.
+    MeshView(mesh_view::Change),
     /// Measure how cost grows with triangles, pixels, layers and threads.
     MeasureGrowth,
     /// Stop measuring that.
@@ -205,6 +208,7 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::R, || Command::Compare(Change::ToggleRegion), "Comparing: drag a rectangle to measure"),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
+    bind(Modifiers::NONE, Key::M, || Command::MeshView(mesh_view::Change::Toggle), "The scene from outside, and back"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),

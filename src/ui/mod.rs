@@ -48,6 +48,8 @@ pub mod navigate;
 
 pub mod canvas;
 
+pub mod mesh_view;
+
 pub mod panels;
 
 pub mod app;

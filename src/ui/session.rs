@@ -14,6 +14,7 @@ use super::compare::{Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
+use super::mesh_view::{self, MeshView};
 use super::open_case::{self, OpenCase};
 use super::probe::Probing;
 use super::timings::Timings;
@@ -188,6 +189,8 @@ pub struct Session {
     pub probing: Probing,
     /// What of the vertices is shown.
     pub vertices: Vertices,
+    /// How the scene is seen from outside.
+    pub mesh_view: MeshView,
     /// The 2D lab.
     pub lab: Lab,
     /// The error to show until it is read.
@@ -245,6 +248,7 @@ impl Session {
             growth: Growth::default(),
             probing: Probing::default(),
             vertices: Vertices::default(),
+            mesh_view: MeshView::default(),
             lab: Lab::default(),
             error: None,
             log: VecDeque::new(),
@@ -338,6 +342,7 @@ impl Session {
         self.mirrored = false;
         self.triangle_limit = None;
         self.vertices.selected = None;
+        self.mesh_view.leave_scene();
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         self.timings.clear();
@@ -418,6 +423,7 @@ impl Session {
                 self.comparison.apply(change, tiles, recipe);
             }
             Command::Vertices(change) => self.vertices.apply(change),
+            Command::MeshView(change) => mesh_view::apply(self, change),
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,

@@ -16,6 +16,7 @@ use super::theme;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
+use crate::inspect::mesh_view::MeshStyle;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource, Warning};
@@ -63,6 +64,8 @@ pub struct ScreenshotRequest {
     pub measure: bool,
     /// Whether it is probed first how firmly the picture stands.
     pub probe: bool,
+    /// Whether the scene is shown from outside, too, and how.
+    pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
     /// The tab that is open, if not the first.
@@ -156,6 +159,10 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     app.session_mut().pick = request.selected;
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
+    }
+    if let Some(style) = request.mesh {
+        let mesh = &mut app.session_mut().mesh_view;
+        (mesh.open, mesh.style) = (true, style);
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);

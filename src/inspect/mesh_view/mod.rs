@@ -24,9 +24,9 @@ use crate::scene::{Camera, TriangleId};
 
 pub use explode::{corners, exploded};
 pub use fate::{Met, fates};
-pub use outside::{first_view, with_planes};
+pub use outside::{first_view, fit, with_planes};
 pub use overlay::{Kind, Look, Mark, drawn};
-pub use picture::{MeshPicture, paint};
+pub use picture::{MeshPicture, paint, shown_at};
 
 choice! {
     /// How triangles are drawn.

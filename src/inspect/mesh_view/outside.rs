@@ -27,6 +27,11 @@ pub fn first_view(scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
     from.refit(bounds(scene, &inner.camera), aspect)
 }
 
+/// A view in the same direction from which all of that is seen.
+pub fn fit(view: Camera, scene: &Scene, inner: &Inner, aspect: f32) -> Camera {
+    view.refit(bounds(scene, &inner.camera), aspect)
+}
+
 /// The same view with planes in front of and behind everything.
 pub fn with_planes(view: Camera, scene: &Scene, inner: &Inner) -> Camera {
     let bounds = bounds(scene, &inner.camera);

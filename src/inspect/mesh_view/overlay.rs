@@ -12,7 +12,7 @@ use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
 
 /// Cut and culled triangles that are marked one by one at most; of more only the selected one is.
-const MOST_MARKED: usize = 400;
+const MOST_MARKED: usize = 200;
 
 /// Between the lines of a hatching, along an axis, px.
 const HATCH_PX: f32 = 7.0;

@@ -88,6 +88,19 @@ fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewpor
     owners.0
 }
 
+/// The place that shows a triangle, of those the one nearest to their middle: column and row. `None` if none does.
+pub fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32, u32)> {
+    let width = owner.width();
+    let places = || {
+        let owned = owner.pixels().iter().zip(0..).filter(|(id, _)| **id == triangle);
+        owned.map(|(_, index): (_, u32)| (index % width, index / width))
+    };
+    let (x, y, count) =
+        places().fold((0, 0, 0), |(x, y, n), place| (x + u64::from(place.0), y + u64::from(place.1), n + 1));
+    let middle = (x.checked_div(count)?, y.checked_div(count)?);
+    places().min_by_key(|(x, y)| u64::from(*x).abs_diff(middle.0).pow(2) + u64::from(*y).abs_diff(middle.1).pow(2))
+}
+
 /// The colour of each triangle before light; none where all have the same.
 fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
     let met = |culling| fates(scene, inner, culling).into_iter().map(met_color).collect();

@@ -8,6 +8,7 @@ use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
+use crate::ui::mesh_view;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{combo, icon_button};
@@ -61,6 +62,9 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
+    }
+    if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
+        commands.push(Command::MeshView(mesh_view::Change::Toggle));
     }
 }
 

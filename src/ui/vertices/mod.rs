@@ -40,8 +40,11 @@ impl Vertices {
     }
 }
 
-/// The triangle that the picked pixel shows.
+/// The triangle that was selected from outside, or else the one that the picked pixel shows.
 pub fn picked_triangle(session: &Session) -> Option<TriangleId> {
+    if let Some(selected) = session.mesh_view.selected(session.pick) {
+        return Some(selected);
+    }
     Some(session.view.as_ref()?.report.as_ref()?.visible()?.triangle)
 }
 
