@@ -58,15 +58,22 @@ fn fates_are_those_that_the_pipeline_deals_out() {
 }
 
 #[test]
-fn culled_triangles_are_outlined_if_asked_for() {
-    let scene = scene("cubes");
-    let inner = inner(&scene);
-    let back = fates(&scene, &inner, inner.settings.culling);
-    let back = back.iter().filter(|met| **met == Met::Rejected(Fate::BackFacing)).count();
-    for (culled, count) in [(true, back), (false, 0)] {
-        let marks = marks(&scene, &Look { culled, ..Look::default() });
-        assert_eq!(marks.iter().filter(|mark| mark.kind == Kind::Culled).count(), count);
-    }
+fn culled_triangles_are_outlined_if_they_are_few_or_selected() {
+    let outlines = |scene: &Scene, culling, look: &Look| {
+        let inner = Inner { settings: Settings { culling, ..Settings::default() }, ..inner(scene) };
+        let marks = drawn(scene, &inner, look, &outside(scene, &inner), SIZE);
+        marks.iter().filter(|mark| mark.kind == Kind::Culled).count()
+    };
+    let all = Look { culled: true, ..Look::default() };
+    let alone = scene("triangle");
+    assert_eq!(outlines(&alone, Culling::Front, &all), 1);
+    assert_eq!(outlines(&alone, Culling::Back, &all), 0);
+    assert_eq!(outlines(&alone, Culling::Front, &Look::default()), 0);
+    let many = scene("cubes");
+    let back = fates(&many, &inner(&many), Culling::Back).iter().position(|m| *m == Met::Rejected(Fate::BackFacing));
+    assert_eq!(outlines(&many, Culling::Back, &all), 0);
+    let selected = back.map(|id| TriangleId(id as u32));
+    assert_eq!(outlines(&many, Culling::Back, &Look { selected, ..all }), 1);
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub fn legend(ui: &Ui, canvas: Rect, probing: &Probing) {
     let (Some(found), Some(heat), Some((_, most))) = (&probing.found, probing.heat, &probing.picture) else { return };
     let painter = ui.painter().with_clip_rect(canvas);
     let words = if *most == 0 {
-        format!("Nothing changed in {} runs: {}", found.probe.runs, heat.help())
+        format!("{}: nothing changed in {} runs.", heat.name(), found.probe.runs)
     } else {
         format!("{} changes: {}", heat.name(), heat.help())
     };
