@@ -9,6 +9,7 @@ mod files;
 mod growth;
 mod lab;
 mod measuring;
+mod outside;
 mod picking;
 mod settings;
 mod stepping;
