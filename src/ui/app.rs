@@ -429,6 +429,9 @@ impl Workbench {
         if self.session.pick.take().is_some() {
             return;
         }
+        if self.session.probing.hide() {
+            return;
+        }
         if self.session.comparison.is_on() {
             self.session.apply(Command::Compare(Change::Mode(Mode::Off)));
         } else {

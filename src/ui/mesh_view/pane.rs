@@ -34,7 +34,8 @@ pub struct MeshPane {
 impl MeshPane {
     /// Draws the pane and turns pointer input into commands. With `waits` the picture is drawn at once.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
-        bar(ui, session, commands);
+        let aspect = ui.available_width() / ui.available_height().max(1.0);
+        bar(ui, session, aspect, commands);
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene from outside"));
         self.hovered = response.hovered();
@@ -82,7 +83,7 @@ impl MeshPane {
     }
 }
 
-fn bar(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>) {
     let mesh = &session.mesh_view;
     let mut push = |change| commands.push(Command::MeshView(change));
     egui::Frame::new().inner_margin(egui::Margin::symmetric(space::S as i8, space::XS as i8)).show(ui, |ui| {
@@ -112,7 +113,7 @@ fn bar(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
                     push(Change::Reset);
                 }
                 if icon_button(ui, Icon::Maximize, "Show all of the scene and the camera").clicked() {
-                    push(Change::Fit(1.0));
+                    push(Change::Fit(aspect));
                 }
                 let mut apart = mesh.apart;
                 ui.spacing_mut().slider_width = (ui.available_width() - 62.0).clamp(24.0, 120.0);

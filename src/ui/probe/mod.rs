@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use eframe::egui::Context;
 
-use super::engine::{Request, View};
+use super::engine::{Request, Shown, View};
 use super::session::{Level, Session};
 use super::task::{Listening, Task};
 use crate::case::MinimalCase;
 use crate::image::{Image, Rgba8};
+use crate::inspect::Buffer;
 use crate::inspect::probe::{self, Fragile, Heat, Probe, ProbeResult, Subject};
 
 pub use canvas::legend;
@@ -74,7 +75,10 @@ pub fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
                 task.cancel();
             }
         }
-        Change::Show(heat) => session.probing.show(heat),
+        Change::Show(heat) => {
+            session.probing.show(heat);
+            session.shown = Shown::Buffer(Buffer::Color);
+        }
         Change::GoBack => {
             if let Some(found) = &session.probing.found {
                 session.state.camera = found.subject.camera;
@@ -99,6 +103,7 @@ pub fn listen(session: &mut Session) {
         Listening::Ended(found) => {
             if let Some(found) = found {
                 session.probing.take(*found);
+                session.shown = Shown::Buffer(Buffer::Color);
             }
         }
         Listening::BrokeOff => session.report(Level::Error, "The probe stopped by an error of the program"),
@@ -157,14 +162,22 @@ impl Probing {
         self.picture = painted.map(|(image, most)| (Arc::new(image), most));
     }
 
-    /// Whether the finding is of what a view shows.
+    /// Shows the picture as it is; whether the finding was laid over it.
+    pub fn hide(&mut self) -> bool {
+        self.picture = None;
+        self.heat.take().is_some()
+    }
+
+    /// Whether the finding is of the frame that a view shows.
     fn is_of(&self, view: &View) -> bool {
-        self.found.as_ref().is_some_and(|found| found.subject.is_same(&subject_of(&view.request)))
+        let is_whole = view.request.triangle_limit.is_none();
+        is_whole && self.found.as_ref().is_some_and(|found| found.subject.is_same(&subject_of(&view.request)))
     }
 
     /// The picture that stands for that of a view, if the finding is of it and is to be shown.
     pub fn picture(&self, view: &View) -> Option<&Arc<Image<Rgba8>>> {
-        self.picture.as_ref().filter(|_| self.is_of(view)).map(|(image, _)| image)
+        let is_finished = view.request.shown == Shown::Buffer(Buffer::Color);
+        self.picture.as_ref().filter(|_| is_finished && self.is_of(view)).map(|(image, _)| image)
     }
 
     /// How often a pixel of that picture changed.
