@@ -18,6 +18,8 @@ pub mod find;
 
 pub mod hits;
 
+pub mod mesh_view;
+
 pub mod outline;
 
 pub mod pixel;
@@ -25,11 +27,14 @@ pub mod pixel;
 pub mod scrub;
 
 pub mod place;
+pub mod probe;
 pub mod selection;
 
 pub mod stages;
 
 mod verdict;
+
+pub mod vertices;
 
 pub mod view;
 
