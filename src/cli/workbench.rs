@@ -51,6 +51,8 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         shown: look.number.map(Shown::Intermediate),
         moment: look.moment,
         fate: look.fate,
+        probe: look.probe,
+        mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against
             .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
@@ -95,6 +97,8 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
         Tab::Watch => bottom::Tab::Watch,
+        Tab::Vertices => bottom::Tab::Vertices,
+        Tab::Probe => bottom::Tab::Probe,
         Tab::Log => bottom::Tab::Log,
     }
 }

@@ -20,6 +20,8 @@ pub mod hits;
 
 pub mod intermediate;
 
+pub mod mesh_view;
+
 pub mod outline;
 
 pub mod pixel;
@@ -27,6 +29,7 @@ pub mod pixel;
 pub mod scrub;
 
 pub mod place;
+pub mod probe;
 pub mod selection;
 
 pub mod stages;
@@ -34,6 +37,8 @@ pub mod stages;
 pub mod trace;
 
 mod verdict;
+
+pub mod vertices;
 
 pub mod view;
 

@@ -83,6 +83,12 @@ impl DrawMatrices {
             * camera.view_from_world_f64()
             * instance.world_from_model.as_dmat4()
     }
+
+    /// A position in clip space.
+    #[inline]
+    pub fn clip_position(&self, model: Vec3) -> Vec4 {
+        self.clip_from_model * model.extend(1.0)
+    }
 }
 
 /// Rounding errors of a transformed vertex, relative to the sum of the magnitudes that it is the sum of: four products
@@ -164,7 +170,7 @@ impl<'a> Transformer<'a> {
         if self.colors {
             varyings.color = to_working_space(mesh.colors[i], settings.color_space);
         }
-        let position = matrices.clip_from_model * mesh.positions[i].extend(1.0);
+        let position = matrices.clip_position(mesh.positions[i]);
         ClipVertex { position, cut_at: None, varyings }
     }
 

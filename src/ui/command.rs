@@ -12,12 +12,15 @@ use super::engine::Shown;
 use super::fates;
 use super::judging::StabilityView;
 use super::lab;
+use super::mesh_view;
 use super::panels::bottom::Tab;
 use super::place;
+use super::probe;
 use super::scrub;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
 use super::trace;
+use super::vertices;
 use super::watch;
 use super::what_if;
 use crate::chain::Recipe;
@@ -57,6 +60,12 @@ pub enum Command {
     MeasurePlan,
     /// Stop measuring that.
     CancelPlan,
+    /// Change what is known of how firmly the picture stands.
+    Probe(probe::Change),
+    /// Change what of the vertices is shown.
+    Vertices(vertices::Change),
+    /// Change how the scene is seen from outside.
+    MeshView(mesh_view::Change),
     /// Measure how cost grows with triangles, pixels, layers and threads.
     MeasureGrowth,
     /// Stop measuring that.
@@ -303,6 +312,7 @@ pub const BINDINGS: &[Binding] = &[
         || Command::Trace(trace::Change::Stage(Direction::Forward)),
         "Arithmetic: the next stage",
     ),
+    bind(Modifiers::NONE, Key::M, || Command::MeshView(mesh_view::Change::Toggle), "The scene from outside, and back"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::Change::AddPick), "Watch the picked pixel"),

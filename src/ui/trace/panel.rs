@@ -1,7 +1,7 @@
-//! The tab: buttons beside the tabs, the current line in full, and the table of all lines.
+//! The tab: buttons, the current line in full, and the table of all lines.
 
 use eframe::egui::style::ScrollAnimation;
-use eframe::egui::{self, Align, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
+use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
 
 use super::table::{Columns, headings, table_row};
 use super::{Change, TraceView};
@@ -9,15 +9,14 @@ use crate::inspect::trace::{Direction, Notable, Trace, TraceLine};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
-use crate::ui::theme::{Icon, font_size, tokens};
+use crate::ui::theme::{Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, copy_button, empty_state, icon_button};
 
 /// Height of a row, in points.
 pub(super) const ROW: f32 = 19.0;
 
-/// Draws the buttons beside the tabs.
-pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    let Some(trace) = session.trace.latest().filter(|_| is_picked(session)) else { return };
+/// Draws the buttons before the current line.
+fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Command>) {
     let mut push = |change| commands.push(Command::Trace(change));
     for (icon, name, change) in [
         (Icon::ChevronFirst, "The stage before  (Shift+F11)", Change::Stage(Direction::Back)),
@@ -81,7 +80,12 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.request_repaint();
     }
     let Some(trace) = session.trace.latest() else { return };
-    current_line(ui, trace, &session.trace);
+    ui.horizontal(|ui| {
+        controls(ui, trace, session, commands);
+        ui.add_space(space::S);
+        current_line(ui, trace, &session.trace);
+    });
+    current_formula(ui, trace, &session.trace);
     let listed = listed(trace, &session.trace.filter);
     let columns = Columns::of(ui.available_width());
     headings(ui, &columns);
@@ -126,7 +130,7 @@ fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize>
     listed.iter().position(|place| *place == table.line).filter(|_| seen != table.steps)
 }
 
-/// The current line in full: its formula, the numbers put in, and what it should be.
+/// The current line: its place, its value, and what that should be.
 fn current_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
     let Some(line) = trace.lines.get(table.line) else { return };
     let place = format!("{} of {}", table.line + 1, trace.lines.len());
@@ -135,11 +139,19 @@ fn current_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
         let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
         format!("   exactly {}{fraction}", exact.decimal)
     });
-    let head = format!("{place}   {}: {}{of} = {}{exact}", line.stage.name(), line.what, line.value_text());
+    let text = format!("{place}   {}: {}{of} = {}{exact}", line.stage.name(), line.what, line.value_text());
+    line_of_text(ui, text, tokens(ui).text_strong);
+}
+
+/// The formula of the current line with the numbers put in.
+fn current_formula(ui: &mut Ui, trace: &Trace, table: &TraceView) {
+    let Some(line) = trace.lines.get(table.line) else { return };
     let numbers = if line.numbers.is_empty() { String::new() } else { format!(" = {}", line.numbers) };
-    let tail = format!("{}{numbers}", line.formula);
-    let text = |text: String, color| RichText::new(text).monospace().size(font_size::SMALL).color(color);
-    ui.add(egui::Label::new(text(head, tokens(ui).text_strong)).truncate());
-    ui.add(egui::Label::new(text(tail, tokens(ui).text)).truncate());
+    line_of_text(ui, format!("{}{numbers}", line.formula), tokens(ui).text);
     ui.add_space(2.0);
+}
+
+fn line_of_text(ui: &mut Ui, text: String, color: Color32) {
+    let text = RichText::new(text).monospace().size(font_size::SMALL).color(color);
+    ui.add(egui::Label::new(text).truncate());
 }
