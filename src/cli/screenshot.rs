@@ -117,6 +117,8 @@ pub(crate) enum Tab {
     ErrorTime,
     /// What the picked pixel is made of
     Xray,
+    /// How often each value of what is shown is there
+    Histogram,
     /// What the scene needs and what is left out
     Plan,
     /// How cost grows

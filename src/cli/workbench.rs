@@ -65,6 +65,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Xray => bottom::Tab::Xray,
+        Tab::Histogram => bottom::Tab::Histogram,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,

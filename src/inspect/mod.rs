@@ -8,15 +8,25 @@ pub mod buffers;
 
 pub mod depth;
 
+pub mod display;
+
 pub mod feeds;
 
+pub mod histogram;
+
 pub mod hits;
+
+pub mod measured;
 
 pub mod outline;
 
 pub mod pixel;
 
+pub mod range;
+
 pub mod stages;
+
+pub mod statistics;
 
 mod verdict;
 

@@ -11,10 +11,12 @@ use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::judging::StabilityView;
 use super::lab;
+use super::range;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
+use crate::inspect::range::Fit;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
 
@@ -127,6 +129,8 @@ pub enum Command {
     AskForPixel,
     /// Drop what is selected, innermost first.
     Escape,
+    /// Change the range or the colours of what is shown.
+    Range(range::Change),
     /// Show the lab, or the pipeline again.
     ToggleLab,
     /// Change something in the lab.
@@ -170,8 +174,10 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Show the stage after"),
     bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "One triangle fewer"),
     bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "One triangle more"),
-    bind(Modifiers::NONE, Key::P, || Command::StepFault(-1), "Previous crack or double hit"),
-    bind(Modifiers::NONE, Key::N, || Command::StepFault(1), "Next crack or double hit"),
+    bind(Modifiers::SHIFT, Key::J, || Command::StepFault(-1), "Previous faulty pixel of what is shown"),
+    bind(Modifiers::NONE, Key::J, || Command::StepFault(1), "Next faulty pixel of what is shown"),
+    bind(Modifiers::SHIFT, Key::N, || Command::Range(range::Change::FitVisible), "Fit the range to what is on screen"),
+    bind(Modifiers::NONE, Key::N, || Command::Range(range::Change::Fit(Fit::All)), "Fit the range to all values"),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "After the last triangle"),
     bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Picked pixel 10 to the left"),
@@ -196,7 +202,12 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::B, || Command::Compare(Change::Toggle(Mode::Flip)), "Flip between A and B, and back"),
     bind(Modifiers::NONE, Key::D, || Command::Compare(Change::Toggle(Mode::Difference)), "Difference, and back"),
     bind(Modifiers::NONE, Key::S, || Command::Compare(Change::Swap), "Swap A and B"),
-    bind(Modifiers::NONE, Key::R, || Command::Compare(Change::ToggleRegion), "Comparing: drag a rectangle to measure"),
+    bind(
+        Modifiers::NONE,
+        Key::R,
+        || Command::Compare(Change::ToggleRegion),
+        "Reset the range; comparing: drag a rectangle to measure",
+    ),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
@@ -217,6 +228,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Shift + middle-drag", "Shift the view"),
     ("Ctrl + wheel", "Come closer, go away"),
     ("Hold Alt", "Numbers in pixels as bits"),
+    ("Shift + drag", "Figures of a box of the picture"),
     ("Comparing: hold Shift", "See the other picture"),
     ("Comparing: R, then drag", "Measure a rectangle"),
     ("C, then drag, wheel, W A S D Q E", "Camera mode: turn, come closer, fly"),

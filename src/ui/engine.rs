@@ -6,11 +6,12 @@
 
 use std::sync::Arc;
 
+use super::look::{self, Look, Looked};
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer, run};
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
-use crate::inspect::view::{self, Range};
-use crate::inspect::{PixelReport, Stage, inspect, stages};
+use crate::inspect::view::Range;
+use crate::inspect::{PixelReport, Stage, inspect};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
 use crate::pipeline::viewport::Viewport;
@@ -43,15 +44,18 @@ pub struct Request {
     pub triangle_limit: Option<usize>,
     /// The questioned pixel.
     pub pick: Option<(u32, u32)>,
+    /// By which colours it is shown, and what is laid over it.
+    pub look: Look,
 }
 
 impl Request {
     /// Whether the answer to both is the same.
     pub fn same_view(&self, other: &Self) -> bool {
-        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick
+        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
-    fn same_frame(&self, other: &Self) -> bool {
+    /// Whether the frames of both are the same.
+    pub fn same_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera
             && self.recipe == other.recipe
@@ -75,6 +79,8 @@ pub struct View {
     pub buffers: Option<Arc<Buffers>>,
     /// Ends of the colour map, if one is used.
     pub range: Option<Range>,
+    /// What the picture was made from, and its figures.
+    pub looked: Looked,
     /// The story of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
     /// Whether the frame was drawn for this answer, rather than kept from the last one.
@@ -107,25 +113,19 @@ impl Engine {
             }
         }
         let fresh = last.is_none();
-        let (frame, rasterized, kept_buffers, kept_picture) = match last {
-            Some(view) => {
-                let same_picture = (view.request.shown == request.shown).then_some(view.picture);
-                (view.frame, view.rasterized, view.buffers, same_picture)
-            }
+        let (frame, rasterized, kept_buffers, kept) = match last {
+            Some(view) => (view.frame, view.rasterized, view.buffers, Some((view.request, view.looked))),
             None => {
                 let (frame, rasterized) = render(&request, &mut self.renderer);
                 (Arc::new(frame), rasterized, None, None)
             }
         };
         let buffers = needed_buffers(&request, &frame, kept_buffers);
-        let range = match request.shown {
-            Shown::Buffer(buffer) => view::range(buffer, &frame, buffers.as_deref()),
-            Shown::Stage(_) => None,
-        };
-        let picture = kept_picture.unwrap_or_else(|| Arc::new(picture(&request, &frame, buffers.as_deref(), range)));
+        let looked = look::look(&request, &frame, buffers.as_deref(), kept);
         let report =
             request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
-        let view = View { request, frame, rasterized, picture, buffers, range, report, fresh };
+        let (picture, range) = (looked.picture.clone(), looked.range);
+        let view = View { request, frame, rasterized, picture, buffers, range, looked, report, fresh };
         self.last = Some(view.clone());
         view
     }
@@ -203,11 +203,4 @@ fn count(request: &Request, frame: &Frame) -> Counters {
     let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counters);
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
     counters
-}
-
-fn picture(request: &Request, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
-    match request.shown {
-        Shown::Buffer(buffer) => view::picture(buffer, frame, buffers, range),
-        Shown::Stage(stage) => stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage),
-    }
 }

@@ -18,7 +18,11 @@ pub mod format;
 
 pub mod widgets;
 
+pub mod look;
+
 pub mod engine;
+
+pub mod range;
 
 pub mod compare;
 

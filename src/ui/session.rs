@@ -10,11 +10,13 @@ use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
-use super::compare::{Comparison, Mode, Tiles};
+use super::compare::{Change, Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
+use super::look::Look;
 use super::open_case::{self, OpenCase};
+use super::range::{self, RangeControl};
 use super::timings::Timings;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
@@ -184,6 +186,8 @@ pub struct Session {
     pub growth: Growth,
     /// The 2D lab.
     pub lab: Lab,
+    /// Ranges and colours of what is shown.
+    pub range: RangeControl,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -238,6 +242,7 @@ impl Session {
             savings: PlanSavings::default(),
             growth: Growth::default(),
             lab: Lab::default(),
+            range: RangeControl::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -269,6 +274,7 @@ impl Session {
             shown: self.shown,
             triangle_limit: self.triangle_limit,
             pick: self.pick,
+            look: Look { display: self.range.setting(self.shown).display, measures: self.range.measures(self.shown) },
         }
     }
 
@@ -403,6 +409,10 @@ impl Session {
                 if let Some(upscaler) = method.and_then(|id| chosen.with_method(id)) {
                     self.state.recipe.upscaler = upscaler;
                 }
+            }
+            Command::Range(change) => self.range.apply(change, self.shown, self.view.as_ref()),
+            Command::Compare(Change::ToggleRegion) if !self.comparison.is_on() => {
+                self.range.apply(range::Change::Reset, self.shown, None);
             }
             Command::Compare(change) => {
                 let Undoable { tiles, recipe, .. } = &mut self.state;

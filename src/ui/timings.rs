@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use super::engine::Request;
+use super::look::Look;
 use crate::chain::Recipe;
 use crate::measure::against::Figures;
 use crate::measure::timing::{Summary, summarize};
@@ -156,6 +157,7 @@ impl Timings {
             shown: request.shown,
             pick: None,
             triangle_limit: None,
+            look: Look::default(),
             ..r.clone()
         };
         self.measured_of.as_ref().is_some_and(|measured| plain(measured).same_view(&plain(request)))
@@ -197,6 +199,7 @@ mod tests {
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
             pick: None,
+            look: Look::default(),
         }
     }
 

@@ -4,6 +4,7 @@ use eframe::egui::{ScrollArea, Ui};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
+use crate::ui::range::panel;
 use crate::ui::session::Session;
 
 /// A tab.
@@ -16,6 +17,8 @@ pub enum Tab {
     ErrorTime,
     /// What a pixel of the picture is made of.
     Xray,
+    /// How often each value is there.
+    Histogram,
     /// What the scene needs and what is left out.
     Plan,
     /// How cost grows.
@@ -26,7 +29,7 @@ pub enum Tab {
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 7] = [
+const TABS: [(Tab, &str, &str); 8] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -34,6 +37,7 @@ const TABS: [(Tab, &str, &str); 7] = [
         "X-ray",
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
+    (Tab::Histogram, "Histogram", "How often each value of what is shown is there, and the figures of it"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
     (
@@ -71,11 +75,17 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Histogram => {
+                ui.separator();
+                panel::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
     ui.add_space(4.0);
+    panel::tell(*tab == Tab::Histogram, session, commands);
     match tab {
+        Tab::Histogram => panel::ui(ui, session, commands),
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),

@@ -8,6 +8,7 @@ use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
+use crate::ui::range;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{combo, icon_button};
@@ -39,7 +40,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 288.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 316.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -61,6 +62,10 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
+    }
+    let help = "Range and histogram of what is shown, on the picture";
+    if icon_button(ui, Icon::ChartColumn, help).clicked() {
+        commands.push(Command::Range(range::Change::Open(!session.range.open)));
     }
 }
 
