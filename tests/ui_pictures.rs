@@ -264,6 +264,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             selected: None,
             measure: false,
             compare: None,
+            changes: Vec::new(),
             tab: None,
             lab: None,
         };

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::Buffer;
+use rasterscope::inspect::overlays::Overlay;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -27,7 +29,7 @@ pub(crate) struct ScreenshotArgs {
 }
 
 /// How the workbench looks.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Look {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse::size)]
@@ -57,6 +59,22 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
+    /// The quantity on the canvas
+    #[arg(long, value_parser = parse::choice::<Buffer>())]
+    pub(crate) buffer: Option<Buffer>,
+
+    /// Show its range and histogram on the picture
+    #[arg(long)]
+    pub(crate) range: bool,
+
+    /// Lay this over the picture; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY", value_parser = parse::choice::<Overlay>())]
+    pub(crate) overlay: Vec<Overlay>,
+
+    /// Show the list of overlays
+    #[arg(long)]
+    pub(crate) overlays: bool,
+
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
     pub(crate) lab: Option<Page>,
@@ -76,6 +94,10 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            buffer: None,
+            range: false,
+            overlay: Vec::new(),
+            overlays: false,
             lab: None,
             lab_step: None,
         }

@@ -7,8 +7,12 @@
 use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
+use rasterscope::ui::engine::Shown;
+use rasterscope::ui::overlays;
 use rasterscope::ui::panels::bottom;
+use rasterscope::ui::range;
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
 
 use super::failure::Failure;
@@ -41,12 +45,22 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
+        changes: look_changes(look),
         lab: look.lab.map(|page| (page, look.lab_step)),
     };
     ui::screenshot(&request).map_err(|picture| {
         let (x, y) = look.at.unwrap_or_default();
         Failure::OutsidePicture { x, y, picture }
     })
+}
+
+/// What is shown on the canvas.
+fn look_changes(look: &Look) -> Vec<Command> {
+    let show = look.buffer.map(|buffer| Command::Show(Shown::Buffer(buffer)));
+    let range = look.range.then_some(Command::Range(range::Change::Open(true)));
+    let layers = look.overlay.iter().map(|overlay| Command::Overlays(overlays::Change::Toggle(*overlay)));
+    let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
+    show.into_iter().chain(range).chain(layers).chain(list).collect()
 }
 
 fn comparison(compare: Compare) -> Change {

@@ -45,6 +45,8 @@ impl ColorMap {
                 return [grey, grey, grey, 255];
             }
         };
+        // This gradient begins with purple.
+        let at = if self == Self::Diverging { 1.0 - at } else { at };
         let [r, g, b] = gradient.eval_continuous(at).as_array();
         [r, g, b, 255]
     }

@@ -68,7 +68,7 @@ mod tests {
 
     #[test]
     fn every_finite_number_is_counted_once_and_where_it_lies() {
-        let values: Vec<f32> = (0..500_u16).map(|i| f32::from(i * 331 % 503) / 100.0 - 1.0).collect();
+        let values: Vec<f32> = (0..500_u32).map(|i| (i * 331 % 503) as f32 / 100.0 - 1.0).collect();
         let range = Range { low: -0.5, high: 3.0 };
         let histogram = Histogram::of(values.iter().copied().chain([f32::NAN, f32::INFINITY]), range, 13);
         let count = |inside: &dyn Fn(f64) -> bool| values.iter().filter(|v| inside(f64::from(**v))).count() as u64;

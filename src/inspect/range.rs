@@ -51,8 +51,9 @@ impl Fit {
         let all = Region { left: 0, top: 0, right: size.0, bottom: size.1 };
         let region = if let Self::Within(region) = self { region } else { all };
         let values = pixels(region, size).flat_map(|(x, y)| {
-            let several = matches!(value(x, y), Value::Color(_) | Value::Weights(_));
-            channels(value(x, y)).enumerate().filter(move |(i, _)| !several || chosen[*i]).map(|(_, v)| v)
+            let value = value(x, y);
+            let several = matches!(value, Value::Color(_) | Value::Weights(_));
+            channels(value).enumerate().filter(move |(i, _)| !several || chosen[*i]).map(|(_, v)| v)
         });
         match self {
             Self::All | Self::Within(_) => Range::fit(values),

@@ -67,7 +67,7 @@ mod tests {
     #[test]
     fn figures_are_those_of_two_passes() {
         // Far from zero, where the sum of squares would cancel.
-        let values: Vec<f32> = (0..1000_u16).map(|i| 50_000.0 + f32::from(i * 7919 % 1009) / 64.0).collect();
+        let values: Vec<f32> = (0..1000_u32).map(|i| 50_000.0 + (i * 7919 % 1009) as f32 / 64.0).collect();
         let statistics = Statistics::of(values.iter().copied());
         let mean = values.iter().map(|v| f64::from(*v)).sum::<f64>() / 1000.0;
         let variance = values.iter().map(|v| (f64::from(*v) - mean).powi(2)).sum::<f64>() / 1000.0;

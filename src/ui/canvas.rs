@@ -16,6 +16,7 @@ use super::fault_bar;
 use super::format;
 use super::look::kind;
 use super::navigate::navigate;
+use super::overlays::{self, marks};
 use super::range::plot::{legend_strip, short};
 use super::range::{self, card, region};
 use super::session::Session;
@@ -115,6 +116,11 @@ impl Canvas {
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
+        let vectors = placement.points_per_px >= marks::VECTORS_FROM;
+        if vectors != session.overlays.vectors {
+            commands.push(Command::Overlays(overlays::Change::Vectors(vectors)));
+        }
+        overlays::card::ui(ui, rect, session, view, commands);
         let visible = region::visible(placement, view.picture.size());
         if visible != session.range.visible {
             commands.push(Command::Range(range::Change::Visible(visible)));
@@ -152,6 +158,7 @@ impl Canvas {
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
         grid(&painter, placement, (width, height));
         numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), |x, y| view.value(x, y));
+        marks::paint(&painter, placement, session, view);
         self.boxing.paint(ui, &painter, placement, session);
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);

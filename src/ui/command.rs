@@ -11,6 +11,7 @@ use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::judging::StabilityView;
 use super::lab;
+use super::overlays;
 use super::range;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
@@ -107,6 +108,8 @@ pub enum Command {
     ClearTimings,
     /// Save the picture that the canvas shows.
     SavePicture,
+    /// Save the exact values of what the canvas shows as floats.
+    SaveData,
     /// Save the scene as drawing commands, in the format of this end of a file name.
     SaveOutline(OutlineKind, &'static str),
     /// Put the picture on the clipboard.
@@ -129,6 +132,8 @@ pub enum Command {
     AskForPixel,
     /// Drop what is selected, innermost first.
     Escape,
+    /// Change what is laid over the picture.
+    Overlays(overlays::Change),
     /// Change the range or the colours of what is shown.
     Range(range::Change),
     /// Show the lab, or the pipeline again.
@@ -163,6 +168,12 @@ impl Binding {
 /// The key map. Later entries of one key have fewer modifiers, so the first match is the right one.
 pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::COMMAND, Key::O, || Command::AskForFile, "Open a model or a case"),
+    bind(
+        Modifiers::COMMAND.plus(Modifiers::SHIFT),
+        Key::S,
+        || Command::SaveData,
+        "Save the exact values as floats (PFM)",
+    ),
     bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
@@ -176,6 +187,12 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "One triangle more"),
     bind(Modifiers::SHIFT, Key::J, || Command::StepFault(-1), "Previous faulty pixel of what is shown"),
     bind(Modifiers::NONE, Key::J, || Command::StepFault(1), "Next faulty pixel of what is shown"),
+    bind(
+        Modifiers::NONE,
+        Key::O,
+        || Command::Overlays(overlays::Change::ToggleOpen),
+        "Show or hide the list of overlays",
+    ),
     bind(Modifiers::SHIFT, Key::N, || Command::Range(range::Change::FitVisible), "Fit the range to what is on screen"),
     bind(Modifiers::NONE, Key::N, || Command::Range(range::Change::Fit(Fit::All)), "Fit the range to all values"),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Before the first triangle"),

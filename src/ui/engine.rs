@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::look::{self, Look, Looked};
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer, run};
 use crate::image::{Image, Rgba8};
+use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::view::Range;
 use crate::inspect::{PixelReport, Stage, inspect};
@@ -167,6 +168,8 @@ pub struct StageFigures {
     pub times: StageTimes,
     /// Counts.
     pub counters: Counters,
+    /// Fragments whose depth or weights are NaN or infinite.
+    pub bad: u64,
 }
 
 /// Finds out the figures of a view piece by piece, each at most as long as a frame.
@@ -191,16 +194,18 @@ impl Figuring {
     pub fn step(&mut self) -> Option<StageFigures> {
         let View { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
-        Some(StageFigures { times, counters: count(request, frame) })
+        let BadFragments { counters, bad, .. } = count(request, frame);
+        Some(StageFigures { times, counters, bad })
     }
 }
 
 /// Counts without shading: as many fragments are shaded as pass.
-fn count(request: &Request, frame: &Frame) -> Counters {
+fn count(request: &Request, frame: &Frame) -> BadFragments {
     let Request { scene, camera, recipe, .. } = request;
-    let mut counters = Counters::default();
-    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counters);
-    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counters);
+    let mut counting = BadFragments::new(recipe.pipeline);
+    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counting);
+    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counting);
+    let counters = &mut counting.counters;
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
-    counters
+    counting
 }

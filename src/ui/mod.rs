@@ -24,6 +24,8 @@ pub mod engine;
 
 pub mod range;
 
+pub mod overlays;
+
 pub mod compare;
 
 pub mod worker;

@@ -16,6 +16,7 @@ use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::look::Look;
 use super::open_case::{self, OpenCase};
+use super::overlays::Overlays;
 use super::range::{self, RangeControl};
 use super::timings::Timings;
 use crate::case::Case;
@@ -189,6 +190,8 @@ pub struct Session {
     pub lab: Lab,
     /// Ranges and colours of what is shown.
     pub range: RangeControl,
+    /// What is laid over the picture.
+    pub overlays: Overlays,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -244,6 +247,7 @@ impl Session {
             growth: Growth::default(),
             lab: Lab::default(),
             range: RangeControl::default(),
+            overlays: Overlays::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -275,7 +279,12 @@ impl Session {
             shown: self.shown,
             triangle_limit: self.triangle_limit,
             pick: self.pick,
-            look: Look { display: self.range.setting(self.shown).display, measures: self.range.measures(self.shown) },
+            look: Look {
+                display: self.range.setting(self.shown).display,
+                measures: self.range.measures(self.shown),
+                layers: self.overlays.layers.clone(),
+                vectors: self.overlays.vectors,
+            },
         }
     }
 
@@ -411,6 +420,7 @@ impl Session {
                     self.state.recipe.upscaler = upscaler;
                 }
             }
+            Command::Overlays(change) => return self.overlays.apply(change).map(Command::Overlays),
             Command::Range(change) => self.range.apply(change, self.shown, self.view.as_ref()),
             Command::Compare(Change::ToggleRegion) if !self.comparison.is_on() => {
                 self.range.apply(range::Change::Reset, self.shown, None);
@@ -467,6 +477,9 @@ impl Session {
     /// The crack or double hit after or before the picked pixel, in reading order and round the end; the first or the last if
     /// none is picked, none if the frame on screen has none or its hits were not counted.
     pub fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
+        if self.overlays.stepped().is_some() {
+            return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
+        }
         let hits = self.view.as_ref()?.buffers.as_ref()?.hits.as_ref()?;
         hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
     }

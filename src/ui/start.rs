@@ -63,6 +63,8 @@ pub struct ScreenshotRequest {
     pub measure: bool,
     /// What is compared, if anything.
     pub compare: Option<Change>,
+    /// What else is changed before the picture is taken.
+    pub changes: Vec<Command>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
     /// The picked pixel; one near the middle if none is given.
@@ -154,6 +156,9 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     app.session_mut().pick = request.selected;
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
+    }
+    for command in request.changes.iter().cloned() {
+        app.session_mut().apply(command);
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);

@@ -1,6 +1,6 @@
 //! Stepping through the frame: stage by stage, buffer by buffer, triangle by triangle.
 
-use eframe::egui::{Key, Role};
+use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::{Buffer, Stage, stages};
 use rasterscope::pipeline::settings::{Choice as _, FillRule};

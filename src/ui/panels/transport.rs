@@ -8,6 +8,7 @@ use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
+use crate::ui::overlays;
 use crate::ui::range;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
@@ -40,7 +41,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 316.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 412.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -66,6 +67,13 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let help = "Range and histogram of what is shown, on the picture";
     if icon_button(ui, Icon::ChartColumn, help).clicked() {
         commands.push(Command::Range(range::Change::Open(!session.range.open)));
+    }
+    let count = session.overlays.count();
+    let text = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
+    let help = "What is laid over the picture: edges, counts, sizes, faults, each with a legend  (O)";
+    let button = Button::selectable(session.overlays.open, text);
+    if ui.add(button).on_hover_text(help).clicked() {
+        commands.push(Command::Overlays(overlays::Change::ToggleOpen));
     }
 }
 

@@ -11,6 +11,8 @@ pub mod figures;
 
 pub mod region;
 
+pub mod save;
+
 use super::engine::{Shown, View};
 use super::look::{Measures, kind};
 use crate::inspect::display::{ColorMap, Display, Kind};
@@ -93,7 +95,10 @@ impl RangeControl {
     /// The figures that are wanted of what is shown, if any are.
     pub fn measures(&self, shown: Shown) -> Option<Measures> {
         let wanted = (self.open || self.tab) && kind(shown) != Kind::Names;
-        wanted.then(|| Measures { axis: self.setting(shown).axis, region: self.region })
+        // Codes have the same ends in every picture.
+        let codes = Range { low: 0.0, high: 255.0 };
+        let whole = (kind(shown) == Kind::Colors).then_some(codes);
+        wanted.then(|| Measures { axis: self.setting(shown).axis.or(whole), region: self.region })
     }
 
     /// Applies a change to the settings of what is shown. `view` is what is on screen, which ranges are fitted to.

@@ -14,7 +14,7 @@ use crate::ui::theme::{Icon, space, tokens};
 use crate::ui::widgets::empty_state;
 
 /// Width of the table of figures, in points; the histogram has the rest.
-const TABLE: f32 = 620.0;
+const TABLE: f32 = 700.0;
 
 /// Draws the tab.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {

@@ -5,7 +5,7 @@ use eframe::egui::{CursorIcon, Painter, PointerButton, Rect, Response, Stroke, S
 use super::Change;
 use crate::measure::region::Region;
 use crate::ui::command::Command;
-use crate::ui::session::Session;
+use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{MARK_EDGE, tokens};
 use crate::ui::zoom::Placement;
 
@@ -25,7 +25,9 @@ impl Dragging {
         session: &Session,
         commands: &mut Vec<Command>,
     ) -> bool {
-        let wanted = session.range.draws_region || ui.input(|i| i.modifiers.shift_only());
+        // In camera mode Shift moves the view.
+        let inspects = session.pointer_mode == PointerMode::Inspect;
+        let wanted = session.range.draws_region || inspects && ui.input(|i| i.modifiers.shift_only());
         if !wanted && self.corners.is_none() {
             return false;
         }
