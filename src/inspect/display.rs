@@ -118,28 +118,25 @@ impl Kind {
 impl Display {
     /// The range that a buffer of a frame is shown with; `None` if it has none.
     pub fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
-        let kind = Kind::of(buffer);
         let value = |x: u32, y: u32| view::value(buffer, frame, buffers, x, y);
+        let natural = || view::range(buffer, frame, buffers);
+        self.range_of(Kind::of(buffer), frame.image().size(), natural, value)
+    }
+
+    /// The range that a picture of values is shown with, whose kind is known. `natural` gives what suits numbers; if it
+    /// gives nothing, all values decide.
+    pub fn range_of(
+        &self,
+        kind: Kind,
+        size: (u32, u32),
+        natural: impl Fn() -> Option<Range>,
+        value: impl Fn(u32, u32) -> Value,
+    ) -> Option<Range> {
         match self.rule {
             _ if kind == Kind::Names => None,
             Rule::Fixed(range) => Some(range),
-            Rule::Sticky(fit) => fit.range(frame.image().size(), self.channels, value).or_else(|| kind.natural()),
-            Rule::Natural => kind
-                .natural()
-                .or_else(|| view::range(buffer, frame, buffers))
-                .or_else(|| Fit::All.range(frame.image().size(), self.channels, value)),
-        }
-    }
-
-    /// The range of a picture of colours.
-    pub fn range_of_colors(&self, picture: &Image<Rgba8>) -> Range {
-        let natural = Range { low: 0.0, high: 255.0 };
-        match self.rule {
-            Rule::Natural => natural,
-            Rule::Fixed(range) => range,
-            Rule::Sticky(fit) => {
-                fit.range(picture.size(), self.channels, |x, y| Value::Color(picture.at(x, y))).unwrap_or(natural)
-            }
+            Rule::Sticky(fit) => fit.range(size, self.channels, value).or_else(|| kind.natural()),
+            Rule::Natural => kind.natural().or_else(natural).or_else(|| Fit::All.range(size, self.channels, value)),
         }
     }
 
@@ -157,18 +154,19 @@ impl Display {
         if self.reversed { 1.0 - position } else { position }
     }
 
-    /// The colour of a number of a buffer.
-    pub fn number_color(&self, buffer: Buffer, range: Range, number: f32) -> Rgba8 {
+    /// The colour of a number; `buffer` is the one that it is of, if it is of one.
+    pub fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
         let position = self.position(range, number);
-        match self.map {
+        match (self.map, buffer) {
             _ if position.is_nan() => NOT_A_NUMBER,
-            Some(map) => map.color(position),
-            None => view::map_color(buffer, position),
+            (Some(map), _) => map.color(position),
+            (None, Some(buffer)) => view::map_color(buffer, position),
+            (None, None) => view::magnitude_color(position),
         }
     }
 
     /// The colour of a position in [0, 1] between the ends of the range.
-    pub fn legend_color(&self, buffer: Buffer, range: Range, share: f32) -> Rgba8 {
+    pub fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
         let number = range.low + (range.high - range.low) * share;
         // Ends that are equal still have a whole map between them.
         let range = if range.high > range.low { range } else { Range { low: 0.0, high: 1.0 } };
@@ -190,8 +188,8 @@ impl Display {
         }
     }
 
-    /// The colour of a value of a buffer.
-    fn color(&self, buffer: Buffer, range: Range, value: Value) -> Rgba8 {
+    /// The colour of a value.
+    fn color(&self, buffer: Option<Buffer>, range: Range, value: Value) -> Rgba8 {
         match value {
             Value::NotDrawn | Value::Nothing => NOT_DRAWN,
             Value::Number(number) => self.number_color(buffer, range, number),
@@ -213,10 +211,8 @@ impl Display {
         if *self == Self::default() {
             return view::picture(buffer, frame, buffers, range);
         }
-        let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
-        let (width, height) = frame.image().size();
-        let color = |x, y| self.color(buffer, range, view::value(buffer, frame, buffers, x, y));
-        let mut image = Image::from_fn(width, height, color);
+        let value = |x, y| view::value(buffer, frame, buffers, x, y);
+        let mut image = self.picture_of(Some(buffer), frame.image().size(), range, value);
         let hits = buffers.and_then(|buffers| buffers.hits.as_ref()).filter(|_| buffer == Buffer::Hits);
         for fault in hits.iter().flat_map(|hits| &hits.faults) {
             image.set(fault.x, fault.y, fault_color(fault.kind));
@@ -224,9 +220,16 @@ impl Display {
         image
     }
 
-    /// A picture of colours by this range and these channels.
-    pub fn recolored(&self, picture: &Image<Rgba8>, range: Range) -> Image<Rgba8> {
-        picture.map(|color| self.color(Buffer::Color, range, Value::Color(color)))
+    /// A picture of values; `buffer` is the one that they are of, if they are of one.
+    pub fn picture_of(
+        &self,
+        buffer: Option<Buffer>,
+        (width, height): (u32, u32),
+        range: Option<Range>,
+        value: impl Fn(u32, u32) -> Value,
+    ) -> Image<Rgba8> {
+        let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
+        Image::from_fn(width, height, |x, y| self.color(buffer, range, value(x, y)))
     }
 }
 
@@ -301,7 +304,7 @@ mod tests {
         let range = Range { low: 0.0, high: 255.0 };
         let shown = |channels| {
             let display = Display { channels, ..Display::default() };
-            display.recolored(&Image::filled(1, 1, [10, 20, 30, 255]), range).at(0, 0)
+            display.picture_of(None, (1, 1), Some(range), |_, _| Value::Color([10, 20, 30, 255])).at(0, 0)
         };
         assert_eq!(shown([false, true, false]), [20, 20, 20, 255]);
         assert_eq!(shown([true, false, true]), [10, 0, 30, 255]);
@@ -317,7 +320,7 @@ mod tests {
         assert_eq!(display.position(range, -4.0), 0.0);
         let reversed = Display { reversed: true, ..display };
         assert_eq!(reversed.position(range, 4.0), 0.0);
-        assert_eq!(display.number_color(Buffer::Depth, range, f32::NAN), NOT_A_NUMBER);
+        assert_eq!(display.number_color(Some(Buffer::Depth), range, f32::NAN), NOT_A_NUMBER);
         let [[r, _, b, _], middle, [red, _, blue, _]] = [0.0, 0.5, 1.0].map(|at| ColorMap::Diverging.color(at));
         assert!(r > b && red < blue, "orange is below and purple above");
         assert!(middle[..3].iter().all(|code| *code > 230), "{middle:?}");

@@ -239,9 +239,9 @@ fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
     let inner = frame.shrink(space::S);
     let text_height = text.size().y;
     painter.galley(inner.min, text, tokens(ui).text);
-    let (Some(range), Shown::Buffer(buffer)) = (range, view.request.shown) else { return frame };
+    let Some(range) = range else { return frame };
     let bar = Rect::from_min_size(inner.min + vec2(0.0, text_height + 4.0), vec2(WIDTH, BAR));
-    legend_strip(ui, bar, buffer, &session.range.setting(view.request.shown), range);
+    legend_strip(ui, bar, view.request.shown, &session.range.setting(view.request.shown), range);
     let mono = FontId::monospace(font_size::SMALL);
     painter.text(bar.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, short(range.low), mono.clone(), tokens(ui).text);
     painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, short(range.high), mono, tokens(ui).text);

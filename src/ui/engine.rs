@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::look::{self, Look, Looked};
+use super::look::{self, Look, Looked, Source};
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer, run};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
@@ -122,7 +122,10 @@ impl Engine {
             }
         };
         let buffers = needed_buffers(&request, &frame, kept_buffers);
-        let looked = look::look(&request, &frame, buffers.as_deref(), kept);
+        let looked = {
+            let source = Source { frame: &frame, buffers: buffers.as_deref(), stage: None };
+            look::look(&request, source, kept)
+        };
         let report =
             request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
         let (picture, range) = (looked.picture.clone(), looked.range);

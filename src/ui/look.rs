@@ -56,46 +56,80 @@ pub struct Looked {
     pub measured: Option<Arc<Measured>>,
 }
 
+/// Everything that values come from.
+#[derive(Clone, Copy)]
+pub struct Source<'a> {
+    /// The frame.
+    pub frame: &'a Frame,
+    /// Quantities of the frame, if a buffer that needs them is shown.
+    pub buffers: Option<&'a Buffers>,
+    /// The picture after a stage, if such a picture is shown.
+    pub stage: Option<&'a Image<Rgba8>>,
+}
+
+impl Source<'_> {
+    /// What is shown at a pixel of the full picture.
+    fn value(&self, shown: Shown, x: u32, y: u32) -> Value {
+        match shown {
+            Shown::Buffer(buffer) => value(buffer, self.frame, self.buffers, x, y),
+            Shown::Stage(_) => self.stage.and_then(|stage| stage.get(x, y)).map_or(Value::Nothing, Value::Color),
+        }
+    }
+
+    /// What is shown, in its colours, and the ends of its range.
+    fn colored(&self, shown: Shown, display: &Display) -> (Image<Rgba8>, Option<Range>) {
+        if let Shown::Buffer(buffer) = shown {
+            let range = display.range(buffer, self.frame, self.buffers);
+            return (display.picture(buffer, self.frame, self.buffers, range), range);
+        }
+        let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(shown, x, y));
+        let range = display.range_of(kind(shown), size, || None, value);
+        (display.picture_of(None, size, range, value), range)
+    }
+}
+
 /// Answers the look of a request, reusing what was found for the one before of the same frame, if there was one.
-pub fn look(request: &Request, frame: &Frame, buffers: Option<&Buffers>, kept: Option<(Request, Looked)>) -> Looked {
+pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked)>) -> Looked {
+    let frame = source.frame;
     let (watched, sheets) = match &kept {
         Some((_, looked)) => (looked.watched.clone(), looked.sheets.clone()),
         None => Default::default(),
     };
-    let same_shown = |(before, _): &(Request, Looked)| before.shown == request.shown;
-    let same_colors = kept.as_ref().is_some_and(|k| same_shown(k) && k.0.look.display == request.look.display);
-    let kept = kept.filter(same_shown);
+    let kept = kept.filter(|(before, _)| before.shown == request.shown);
+    let same_colors = kept.as_ref().is_some_and(|(before, _)| before.look.display == request.look.display);
     let stage = match request.shown {
         Shown::Stage(stage) => Some(kept.as_ref().and_then(|(_, looked)| looked.stage.clone()).unwrap_or_else(|| {
             Arc::new(stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage))
         })),
-        Shown::Buffer(_) => None,
+        _ => None,
     };
-    let display = request.look.display;
+    let source = Source { stage: stage.as_deref(), ..source };
+    let value = |x: u32, y: u32| source.value(request.shown, x, y);
     let (base, range) = match kept.as_ref().filter(|_| same_colors) {
         Some((_, looked)) => (looked.base.clone(), looked.range),
-        None => colored(&display, request.shown, frame, buffers, stage.as_ref()),
+        None => {
+            let (base, range) = source.colored(request.shown, &request.look.display);
+            (Arc::new(base), range)
+        }
     };
     let same_figures = |(before, _): &&(Request, Looked)| before.look.measures == request.look.measures;
     let measured = match kept.as_ref().filter(same_figures) {
         Some((_, looked)) => looked.measured.clone(),
         None => request.look.measures.map(|wanted| {
-            let value = |x: u32, y: u32| value_at(request.shown, frame, buffers, stage.as_deref(), x, y);
             let count = kind(request.shown).channels().len();
             Arc::new(measure(frame.image().size(), count, wanted.axis, wanted.region, value))
         }),
     };
-    let still_right = |sheet: &&Arc<Sheet>| same_colors || !sheet.overlay.reads_shown();
-    let shown = |x: u32, y: u32| value_at(request.shown, frame, buffers, stage.as_deref(), x, y);
     let context = Context {
         scene: &request.scene,
         recipe: &request.recipe,
         frame,
         is_whole: request.triangle_limit.is_none(),
         watched: &watched,
-        shown: &shown,
+        shown: &value,
         range,
     };
+    let still_right = |sheet: &&Arc<Sheet>| same_colors || !sheet.overlay.reads_shown();
     let sheet = |layer: &Layer| {
         let known = sheets.iter().filter(still_right).find(|sheet| sheet.overlay == layer.overlay);
         known.cloned().unwrap_or_else(|| Arc::new(layer.overlay.sheet(&context)))
@@ -113,28 +147,6 @@ fn composed(base: &Arc<Image<Rgba8>>, sheets: &[Arc<Sheet>], look: &Look) -> Arc
     if layers.is_empty() { base.clone() } else { Arc::new(compose(base, layers)) }
 }
 
-/// What is shown, in its colours, and the ends of its range.
-fn colored(
-    display: &Display,
-    shown: Shown,
-    frame: &Frame,
-    buffers: Option<&Buffers>,
-    stage: Option<&Arc<Image<Rgba8>>>,
-) -> (Arc<Image<Rgba8>>, Option<Range>) {
-    match (shown, stage) {
-        (_, Some(stage)) => {
-            let range = display.range_of_colors(stage);
-            let plain = *display == Display::default();
-            (if plain { stage.clone() } else { Arc::new(display.recolored(stage, range)) }, Some(range))
-        }
-        (Shown::Buffer(buffer), None) => {
-            let range = display.range(buffer, frame, buffers);
-            (Arc::new(display.picture(buffer, frame, buffers, range)), range)
-        }
-        (Shown::Stage(_), None) => (Arc::new(frame.image().clone()), None),
-    }
-}
-
 /// What the values of something shown are.
 pub fn kind(shown: Shown) -> Kind {
     match shown {
@@ -143,24 +155,10 @@ pub fn kind(shown: Shown) -> Kind {
     }
 }
 
-fn value_at(
-    shown: Shown,
-    frame: &Frame,
-    buffers: Option<&Buffers>,
-    stage: Option<&Image<Rgba8>>,
-    x: u32,
-    y: u32,
-) -> Value {
-    match shown {
-        Shown::Buffer(buffer) => value(buffer, frame, buffers, x, y),
-        Shown::Stage(_) => stage.and_then(|stage| stage.get(x, y)).map_or(Value::Nothing, Value::Color),
-    }
-}
-
 impl View {
     /// The exact value that is shown at a pixel inside the picture, whatever colours stand for it.
     pub fn value(&self, x: u32, y: u32) -> Value {
-        let stage = self.looked.stage.as_deref();
-        value_at(self.request.shown, &self.frame, self.buffers.as_deref(), stage, x, y)
+        let (buffers, stage) = (self.buffers.as_deref(), self.looked.stage.as_deref());
+        Source { frame: &self.frame, buffers, stage }.value(self.request.shown, x, y)
     }
 }

@@ -160,7 +160,7 @@ impl Sheet {
 /// A number with what it counts or measures: whole numbers as they are, others with four digits that count.
 fn amount(value: f32, unit: &str) -> String {
     match value.abs() {
-        size if size == 1.0 => format!("{value} {}", unit.trim_end_matches('s')),
+        1.0 => format!("{value} {}", unit.trim_end_matches('s')),
         size if value.fract() == 0.0 && size < 1e7 => format!("{value} {unit}"),
         size if size >= 1000.0 => format!("{value:.0} {unit}"),
         size if size >= 0.01 => format!("{value:.4} {unit}"),

@@ -94,15 +94,15 @@ impl Plot<'_> {
 
 /// The colour that stands for a number; for channels how bright they are at it.
 pub fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
-    match shown {
-        Shown::Buffer(buffer) if Kind::of(buffer) == Kind::Numbers => {
-            setting.display.number_color(buffer, range, number)
-        }
-        _ => {
-            let grey = (range.position(number) * 255.0).round() as u8;
-            [grey, grey, grey, 255]
-        }
+    if kind(shown) == Kind::Numbers {
+        return setting.display.number_color(buffer_of(shown), range, number);
     }
+    let grey = (range.position(number) * 255.0).round() as u8;
+    [grey, grey, grey, 255]
+}
+
+fn buffer_of(shown: Shown) -> Option<Buffer> {
+    if let Shown::Buffer(buffer) = shown { Some(buffer) } else { None }
 }
 
 /// The ends of the axis, and what the highest bar stands for.
@@ -187,10 +187,10 @@ fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Kind)
 }
 
 /// A bar of the colours of a range, from its low to its high end.
-pub fn legend_strip(ui: &Ui, rect: Rect, buffer: Buffer, setting: &Setting, range: Range) {
+pub fn legend_strip(ui: &Ui, rect: Rect, shown: Shown, setting: &Setting, range: Range) {
     for point in 0..rect.width() as u32 {
         let share = point as f32 / (rect.width() - 1.0).max(1.0);
-        let [r, g, b, _] = setting.display.legend_color(buffer, range, share);
+        let [r, g, b, _] = setting.display.legend_color(buffer_of(shown), range, share);
         let column = Rect::from_min_size(rect.min + vec2(point as f32, 0.0), vec2(1.0, rect.height()));
         ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
     }
