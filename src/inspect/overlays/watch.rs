@@ -8,6 +8,7 @@ use crate::pipeline::interpolate::{Attributes, Fragment, interpolate};
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::raster::{Sample, doubled_area};
 use crate::pipeline::settings::{Arithmetic, Interpolation};
+use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
 
@@ -53,6 +54,9 @@ pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
         frame,
         current: None,
         has_depth: frame.drawn.depth.is_some(),
+        shaders: (scene.instances.iter().zip(&frame.plans))
+            .map(|(instance, plan)| Shader::new(&recipe.pipeline, &scene.library, instance, plan))
+            .collect(),
         seen: Watched {
             rasterized: Image::filled(width, height, 0),
             passed: Image::filled(width, height, 0),
@@ -72,6 +76,8 @@ struct Watcher<'a> {
     /// The triangle whose samples come in, by its address, and what is the same for all of them.
     current: Option<(*const ScreenTriangle, Whole)>,
     has_depth: bool,
+    /// One for each instance.
+    shaders: Vec<Shader<'a>>,
     seen: Watched,
 }
 
@@ -117,6 +123,12 @@ impl Watcher<'_> {
         }
     }
 
+    /// Whether what lies behind a blended fragment is still seen.
+    fn is_seen_through(&self, triangle: &ScreenTriangle, fragment: &Fragment) -> bool {
+        let shader = self.shaders.get(triangle.instance as usize);
+        self.recipe.pipeline.shading.reads_material() && shader.is_some_and(|shader| shader.alpha(fragment) < 1.0)
+    }
+
     /// Texels per pixel along a side: the root of the area that a pixel covers in the texture.
     fn texels_per_px(&self, triangle: &ScreenTriangle, sample: Sample, texels: f32) -> f32 {
         if texels == 0.0 {
@@ -153,7 +165,8 @@ impl Observer for Watcher<'_> {
         let whole = self.whole(triangle);
         let texels_per_px = self.texels_per_px(triangle, fragment.sample, whole.texels);
         let (column, row) = (fragment.sample.column, fragment.sample.row);
-        let below = if whole.is_blended { self.seen.visible.at(column, row) } else { 0 };
+        let is_seen_through = whole.is_blended && self.is_seen_through(triangle, fragment);
+        let below = if is_seen_through { self.seen.visible.at(column, row) } else { 0 };
         self.seen.visible.set(column, row, below + 1);
         self.seen.owner.set(column, row, triangle.id);
         self.seen.surface.set(column, row, Surface { texels_per_px, ..whole.surface });

@@ -213,7 +213,7 @@ fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mu
 fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<Change>) {
     let mut map = chosen;
     let name = map.map_or("Colours of its own", ColorMap::name);
-    ui.push_id("map", |ui| {
+    ui.name_inputs("Colour map", |ui| {
         combo("color map", name, 170.0).show_ui(ui, |ui| {
             ui.selectable_value(&mut map, None, "Colours of its own").on_hover_text("Those that suit the quantity");
             for option in ColorMap::ALL {
