@@ -73,8 +73,8 @@ const SIZE: (u32, u32) = (48, 36);
 /// Points each way that stand for an area where it is not computed.
 const DENSE: u32 = 12;
 
-/// Points each way that stand for the truth where it has no formula.
-const TRUTH: u32 = 24;
+/// Points each way that stand for the truth where it has no formula: others than those of any method.
+const TRUTH: u32 = 43;
 
 /// Frames of the film of the wheel.
 const FRAMES: u32 = 48;
@@ -212,10 +212,28 @@ impl SamplingLesson {
         })
     }
 
-    /// Mean value of each pixel's square: by exact areas for the edge, by many points for the others.
+    /// The mean of the source over a pixel's square: its texels by their shares of the square.
+    fn texel_mean(&self, (x, y): (u32, u32)) -> f64 {
+        let along = |pixel: u32, middle: f64, side: u32, texels: u32| {
+            let per_px = f64::from(texels) / f64::from(side);
+            let from = (f64::from(pixel) + f64::from(side) / 2.0 - middle) * per_px;
+            let to = from + per_px;
+            let share = move |texel: i64| ((texel + 1) as f64).min(to) - (texel as f64).max(from);
+            (from.floor() as i64..to.ceil() as i64).map(move |texel| (texel, share(texel) / per_px))
+        };
+        let columns = || along(x, self.middle.x, SIZE.0, self.source.width());
+        let rows = along(y, self.middle.y, SIZE.1, self.source.height());
+        rows.flat_map(|row| columns().map(move |column| (column, row)))
+            .map(|((column, wide), (row, high))| wide * high * self.source.at_clamped(column, row))
+            .sum()
+    }
+
+    /// Mean value of each pixel's square: by exact areas for the edge and pictures, by many points for the others.
     fn truth(&self) -> Image<f64> {
-        if self.scene != SamplingScene::Edge {
-            return Image::from_fn(SIZE.0, SIZE.1, |x, y| self.mean((x, y), TRUTH, false, 0.0));
+        match self.scene {
+            SamplingScene::Edge => {}
+            SamplingScene::Picture => return Image::from_fn(SIZE.0, SIZE.1, |x, y| self.texel_mean((x, y))),
+            _ => return Image::from_fn(SIZE.0, SIZE.1, |x, y| self.mean((x, y), TRUTH, false, 0.0)),
         }
         let [a, b, c, d] = self.half_plane();
         let mut truth = Image::filled(SIZE.0, SIZE.1, 0.0);

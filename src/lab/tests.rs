@@ -123,9 +123,14 @@ fn a_picture_becomes_the_canvas_of_the_pages_that_have_one() {
     }
     let mut sampling = SamplingLesson { method: SamplingMethod::Point, ..SamplingLesson::default() };
     sampling.set_picture(&picture);
-    // Half is dark: a sum of half the pixels, by any method.
+    // Half is dark: a sum of half the pixels, and no pixel is mixed until the middle is moved by a part of one.
     assert_eq!(fact(&sampling.record(), "sum of the picture"), "864.00");
     assert_eq!(fact(&sampling.record(), "root mean square error"), "0.00000");
+    sampling.middle.x += 0.25;
+    assert_eq!(
+        (fact(&sampling.record(), "sum of the picture"), fact(&sampling.record(), "true sum")),
+        ("864.00", "855.00")
+    );
 }
 
 #[test]
