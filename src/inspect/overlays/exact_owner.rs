@@ -13,8 +13,8 @@ use crate::scene::TriangleId;
 
 const DIFFERENCES: [Kind; 3] = [
     Kind { name: "another triangle", color: [255, 0, 190, 255], striped: false },
-    Kind { name: "missing: exact arithmetic draws here", color: [48, 132, 255, 255], striped: false },
-    Kind { name: "extra: exact arithmetic draws nothing here", color: [255, 150, 0, 255], striped: false },
+    Kind { name: "missing", color: [48, 132, 255, 255], striped: false },
+    Kind { name: "extra", color: [255, 150, 0, 255], striped: false },
 ];
 
 /// The recipe of the oracle.
@@ -55,7 +55,7 @@ pub(super) fn exact_owner(context: &Context<'_>) -> Sheet {
         counts[kind] += 1;
     }
     let values = context.spread(|column, row| kind(column, row).map_or(f32::NAN, |kind| kind as f32));
-    let names = ["another triangle", "missing", "extra"];
-    let totals = names.into_iter().zip(counts).map(|(name, n)| Total { name, number: n as f64, unit: "px" });
+    let totals =
+        DIFFERENCES.iter().zip(counts).map(|(kind, n)| Total { name: kind.name, number: n as f64, unit: "px" });
     Sheet::new(overlay, values, Key::Kinds(&DIFFERENCES), totals.collect())
 }

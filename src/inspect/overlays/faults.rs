@@ -20,8 +20,8 @@ pub(super) fn faults(context: &Context<'_>) -> Sheet {
         values.set(fault.x, fault.y, if fault.kind == FaultKind::Crack { 0.0 } else { 1.0 });
     }
     let totals = vec![
-        Total { name: "cracks", number: hits.count(FaultKind::Crack) as f64, unit: "px" },
-        Total { name: "double hits", number: hits.count(FaultKind::DoubleHit) as f64, unit: "px" },
+        Total { name: "crack", number: hits.count(FaultKind::Crack) as f64, unit: "px" },
+        Total { name: "double hit", number: hits.count(FaultKind::DoubleHit) as f64, unit: "px" },
         Total { name: "wrong elsewhere", number: hits.elsewhere as f64, unit: "px" },
     ];
     Sheet::new(Overlay::Faults, values, Key::Kinds(&FAULTS), totals)

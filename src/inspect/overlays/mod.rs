@@ -50,7 +50,7 @@ choice! {
         Faults = "faults", "Cracks and double hits", "Pixels along shared edges that no triangle draws, or two do, without depth test.";
         BadNumbers = "bad-numbers", "NaN, infinite, negative", "Values of the shown quantity that are not a number, not finite, or below zero.";
         Clipped = "clipped", "Clipped", "Values of the shown quantity beyond the ends of its range; codes of colours at 0 and 255, too.";
-        ExactOwner = "exact-owner", "Owner against exact", "Pixels that show another triangle than exact arithmetic on unsnapped corners would.";
+        ExactOwner = "exact-owner", "Owner against exact", "Pixels that show another triangle than exact arithmetic on unsnapped corners would: missing where only that one draws, extra where only this frame does.";
         TileLoad = "tile-load", "Tile load", "Triangles that each 64-px tile of the tiled way is handed.";
     }
 }

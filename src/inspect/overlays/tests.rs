@@ -187,8 +187,7 @@ fn texel_density_is_what_neighbours_differ_by() {
 #[test]
 fn faults_lie_where_hits_are_wrong() {
     let mut recipe = Recipe::default();
-    for (rule, kind, color) in
-        [(FillRule::Exclusive, "cracks", CRACK), (FillRule::Inclusive, "double hits", DOUBLE_HIT)]
+    for (rule, kind, color) in [(FillRule::Exclusive, "crack", CRACK), (FillRule::Inclusive, "double hit", DOUBLE_HIT)]
     {
         recipe.pipeline.fill_rule = rule;
         let bench = Bench::new("shared-edges", recipe, (32, 24));

@@ -1,6 +1,6 @@
 //! What the colours of an overlay stand for, and its totals.
 
-use eframe::egui::{Align2, Color32, FontId, Rect, RichText, Sense, Ui, vec2};
+use eframe::egui::{Align, Align2, Color32, FontId, Layout, Rect, RichText, Sense, Ui, vec2};
 
 use crate::image::Rgba8;
 use crate::inspect::overlays::{Key, Scale, Sheet, Total};
@@ -27,19 +27,18 @@ pub fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
                 ui.horizontal(|ui| {
                     ui.spacing_mut().item_spacing.x = space::XS;
                     square(ui, kind.color);
-                    let text = RichText::new(kind.name).small().color(tokens(ui).text);
-                    let number = amount(total);
-                    ui.label(text);
+                    ui.label(RichText::new(kind.name).small().color(tokens(ui).text));
                     // Totals of the same name belong to the kind.
-                    if kind.name.starts_with(total.name) {
-                        ui.label(RichText::new(number).small().monospace().color(tokens(ui).text_weak));
+                    if kind.name == total.name {
+                        let number = RichText::new(amount(total)).small().color(tokens(ui).text_weak);
+                        ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(number));
                     }
                 });
             }
         }
     }
     let of_kinds = |total: &&Total| match &sheet.key {
-        Key::Kinds(kinds) => !kinds.iter().any(|kind| kind.name.starts_with(total.name)),
+        Key::Kinds(kinds) => !kinds.iter().any(|kind| kind.name == total.name),
         Key::Lines | Key::Scale(_) => true,
     };
     for total in sheet.totals.iter().filter(of_kinds).take(most_totals) {

@@ -41,7 +41,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 412.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 352.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -69,10 +69,13 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::Range(range::Change::Open(!session.range.open)));
     }
     let count = session.overlays.count();
-    let text = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
-    let help = "What is laid over the picture: edges, counts, sizes, faults, each with a legend  (O)";
-    let button = Button::selectable(session.overlays.open, text);
-    if ui.add(button).on_hover_text(help).clicked() {
+    let name = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
+    let text = if count > 0 { count.to_string() } else { String::new() };
+    let help = "edges, counts, sizes and faults over the picture, each with a legend  (O)";
+    let button = Button::selectable(session.overlays.open, (theme::icon(Icon::Layers), text));
+    let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.overlays.open, &name));
+    if response.clicked() {
         commands.push(Command::Overlays(overlays::Change::ToggleOpen));
     }
 }
