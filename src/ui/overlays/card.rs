@@ -12,7 +12,7 @@ use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::icon_button;
 
 /// Width of the card, in points.
-const WIDTH: f32 = 288.0;
+const WIDTH: f32 = 272.0;
 
 /// Width of the card that has legends only, in points.
 const LEGEND_WIDTH: f32 = 216.0;

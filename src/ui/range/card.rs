@@ -18,13 +18,13 @@ use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
 /// Width of the card, in points.
-const WIDTH: f32 = 356.0;
+const WIDTH: f32 = 320.0;
 
 /// Height of the histogram with its numbers, in points.
 const PLOT_HEIGHT: f32 = 78.0;
 
 /// Width of the fields of both ends, in points.
-const FIELD: f32 = 96.0;
+const FIELD: f32 = 84.0;
 
 /// Draws the card; returns the place that it takes.
 pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) -> Rect {
@@ -214,7 +214,7 @@ fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<Change>) {
     let mut map = chosen;
     let name = map.map_or("Colours of its own", ColorMap::name);
     ui.name_inputs("Colour map", |ui| {
-        combo("color map", name, 170.0).show_ui(ui, |ui| {
+        combo("color map", name, 156.0).show_ui(ui, |ui| {
             ui.selectable_value(&mut map, None, "Colours of its own").on_hover_text("Those that suit the quantity");
             for option in ColorMap::ALL {
                 ui.selectable_value(&mut map, Some(*option), option.name()).on_hover_text(option.help());

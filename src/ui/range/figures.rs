@@ -30,11 +30,24 @@ pub fn texts(figures: &Statistics) -> [String; 7] {
         format::count(figures.finite),
         known(short(figures.min)),
         known(short(figures.max)),
-        known(short(figures.mean as f32)),
-        known(short(figures.deviation() as f32)),
+        known(rounded(figures.mean)),
+        known(rounded(figures.deviation())),
         format::count(figures.nan),
         format::count(figures.infinite),
     ]
+}
+
+/// A computed figure with six digits that count: more would tell nothing.
+fn rounded(value: f64) -> String {
+    const DIGITS: i32 = 6;
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if (-4..9).contains(&exponent) {
+        return format::fixed(value, (DIGITS - 1 - exponent).max(0) as usize);
+    }
+    format!("{value:.5e}").replace('-', "−")
 }
 
 /// The rows of a dragged rectangle: where it is, and the figures of each channel.
@@ -58,5 +71,29 @@ pub fn part(ui: &mut Ui, region: Region, kind: Kind, channels: &[Statistics], ch
             let label = Label::new(RichText::new(&text).small().monospace()).truncate().selectable(true);
             ui.add(label).on_hover_text(&text);
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn computed_figures_have_six_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (128.674_744, "128.675"),
+            (-0.012_345_678, "−0.0123457"),
+            (1_234_567.8, "1234568"),
+            (1.5e-9, "1.50000e−9"),
+        ] {
+            assert_eq!(rounded(value), text);
+        }
+    }
+
+    #[test]
+    fn without_finite_values_there_are_only_counts() {
+        let texts = texts(&Statistics::of([f32::NAN, f32::INFINITY]));
+        assert_eq!(texts.each_ref().map(String::as_str), ["0", "–", "–", "–", "–", "1", "1"]);
     }
 }
