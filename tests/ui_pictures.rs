@@ -266,6 +266,8 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             compare: None,
             changes: Vec::new(),
             tab: None,
+            moment: None,
+            fate: None,
             lab: None,
         };
         assert_eq!(screenshot(&request).map(|image| image.size()), Ok((width, height)));

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::Buffer;
+use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::inspect::overlays::Overlay;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
@@ -74,6 +75,17 @@ pub(crate) struct Look {
     /// Show the list of overlays
     #[arg(long)]
     pub(crate) overlays: bool,
+    /// Draw only the first triangles
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) triangles: Option<usize>,
+
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "FRAGMENTS", requires = "triangles")]
+    pub(crate) fragments: Option<usize>,
+
+    /// Select the triangles that ended so, and open the tab of fates
+    #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
+    pub(crate) fate: Option<TriangleFate>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -98,6 +110,9 @@ impl Default for Look {
             range: false,
             overlay: Vec::new(),
             overlays: false,
+            triangles: None,
+            fragments: None,
+            fate: None,
             lab: None,
             lab_step: None,
         }
@@ -141,6 +156,8 @@ pub(crate) enum Tab {
     Xray,
     /// How often each value of what is shown is there
     Histogram,
+    /// Where triangles and fragments went
+    Fates,
     /// What the scene needs and what is left out
     Plan,
     /// How cost grows

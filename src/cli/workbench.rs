@@ -7,6 +7,7 @@
 use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::engine::Shown;
@@ -46,6 +47,8 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
         changes: look_changes(look),
+        moment: look.triangles.map(|triangles| Moment { triangles, fragments: look.fragments }),
+        fate: look.fate,
         lab: look.lab.map(|page| (page, look.lab_step)),
     };
     ui::screenshot(&request).map_err(|picture| {
@@ -80,6 +83,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Xray => bottom::Tab::Xray,
         Tab::Histogram => bottom::Tab::Histogram,
+        Tab::Fates => bottom::Tab::Fates,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,

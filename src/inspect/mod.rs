@@ -12,6 +12,8 @@ pub mod depth;
 
 pub mod display;
 
+pub mod fates;
+
 pub mod feeds;
 
 pub mod histogram;
@@ -30,6 +32,10 @@ pub mod planes;
 
 pub mod range;
 
+pub mod scrub;
+
+pub mod selection;
+
 pub mod stages;
 
 pub mod statistics;
@@ -40,6 +46,8 @@ pub mod view;
 
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
+pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use selection::TriangleSelection;
 pub use stages::Stage;

@@ -12,6 +12,7 @@ use eframe::egui::{
 
 use super::command::Command;
 use super::engine::{Shown, View};
+use super::fates::overlay::{SelectionLayer, badge};
 use super::fault_bar;
 use super::format;
 use super::look::kind;
@@ -71,6 +72,7 @@ pub struct Canvas {
     pub hovered: Option<(u32, u32)>,
     /// The rectangle that is being dragged.
     boxing: region::Dragging,
+    selection: SelectionLayer,
 }
 
 impl Canvas {
@@ -116,6 +118,7 @@ impl Canvas {
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
+        badge(ui, rect, session, commands);
         let vectors = placement.points_per_px >= marks::VECTORS_FROM;
         if vectors != session.overlays.vectors {
             commands.push(Command::Overlays(overlays::Change::Vectors(vectors)));
@@ -156,6 +159,7 @@ impl Canvas {
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
+        self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
         numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), |x, y| view.value(x, y));
         marks::paint(&painter, placement, session, view);

@@ -158,6 +158,7 @@ impl Timings {
             pick: None,
             triangle_limit: None,
             look: Look::default(),
+            fragment_limit: None,
             ..r.clone()
         };
         self.measured_of.as_ref().is_some_and(|measured| plain(measured).same_view(&plain(request)))
@@ -198,6 +199,7 @@ mod tests {
             viewport: Viewport { width: 8, height: 6 },
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
+            fragment_limit: None,
             pick: None,
             look: Look::default(),
         }

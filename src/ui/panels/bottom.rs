@@ -4,6 +4,7 @@ use eframe::egui::{ScrollArea, Ui};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
+use crate::ui::fates::tab as fates;
 use crate::ui::range::panel;
 use crate::ui::session::Session;
 
@@ -19,6 +20,8 @@ pub enum Tab {
     Xray,
     /// How often each value is there.
     Histogram,
+    /// Where triangles and fragments went.
+    Fates,
     /// What the scene needs and what is left out.
     Plan,
     /// How cost grows.
@@ -29,7 +32,7 @@ pub enum Tab {
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 8] = [
+const TABS: [(Tab, &str, &str); 9] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -38,6 +41,7 @@ const TABS: [(Tab, &str, &str); 8] = [
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
     (Tab::Histogram, "Histogram", "How often each value of what is shown is there, and the figures of it"),
+    (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
     (
@@ -79,6 +83,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 panel::controls(ui, session, commands);
             }
+            Tab::Fates => {
+                ui.separator();
+                fates::controls(ui, session);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -89,6 +97,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
+        Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Plan => {
