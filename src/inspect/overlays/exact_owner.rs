@@ -7,6 +7,7 @@
 use super::sheet::{Key, Kind, Sheet, Total};
 use super::watch::watch;
 use super::{Context, Overlay};
+use crate::antialias::settings::{Antialiasing, PostFilter};
 use crate::chain::{Recipe, run};
 use crate::pipeline::settings::{Arithmetic, Execution, FillRule, Rasterizer, Settings};
 use crate::scene::TriangleId;
@@ -26,7 +27,9 @@ fn oracle(recipe: &Recipe) -> Recipe {
         fill_rule: if fill_rule.is_sound() { fill_rule } else { FillRule::TopLeft },
         ..recipe.pipeline
     };
-    Recipe { execution: Execution::Classic, pipeline, wireframe: false, ..*recipe }
+    // Owners are those of the centres of pixels, whatever their colours are made of.
+    let (antialias, post) = (Antialiasing::default(), PostFilter::default());
+    Recipe { execution: Execution::Classic, pipeline, antialias, post, wireframe: false, ..*recipe }
 }
 
 /// Where owners differ.

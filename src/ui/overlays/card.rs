@@ -1,6 +1,6 @@
 //! The list of all overlays in the canvas's upper right corner: what is on, how strong, in which order, with its legend.
 
-use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, vec2};
+use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, WidgetInfo, vec2};
 
 use super::{Change, legend};
 use crate::inspect::overlays::Overlay;
@@ -125,6 +125,8 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes:
             let mut opacity = layer.opacity;
             ui.spacing_mut().slider_width = 56.0;
             let slider = ui.add(Slider::new(&mut opacity, 0.0..=1.0).show_value(false));
+            let name = format!("Opacity of “{}”", overlay.name());
+            slider.widget_info(|| WidgetInfo::slider(true, f64::from(layer.opacity), &name));
             if slider.on_hover_text(format!("Opacity {:.0} %", 100.0 * layer.opacity)).changed() {
                 changes.push(Change::Opacity(overlay, opacity));
             }
