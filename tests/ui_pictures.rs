@@ -267,6 +267,8 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             mesh: None,
             compare: None,
             tab: None,
+            moment: None,
+            fate: None,
             lab: None,
         };
         assert_eq!(screenshot(&request).map(|image| image.size()), Ok((width, height)));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::inspect::mesh_view::MeshStyle;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
@@ -66,6 +67,18 @@ pub(crate) struct Look {
     #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
     pub(crate) mesh: Option<MeshStyle>,
 
+    /// Draw only the first triangles
+    #[arg(long, value_name = "TRIANGLES")]
+    pub(crate) triangles: Option<usize>,
+
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "FRAGMENTS", requires = "triangles")]
+    pub(crate) fragments: Option<usize>,
+
+    /// Select the triangles that ended so, and open the tab of fates
+    #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
+    pub(crate) fate: Option<TriangleFate>,
+
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
     pub(crate) lab: Option<Page>,
@@ -87,6 +100,9 @@ impl Default for Look {
             tab: None,
             probe: false,
             mesh: None,
+            triangles: None,
+            fragments: None,
+            fate: None,
             lab: None,
             lab_step: None,
         }
@@ -128,6 +144,8 @@ pub(crate) enum Tab {
     ErrorTime,
     /// What the picked pixel is made of
     Xray,
+    /// Where triangles and fragments went
+    Fates,
     /// What the scene needs and what is left out
     Plan,
     /// How cost grows

@@ -7,6 +7,7 @@
 use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::panels::bottom;
 use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
@@ -43,6 +44,8 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         tab: look.tab.map(tab),
         probe: look.probe,
         mesh: look.mesh,
+        moment: look.triangles.map(|triangles| Moment { triangles, fragments: look.fragments }),
+        fate: look.fate,
         lab: look.lab.map(|page| (page, look.lab_step)),
     };
     ui::screenshot(&request).map_err(|picture| {
@@ -67,6 +70,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Xray => bottom::Tab::Xray,
+        Tab::Fates => bottom::Tab::Fates,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,

@@ -8,6 +8,8 @@ pub mod buffers;
 
 pub mod depth;
 
+pub mod fates;
+
 pub mod feeds;
 
 pub mod hits;
@@ -20,6 +22,10 @@ pub mod pixel;
 
 pub mod probe;
 
+pub mod scrub;
+
+pub mod selection;
+
 pub mod stages;
 
 mod verdict;
@@ -30,6 +36,8 @@ pub mod view;
 
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
+pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use selection::TriangleSelection;
 pub use stages::Stage;

@@ -8,6 +8,7 @@ use eframe::egui::{
 use super::picture::{Painter, Wish};
 use super::{Change, inner, look, marks};
 use crate::inspect::mesh_view::{MeshStyle, first_view, key};
+use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, TriangleId};
@@ -77,6 +78,8 @@ impl MeshPane {
             && let Some(triangle) = response.interact_pointer_pos().and_then(under)
         {
             commands.push(Command::MeshView(Change::Select(triangle)));
+            let one = TriangleSelection::new(format!("triangle {}", triangle.0), [triangle]);
+            commands.push(Command::Select(one));
         }
         legend(ui, &painter, rect, session.mesh_view.style);
         caption(ui, &painter, rect, session, view, hovered);

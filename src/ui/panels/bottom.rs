@@ -4,6 +4,7 @@ use eframe::egui::{ScrollArea, Ui};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
+use crate::ui::fates::tab as fates;
 use crate::ui::probe;
 use crate::ui::session::Session;
 use crate::ui::vertices;
@@ -18,6 +19,8 @@ pub enum Tab {
     ErrorTime,
     /// What a pixel of the picture is made of.
     Xray,
+    /// Where triangles and fragments went.
+    Fates,
     /// What the scene needs and what is left out.
     Plan,
     /// How cost grows.
@@ -32,7 +35,7 @@ pub enum Tab {
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 9] = [
+const TABS: [(Tab, &str, &str); 10] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -40,6 +43,7 @@ const TABS: [(Tab, &str, &str); 9] = [
         "X-ray",
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
+    (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
     (
@@ -83,6 +87,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Fates => {
+                ui.separator();
+                fates::controls(ui, session);
+            }
             Tab::Vertices => {
                 ui.separator();
                 vertices::controls(ui, session, commands);
@@ -99,6 +107,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
+        Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Vertices => vertices::ui(ui, session, commands),
