@@ -12,6 +12,10 @@ pub mod fates;
 
 pub mod feeds;
 
+pub mod fields;
+
+pub mod find;
+
 pub mod hits;
 
 pub mod mesh_view;
@@ -24,6 +28,7 @@ pub mod probe;
 
 pub mod scrub;
 
+pub mod place;
 pub mod selection;
 
 pub mod stages;
@@ -34,10 +39,15 @@ pub mod vertices;
 
 pub mod view;
 
+pub mod watch;
+
+pub mod what_if;
+
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use place::Place;
 pub use selection::TriangleSelection;
 pub use stages::Stage;

@@ -42,6 +42,12 @@ pub mod open_case;
 
 pub mod session;
 
+pub mod place;
+
+pub mod what_if;
+
+pub mod watch;
+
 pub mod fault_bar;
 
 pub mod zoom;
@@ -56,8 +62,12 @@ pub mod mesh_view;
 
 pub mod panels;
 
+pub mod palette;
+
+pub mod key_sheet;
+
 pub mod app;
 
 mod start;
 
-pub use start::{ScreenshotRequest, Theme, WindowStart, run_window, screenshot};
+pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, run_window, screenshot};

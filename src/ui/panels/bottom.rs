@@ -8,6 +8,7 @@ use crate::ui::fates::tab as fates;
 use crate::ui::probe;
 use crate::ui::session::Session;
 use crate::ui::vertices;
+use crate::ui::watch;
 
 /// A tab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -31,11 +32,14 @@ pub enum Tab {
     Vertices,
     /// How firmly the picture stands.
     Probe,
+    /// What all buffers hold at watched pixels.
+    Watch,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 10] = [
+/// All tabs, with name and explanation.
+pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -57,6 +61,7 @@ const TABS: [(Tab, &str, &str); 10] = [
         "Probe",
         "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
     ),
+    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -64,7 +69,7 @@ const TABS: [(Tab, &str, &str); 10] = [
 pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         for (value, name, help) in TABS {
-            ui.selectable_value(tab, value, name).on_hover_text(help);
+            ui.selectable_value(tab, *value, *name).on_hover_text(*help);
         }
         match tab {
             Tab::FrameTime => {
@@ -91,6 +96,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 fates::controls(ui, session);
             }
+            Tab::Watch => {
+                ui.separator();
+                watch::panel::controls(ui, session, commands);
+            }
             Tab::Vertices => {
                 ui.separator();
                 vertices::controls(ui, session, commands);
@@ -109,6 +118,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
+        Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Vertices => vertices::ui(ui, session, commands),
         Tab::Probe => probe::ui(ui, session, commands),

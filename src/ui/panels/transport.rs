@@ -10,6 +10,7 @@ use crate::ui::engine::Shown;
 use crate::ui::mesh_view;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
 /// Draws the bar over the canvas: what is shown, how large, and what the pointer does. `scale` is the enlargement on
@@ -34,7 +35,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 288.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 316.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -59,6 +60,9 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
         commands.push(Command::MeshView(mesh_view::Change::Toggle));
+    }
+    if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
+        commands.push(Command::WhatIf(what_if::Change::Toggle));
     }
 }
 
