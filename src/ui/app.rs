@@ -468,6 +468,10 @@ impl Workbench {
             Command::OpenTab(tab) => self.tab = tab,
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
+                let center = (x as f32 + 0.5, y as f32 + 0.5);
+                self.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
+            }
             Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
             Command::Place(place::Change::Copy) => {
                 ui.ctx().copy_text(self.session.command_line());

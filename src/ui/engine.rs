@@ -51,6 +51,11 @@ impl Request {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick
     }
 
+    /// Whether the canvas shows the same for both, whichever pixel is questioned.
+    pub fn same_picture(&self, other: &Self) -> bool {
+        self.same_frame(other) && self.shown == other.shown
+    }
+
     fn same_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera

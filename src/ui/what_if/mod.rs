@@ -101,7 +101,7 @@ impl WhatIf {
 
     /// What was found, if it is of what is shown now.
     fn current(&self, view: &View) -> Option<&Found> {
-        let same = |found: &&Found| found.request.after.same_view(&view.request);
+        let same = |found: &&Found| found.request.after.same_picture(&view.request);
         self.found.as_ref().filter(|_| self.open).filter(same)
     }
 
