@@ -115,7 +115,7 @@ impl Binning<'_> {
     /// Fills `chunks`, whose memory is used again.
     pub(super) fn run(&self, lanes: Lanes, chunks: &mut Vec<Chunk>) {
         self.share_out(chunks);
-        chunks.par_iter_mut().enumerate().for_each(|(number, chunk)| {
+        chunks.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, chunk)| {
             for part in 0..chunk.parts.len() {
                 let (draw, first, end) = chunk.parts[part];
                 on_lanes!(lanes, simd => self.cull(simd, &self.draws[draw], first..end, number, chunk));
