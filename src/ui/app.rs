@@ -152,7 +152,11 @@ impl Workbench {
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
         for command in commands {
+            let nudges = matches!(command, Command::NudgePick(..));
             self.run(ui, command);
+            if let Some(pixel) = self.session.pick.filter(|_| nudges) {
+                self.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
+            }
         }
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));

@@ -181,6 +181,7 @@ impl Session {
             return None;
         }
         self.case = None;
+        self.lab.open = false;
         if place.scene == self.place().scene {
             self.stand_at(&place);
             return None;
