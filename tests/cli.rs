@@ -17,8 +17,8 @@ use rasterscope::scene::builtin;
 use rasterscope::upscale;
 use tempfile::TempDir;
 
-const COMMANDS_WITH_SETTINGS: [&[&str]; 7] =
-    [&[], &["render"], &["vector"], &["pixel"], &["plan"], &["screenshot"], &["window"]];
+const COMMANDS_WITH_SETTINGS: [&[&str]; 8] =
+    [&[], &["render"], &["vector"], &["pixel"], &["fates"], &["plan"], &["screenshot"], &["window"]];
 
 /// The program, to be run in a folder of its own and with no display in reach.
 fn program(folder: &TempDir, args: &[&str]) -> Command {

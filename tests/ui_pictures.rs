@@ -266,6 +266,8 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             measure: false,
             compare: None,
             tab: None,
+            moment: None,
+            fate: None,
             lab: None,
             first: Vec::new(),
         };

@@ -4,9 +4,11 @@
 //! that cannot be written; 3 no window where one was asked for.
 
 mod bench;
+mod bench_scrub;
 mod case;
 mod diff;
 mod failure;
+mod fates;
 mod lab;
 mod output;
 mod parse;
@@ -64,6 +66,9 @@ enum Command {
     /// Tell why a pixel looks as it does: every fragment there, who won and why, down to the texels
     #[command(after_help = EXIT_CODES)]
     Pixel(pixel::PixelArgs),
+    /// Tell how every triangle and every fragment ended, in all and per object
+    #[command(after_help = EXIT_CODES)]
+    Fates(fates::FatesArgs),
     /// Tell what each draw runs and leaves out, and why
     #[command(after_help = EXIT_CODES)]
     Plan(plan::PlanArgs),
@@ -120,6 +125,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Window(args)) => window::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Pixel(args)) => pixel::run(args),
+        Some(Command::Fates(args)) => fates::run(args),
         Some(Command::Plan(args)) => plan::run(args),
         Some(Command::Diff(args)) => diff::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),

@@ -14,6 +14,7 @@ use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};
+use super::seen_args::moment;
 use super::{output, parse};
 
 /// What `render` takes.
@@ -34,6 +35,10 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
 
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "N", requires = "triangles")]
+    fragments: Option<usize>,
+
     /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
     #[arg(long, value_name = "X,Y", hide = true)]
     at: Option<String>,
@@ -49,7 +54,7 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw(args.triangles)?;
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw_at(moment(args.triangles, args.fragments))?;
     let mut faults = None;
     let image = match args.stage {
         Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use rasterscope::chain::{Frame, Recipe, Renderer, run};
+use rasterscope::inspect::scrub::{BUDGET, Moment, Scrubber};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::Loaded;
@@ -162,16 +163,21 @@ impl FrameArgs {
         self.scene.view()
     }
 
-    /// Draws the frame, of the first so many rasterized triangles if there is a limit.
-    pub(crate) fn draw(&self, triangles: Option<usize>) -> Result<Drawn, Failure> {
+    /// Draws the frame.
+    pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
+        self.draw_at(None)
+    }
+
+    /// Draws the frame, as it is at an earlier moment if one is given.
+    pub(crate) fn draw_at(&self, moment: Option<Moment>) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.view()?;
-        let frame = match triangles {
+        let frame = match moment {
             None => Renderer::default().render_settled(&scene, &camera, &recipe, self.size),
-            Some(limit) => {
-                let mut frame = run(&scene, &camera, &recipe, self.size, &mut ());
-                frame.geometry.triangles.truncate(limit);
-                frame.redraw(&scene, &recipe);
-                frame
+            Some(moment) => {
+                let whole = run(&scene, &camera, &recipe, self.size, &mut ());
+                let mut scrubber = Scrubber::new(&scene, &recipe, &whole, BUDGET);
+                let drawn = scrubber.go(moment);
+                whole.at_moment(&recipe, drawn, scrubber.geometry_at(moment))
             }
         };
         Ok(Drawn { scene, camera, recipe, frame })

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -72,6 +73,9 @@ pub(crate) struct Look {
     /// What is open over the workbench
     #[arg(long)]
     pub(crate) open: Option<Open>,
+    /// Select the triangles that ended so, and open the tab of fates
+    #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
+    pub(crate) fate: Option<TriangleFate>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -94,6 +98,7 @@ impl Default for Look {
             tab: None,
             watch: false,
             open: None,
+            fate: None,
             lab: None,
             lab_step: None,
         }
@@ -146,6 +151,8 @@ pub(crate) enum Tab {
     ErrorTime,
     /// What the picked pixel is made of
     Xray,
+    /// Where triangles and fragments went
+    Fates,
     /// What the scene needs and what is left out
     Plan,
     /// How cost grows

@@ -48,6 +48,8 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
+        moment: shown.moment(),
+        fate: look.fate,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against
             .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
@@ -86,6 +88,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Xray => bottom::Tab::Xray,
+        Tab::Fates => bottom::Tab::Fates,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
@@ -94,9 +97,9 @@ fn tab(tab: Tab) -> bottom::Tab {
     }
 }
 
-fn seen(SeenArgs { buffer, stage, triangles, picture }: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
-    let shown = stage.map(Shown::Stage).or(buffer.map(Shown::Buffer));
-    Seen { pixel, shown, triangles, picture }
+fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
+    let shown = args.stage.map(Shown::Stage).or(args.buffer.map(Shown::Buffer));
+    Seen { pixel, shown, moment: args.moment(), picture: args.picture }
 }
 
 fn start(view: View, seen: Seen) -> WindowStart {

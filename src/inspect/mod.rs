@@ -8,6 +8,8 @@ pub mod buffers;
 
 pub mod depth;
 
+pub mod fates;
+
 pub mod feeds;
 
 pub mod fields;
@@ -22,6 +24,10 @@ pub mod pixel;
 
 pub mod place;
 
+pub mod scrub;
+
+pub mod selection;
+
 pub mod stages;
 
 mod verdict;
@@ -34,7 +40,9 @@ pub mod what_if;
 
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
+pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
 pub use place::Place;
+pub use selection::TriangleSelection;
 pub use stages::Stage;

@@ -15,6 +15,8 @@ use super::compare::compute::CompareRequest;
 use super::compare::tiles::TilesView;
 use super::compare::{self, Change, Mode};
 use super::engine::{Request, Shown};
+use super::fates;
+use super::fates::finder::Finder;
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
 use super::navigate::FLYING_KEYS;
@@ -25,6 +27,7 @@ use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
+use super::scrub;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
 use super::theme;
@@ -85,6 +88,7 @@ pub struct Workbench {
     asked_to_watch: Vec<(u32, u32)>,
     finding: Option<Task<(), (Wanted, Found)>>,
     inspector: Inspector,
+    fates: Finder,
     dialog: Dialog,
     tab: Tab,
     /// Whether the theme is light, and the interface scale, as last drawn: saving has no context to ask.
@@ -116,6 +120,7 @@ impl Workbench {
             asked_to_watch: Vec::new(),
             finding: None,
             inspector: Inspector::default(),
+            fates: Finder::default(),
             dialog: Dialog::default(),
             tab: Tab::default(),
             look: (false, 1.0),
@@ -165,6 +170,7 @@ impl Workbench {
         self.ask_to_compare(ui);
         self.ask_what_if(ui);
         self.ask_to_watch(ui);
+        self.fates.tend(ui, &mut self.session, self.tab == Tab::Fates, self.waits);
         self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
     }
 
@@ -210,8 +216,8 @@ impl Workbench {
         Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
             transport::toolbar(ui, &self.session, self.canvas.scale(), commands);
         });
-        Panel::bottom("scrubber").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
-            transport::scrubber(ui, &self.session, commands);
+        Panel::bottom("scrubber").frame(frame).exact_size(scrub::transport::HEIGHT).show(ui, |ui| {
+            scrub::transport::ui(ui, &self.session, commands);
         });
         let compares = self.session.comparison.is_on() && self.session.case.is_none();
         if compares {
@@ -501,6 +507,10 @@ impl Workbench {
         if self.session.case.take().is_some() {
             return;
         }
+        if !self.session.selection.is_empty() {
+            self.session.apply(Command::Fates(fates::Change::Clear));
+            return;
+        }
         if self.session.pick.take().is_some() {
             return;
         }
@@ -508,13 +518,13 @@ impl Workbench {
             self.session.apply(Command::Compare(Change::Mode(Mode::Off)));
         } else {
             self.session.shown = Shown::Buffer(Buffer::Color);
-            self.session.triangle_limit = None;
+            self.session.apply(Command::LimitTriangles(None));
         }
     }
 
     /// Starts timing all upscalers on what is shown.
     pub fn measure(&mut self) {
-        let request = Request { triangle_limit: None, ..self.session.request() };
+        let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
         self.session.timings.begin_measurement(request.clone());
         self.session.measuring = Some(Measuring { progress: 0.0 });
         if self.tab != Tab::ErrorTime {

@@ -12,6 +12,7 @@ use eframe::egui::{
 
 use super::command::Command;
 use super::engine::{Shown, View};
+use super::fates::overlay::{SelectionLayer, badge};
 use super::fault_bar;
 use super::format;
 use super::navigate::navigate;
@@ -66,6 +67,7 @@ pub struct Canvas {
     pub zoom: Zoom,
     /// The pixel under the pointer.
     pub hovered: Option<(u32, u32)>,
+    selection: SelectionLayer,
 }
 
 impl Canvas {
@@ -110,6 +112,7 @@ impl Canvas {
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
+        badge(ui, rect, session, commands);
         if session.shown != Shown::Buffer(Buffer::Color) {
             let frame = legend(ui, rect, view);
             let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
@@ -137,6 +140,7 @@ impl Canvas {
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
+        self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
         let value = |x, y| match view.request.shown {
             Shown::Stage(_) => Value::Color(view.picture.at(x, y)),

@@ -9,16 +9,20 @@ use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
 use super::compare::{Change, Mode};
 use super::engine::Shown;
+use super::fates;
 use super::judging::StabilityView;
 use super::lab;
 use super::panels::bottom::Tab;
 use super::place;
+use super::scrub;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
 use super::watch;
 use super::what_if;
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
+use crate::inspect::scrub::Unit;
+use crate::inspect::selection::TriangleSelection;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
 
@@ -145,6 +149,12 @@ pub enum Command {
     Watch(watch::Change),
     /// Keep a place, or go to one.
     Place(place::Change),
+    /// Go through the making of the frame.
+    Scrub(scrub::Change),
+    /// Ask for triangles by how they ended.
+    Fates(fates::Change),
+    /// Select these triangles in the picture, or none.
+    Select(TriangleSelection),
 }
 
 /// A key, what it does, and the words for it.
@@ -204,6 +214,33 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "One picture pixel per screen pixel"),
     bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Show the stage before"),
     bind(Modifiers::NONE, Key::CloseBracket, || Command::StepStage(1), "Show the stage after"),
+    bind(Modifiers::COMMAND, Key::Comma, || Command::Scrub(scrub::Change::Step(Unit::Draw, false)), "One object fewer"),
+    bind(Modifiers::COMMAND, Key::Period, || Command::Scrub(scrub::Change::Step(Unit::Draw, true)), "One object more"),
+    bind(
+        Modifiers::SHIFT,
+        Key::Comma,
+        || Command::Scrub(scrub::Change::Step(Unit::Fragment, false)),
+        "One fragment fewer",
+    ),
+    bind(
+        Modifiers::SHIFT,
+        Key::Period,
+        || Command::Scrub(scrub::Change::Step(Unit::Fragment, true)),
+        "One fragment more",
+    ),
+    bind(Modifiers::SHIFT, Key::Space, || Command::Scrub(scrub::Change::Play(false)), "Play backwards, or pause"),
+    bind(
+        Modifiers::NONE,
+        Key::Space,
+        || Command::Scrub(scrub::Change::Play(true)),
+        "Play how the frame comes about, or pause",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::X,
+        || Command::Scrub(scrub::Change::Touching(None)),
+        "Step only to what touches the picked pixel, or to all",
+    ),
     bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "One triangle fewer"),
     bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "One triangle more"),
     bind(Modifiers::NONE, Key::P, || Command::StepFault(-1), "Previous crack or double hit"),

@@ -12,6 +12,10 @@ pub mod headless;
 
 pub mod task;
 
+pub mod fates;
+
+pub mod scrub;
+
 pub mod theme;
 
 pub mod format;

@@ -12,17 +12,20 @@ use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
 use super::compare::{Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
+use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
 use super::place::{Bookmark, Places};
+use super::scrub::{self, Scrub};
 use super::timings::Timings;
 use super::watch::Watch;
 use super::what_if::WhatIf;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
-use crate::inspect::{Buffer, Stage};
+use crate::inspect::scrub::{Moment, Unit};
+use crate::inspect::{Buffer, Stage, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::column::Column;
@@ -164,6 +167,8 @@ pub struct Session {
     pub shown: Shown,
     /// Only the first so many triangles.
     pub triangle_limit: Option<usize>,
+    /// How somebody goes through the frame.
+    pub scrub: Scrub,
     /// The questioned pixel.
     pub pick: Option<(u32, u32)>,
     /// What the pointer does.
@@ -198,6 +203,10 @@ pub struct Session {
     pub what_if: WhatIf,
     /// Pixels that are watched.
     pub watch: Watch,
+    /// The triangles that are singled out in the picture, in tables and on meshes.
+    pub selection: TriangleSelection,
+    /// Where triangles and fragments went.
+    pub fates: FatesView,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -238,6 +247,7 @@ impl Session {
             state,
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
+            scrub: Scrub::default(),
             pick: None,
             pointer_mode: PointerMode::Inspect,
             canvas_px: (0, 0),
@@ -255,6 +265,8 @@ impl Session {
             places: Places::default(),
             what_if: WhatIf::default(),
             watch: Watch::default(),
+            selection: TriangleSelection::default(),
+            fates: FatesView::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -285,6 +297,7 @@ impl Session {
             viewport: self.viewport(),
             shown: self.shown,
             triangle_limit: self.triangle_limit,
+            fragment_limit: self.scrub.fragment_limit,
             pick: self.pick,
         }
     }
@@ -347,9 +360,10 @@ impl Session {
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
-        self.triangle_limit = None;
+        (self.triangle_limit, self.scrub.fragment_limit, self.scrub.playing) = (None, None, 0);
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
+        (self.selection, self.fates) = Default::default();
         self.timings.clear();
         self.error = None;
         self.arrive();
@@ -446,11 +460,13 @@ impl Session {
             Command::NudgePick(dx, dy) => self.nudge(dx, dy),
             Command::Show(shown) => self.shown = shown,
             Command::StepStage(step) => self.step_stage(step),
-            Command::LimitTriangles(limit) => self.limit_triangles(limit),
-            Command::StepTriangle(step) => {
-                let shown = self.triangle_limit.unwrap_or(self.triangle_count()) as i64;
-                self.limit_triangles(Some((shown + step).max(0) as usize));
+            Command::LimitTriangles(limit) => {
+                self.scrub(scrub::Change::Go(Moment::after(limit.unwrap_or(self.triangle_count()))));
             }
+            Command::StepTriangle(step) => {
+                self.scrub(scrub::Change::Step(Unit::Triangle, step > 0));
+            }
+            Command::Scrub(change) => return self.scrub(change).and_then(|command| self.apply(command)),
             Command::SetPointerMode(mode) => self.pointer_mode = mode,
             Command::TogglePointerMode => self.pointer_mode = self.pointer_mode.other(),
             Command::Undo => self.travel(true),
@@ -462,6 +478,8 @@ impl Session {
                 }
             }
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
+            Command::Fates(change) => self.fates.apply(change, &mut self.selection),
+            Command::Select(selection) => self.selection = selection,
             Command::ShowStability(view) => self.stability.view = view,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
@@ -541,11 +559,6 @@ impl Session {
             Shown::Buffer(_) => last,
         };
         self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
-    }
-
-    fn limit_triangles(&mut self, limit: Option<usize>) {
-        let all = self.triangle_count();
-        self.triangle_limit = limit.filter(|limit| *limit < all);
     }
 
     fn travel(&mut self, back: bool) {

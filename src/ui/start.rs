@@ -9,6 +9,7 @@ use super::app::Workbench;
 use super::command::Command;
 use super::compare::Change;
 use super::engine::Shown;
+use super::fates;
 use super::headless::Headless;
 use super::lab;
 use super::panels::bottom::Tab;
@@ -18,6 +19,8 @@ use super::watch;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
+use crate::inspect::fates::{Bin, TriangleFate};
+use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, SceneSource, Warning};
@@ -50,8 +53,8 @@ pub struct Seen {
     pub pixel: Option<(u32, u32)>,
     /// A buffer or the picture after a stage.
     pub shown: Option<Shown>,
-    /// Only the first so many rasterized triangles.
-    pub triangles: Option<usize>,
+    /// An earlier moment of the frame than its last.
+    pub moment: Option<Moment>,
     /// Size of the picture.
     pub picture: Option<Viewport>,
 }
@@ -60,7 +63,8 @@ impl Seen {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
-        session.triangle_limit = self.triangles;
+        session.triangle_limit = self.moment.map(|moment| moment.triangles);
+        session.scrub.fragment_limit = self.moment.and_then(|moment| moment.fragments);
         if let Some(Viewport { width, height }) = self.picture {
             session.state.size = PictureSize::Fixed(width, height);
         }
@@ -93,6 +97,10 @@ pub struct ScreenshotRequest {
     pub compare: Option<Change>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
+    /// How much of the frame is drawn, if not all.
+    pub moment: Option<Moment>,
+    /// The triangles that are selected, by how they ended; the tab of fates is open then.
+    pub fate: Option<TriangleFate>,
     /// The picked pixel; one near the middle if none is given.
     pub selected: Option<(u32, u32)>,
     /// The page of the lab to show, and how many of its steps, instead of the pipeline.
@@ -191,6 +199,14 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
+    }
+    if let Some(Moment { triangles, fragments }) = request.moment {
+        app.session_mut().triangle_limit = Some(triangles);
+        app.session_mut().scrub.fragment_limit = fragments;
+    }
+    if let Some(fate) = request.fate {
+        app.open_tab(Tab::Fates);
+        app.session_mut().apply(Command::Fates(fates::Change::Bin(Bin::Triangles(fate))));
     }
     if let Some((page, step)) = request.lab {
         let changes = [lab::Change::Open(true), lab::Change::Page(page), lab::Change::Go(step.unwrap_or(usize::MAX))];

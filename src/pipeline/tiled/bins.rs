@@ -263,7 +263,7 @@ impl Binning<'_> {
         let mut out = Geometry { depth_scale: self.scale, ..Geometry::default() };
         finish_draw(&one, self.settings, self.viewport, &mut out, &mut ());
         chunk.rasterized += out.triangles.len();
-        for piece in out.triangles {
+        for piece in out.triangles.into_vec() {
             let axis = |values: [i32; 3], axis: usize, size: u32| {
                 let [a, b, c] = values.map(|v| v as f32);
                 let [first, last] = self.lattice.range(axis, a.min(b).min(c), a.max(b).max(c));

@@ -1,0 +1,60 @@
+//! Finds out the fates of the frame on screen while somebody looks at them, on a thread of its own.
+
+use std::sync::Arc;
+
+use eframe::egui::Ui;
+
+use crate::inspect::fates::Fates;
+use crate::ui::engine::{Request, View};
+use crate::ui::session::{Level, Session};
+use crate::ui::task::{Listening, Task};
+
+/// The work, and what was asked for last.
+#[derive(Debug, Default)]
+pub struct Finder {
+    task: Option<Task<(), Fates>>,
+    asked: Option<Request>,
+}
+
+impl Finder {
+    /// Takes what was found, and begins anew if `wanted` and the frame on screen is another one; on this thread if the window
+    /// `waits`.
+    pub fn tend(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
+        self.listen(session);
+        let wanted = wanted || session.fates.asks() || !session.selection.is_empty();
+        let Some(view) = session.view.as_ref().filter(|_| wanted && self.task.is_none()) else { return };
+        if self.asked.as_ref().is_some_and(|asked| asked.same_complete_frame(&view.request)) {
+            return;
+        }
+        self.asked = Some(view.request.clone());
+        let view = view.clone();
+        if waits {
+            found(session, find(&view));
+            ui.request_repaint();
+        } else {
+            self.task = Some(Task::start(ui.ctx().clone(), move |_, _| Some(find(&view))));
+        }
+    }
+
+    fn listen(&mut self, session: &mut Session) {
+        let Some(task) = &self.task else { return };
+        match task.listen(&mut None) {
+            Listening::GoesOn => return,
+            Listening::Ended(fates) => {
+                if let Some(fates) = fates {
+                    found(session, *fates);
+                }
+            }
+            Listening::BrokeOff => session.report(Level::Error, "Counting fates stopped by an error of the program"),
+        }
+        self.task = None;
+    }
+}
+
+fn find(View { request, frame, .. }: &View) -> Fates {
+    Fates::of(&request.scene, &request.recipe, frame)
+}
+
+fn found(session: &mut Session, fates: Fates) {
+    session.fates.take(Arc::new(fates), &mut session.selection);
+}
