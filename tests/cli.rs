@@ -840,3 +840,36 @@ fn diff_counts_the_pixels_that_two_pictures_differ_in() {
     assert!(stdout(&none).contains("color: 0 of 6144 pixels changed (0.0000 %)"), "{}", stdout(&none));
     assert_failure(&run(&folder, &[&common[..], &["--against", "fill_rule=x"]].concat()), 2, "--against fill_rule: ");
 }
+
+#[test]
+fn every_triangle_and_fragment_is_told_in_one_bin_and_the_sums_match() {
+    let size = ["--size", "64x48"];
+    let told = run(&folder(), &[&["fates", "near-plane"], &size[..]].concat());
+    assert_success(&told);
+    for words in ["triangles", "fragments", "outside the view", "corridor", "All sums match"] {
+        assert!(stdout(&told).contains(words), "{words}: {}", stdout(&told));
+    }
+    let json = run(&folder(), &[&["fates", "near-plane", "--json"], &size[..]].concat());
+    let json: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
+    let sum = |of: &serde_json::Value| of.as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>();
+    let scene = builtin::by_id("near-plane").unwrap().build();
+    assert_eq!(sum(&json["triangles"]), scene.triangle_count() as u64);
+    assert_eq!(sum(&json["fragments"]), json["account"]["fragments_in"].as_u64().unwrap());
+    assert_eq!(json["balanced"].as_bool(), Some(true));
+    let objects = json["objects"].as_array().unwrap();
+    assert_eq!(objects.len(), scene.instances.len());
+    assert_eq!(objects.iter().map(|object| sum(&object["fragments"])).sum::<u64>(), sum(&json["fragments"]));
+}
+
+#[test]
+fn every_triangle_can_be_stepped_to_and_bench_tells_what_that_costs() {
+    let args = ["bench", "cubes", "--scrub", "--size", "64x48", "--frames", "2"];
+    let told = run(&folder(), &args);
+    assert_success(&told);
+    for words in ["first walk", "copies", "one triangle on", "one triangle back", "one fragment on", "jump"] {
+        assert!(stdout(&told).contains(words), "{words}: {}", stdout(&told));
+    }
+    let json = run(&folder(), &[&args[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
+    assert_eq!(json["steps"].as_array().unwrap().len(), 4);
+}

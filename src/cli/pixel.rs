@@ -48,7 +48,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     if x >= picture.width || y >= picture.height {
         return Err(outside());
     }
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw_at(moment(args.triangles, args.fragments))?;
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
     if args.json {
         let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;

@@ -54,7 +54,7 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw_at(moment(args.triangles, args.fragments))?;
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let mut faults = None;
     let image = match args.stage {
         Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use rasterscope::chain::{Frame, Recipe, Renderer, run};
-use rasterscope::inspect::scrub::{BUDGET, Moment, Scrubber};
+use rasterscope::inspect::scrub::{Moment, Scrubber};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::Loaded;
@@ -143,6 +143,9 @@ pub(crate) struct FrameArgs {
     size: Viewport,
 }
 
+/// Bytes for a single step through the making of a frame.
+const NO_CHECKPOINTS: usize = 0;
+
 /// A frame and what it was drawn from.
 #[derive(Clone, Debug)]
 pub(crate) struct Drawn {
@@ -163,21 +166,16 @@ impl FrameArgs {
         self.scene.view()
     }
 
-    /// Draws the frame.
-    pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
-        self.draw_at(None)
-    }
-
     /// Draws the frame, as it is at an earlier moment if one is given.
-    pub(crate) fn draw_at(&self, moment: Option<Moment>) -> Result<Drawn, Failure> {
+    pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.view()?;
         let frame = match moment {
             None => Renderer::default().render_settled(&scene, &camera, &recipe, self.size),
             Some(moment) => {
-                let whole = run(&scene, &camera, &recipe, self.size, &mut ());
-                let mut scrubber = Scrubber::new(&scene, &recipe, &whole, BUDGET);
+                let frame = run(&scene, &camera, &recipe, self.size, &mut ());
+                let mut scrubber = Scrubber::new(&scene, &recipe, &frame, NO_CHECKPOINTS);
                 let drawn = scrubber.go(moment);
-                whole.at_moment(&recipe, drawn, scrubber.geometry_at(moment))
+                frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment))
             }
         };
         Ok(Drawn { scene, camera, recipe, frame })

@@ -6,6 +6,8 @@ use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::mesh_view::MeshStyle;
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -66,6 +68,13 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
+    /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
+    #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
+    pub(crate) moment: Option<Moment>,
+
+    /// Select the triangles that ended so, and open the tab of fates
+    #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
+    pub(crate) fate: Option<TriangleFate>,
     /// Watch the selected pixel
     #[arg(long)]
     pub(crate) watch: bool,
@@ -73,9 +82,13 @@ pub(crate) struct Look {
     /// What is open over the workbench
     #[arg(long)]
     pub(crate) open: Option<Open>,
-    /// Select the triangles that ended so, and open the tab of fates
-    #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
-    pub(crate) fate: Option<TriangleFate>,
+    /// Probe how firmly the picture stands, with the default probe, and show it
+    #[arg(long)]
+    pub(crate) probe: bool,
+
+    /// Show the scene from outside beside the picture, its triangles drawn so; by their fate if nothing is said
+    #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
+    pub(crate) mesh: Option<MeshStyle>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -96,9 +109,12 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            moment: None,
+            fate: None,
             watch: false,
             open: None,
-            fate: None,
+            probe: false,
+            mesh: None,
             lab: None,
             lab_step: None,
         }
@@ -161,8 +177,18 @@ pub(crate) enum Tab {
     Stability,
     /// What all buffers hold at watched pixels
     Watch,
+    /// The vertices of the picked triangle at every stage
+    Vertices,
+    /// How firmly the picture stands
+    Probe,
     /// Messages
     Log,
+}
+
+fn moment(text: &str) -> Result<Moment, String> {
+    let number = |text: &str| text.trim().parse().map_err(|_| format!("`{text}` is not a whole number"));
+    let (triangles, fragments) = text.split_once(',').map_or((text, None), |(first, second)| (first, Some(second)));
+    Ok(Moment { triangles: number(triangles)?, fragments: fragments.map(number).transpose()? })
 }
 
 fn scale(text: &str) -> Result<f32, String> {

@@ -48,8 +48,10 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
-        moment: shown.moment(),
+        moment: look.moment,
         fate: look.fate,
+        probe: look.probe,
+        mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against
             .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
@@ -93,6 +95,8 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
         Tab::Watch => bottom::Tab::Watch,
+        Tab::Vertices => bottom::Tab::Vertices,
+        Tab::Probe => bottom::Tab::Probe,
         Tab::Log => bottom::Tab::Log,
     }
 }

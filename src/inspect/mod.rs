@@ -18,19 +18,23 @@ pub mod find;
 
 pub mod hits;
 
+pub mod mesh_view;
+
 pub mod outline;
 
 pub mod pixel;
 
-pub mod place;
-
 pub mod scrub;
 
+pub mod place;
+pub mod probe;
 pub mod selection;
 
 pub mod stages;
 
 mod verdict;
+
+pub mod vertices;
 
 pub mod view;
 

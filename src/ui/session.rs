@@ -15,10 +15,13 @@ use super::engine::{Request, Shown, StageFigures, View};
 use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
+use super::mesh_view::{self, MeshView};
 use super::open_case::{self, OpenCase};
 use super::place::{Bookmark, Places};
+use super::probe::Probing;
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::vertices::Vertices;
 use super::watch::Watch;
 use super::what_if::WhatIf;
 use crate::case::Case;
@@ -195,18 +198,24 @@ pub struct Session {
     pub savings: PlanSavings,
     /// How cost grows.
     pub growth: Growth,
+    /// How firmly the picture stands.
+    pub probing: Probing,
+    /// What of the vertices is shown.
+    pub vertices: Vertices,
+    /// How the scene is seen from outside.
+    pub mesh_view: MeshView,
     /// The 2D lab.
     pub lab: Lab,
+    /// The triangles that are singled out in the picture, in tables and on meshes.
+    pub selection: TriangleSelection,
+    /// Where triangles and fragments went.
+    pub fates: FatesView,
     /// Places that are kept, and the way back.
     pub places: Places,
     /// What the last change of the settings did.
     pub what_if: WhatIf,
     /// Pixels that are watched.
     pub watch: Watch,
-    /// The triangles that are singled out in the picture, in tables and on meshes.
-    pub selection: TriangleSelection,
-    /// Where triangles and fragments went.
-    pub fates: FatesView,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -261,12 +270,15 @@ impl Session {
             stability: Stability::default(),
             savings: PlanSavings::default(),
             growth: Growth::default(),
+            probing: Probing::default(),
+            vertices: Vertices::default(),
+            mesh_view: MeshView::default(),
             lab: Lab::default(),
+            selection: TriangleSelection::default(),
+            fates: FatesView::default(),
             places: Places::default(),
             what_if: WhatIf::default(),
             watch: Watch::default(),
-            selection: TriangleSelection::default(),
-            fates: FatesView::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -297,7 +309,7 @@ impl Session {
             viewport: self.viewport(),
             shown: self.shown,
             triangle_limit: self.triangle_limit,
-            fragment_limit: self.scrub.fragment_limit,
+            fragment_limit: self.scrub.fragment_limit(self.triangle_limit),
             pick: self.pick,
         }
     }
@@ -360,7 +372,9 @@ impl Session {
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
-        (self.triangle_limit, self.scrub.fragment_limit, self.scrub.playing) = (None, None, 0);
+        (self.triangle_limit, self.scrub.playing) = (None, 0);
+        self.vertices.selected = None;
+        self.mesh_view.leave_scene();
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         (self.selection, self.fates) = Default::default();
@@ -447,6 +461,8 @@ impl Session {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
                 self.comparison.apply(change, tiles, recipe);
             }
+            Command::Vertices(change) => self.vertices.apply(change),
+            Command::MeshView(change) => mesh_view::apply(self, change),
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,
@@ -479,7 +495,7 @@ impl Session {
             }
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
-            Command::Select(selection) => self.selection = selection,
+            Command::Select(selection) => self.fates.give_way(selection, &mut self.selection),
             Command::ShowStability(view) => self.stability.view = view,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,

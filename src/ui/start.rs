@@ -20,6 +20,7 @@ use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::inspect::fates::{Bin, TriangleFate};
+use crate::inspect::mesh_view::MeshStyle;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
@@ -93,6 +94,10 @@ pub struct ScreenshotRequest {
     pub theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
     pub measure: bool,
+    /// Whether it is probed first how firmly the picture stands.
+    pub probe: bool,
+    /// Whether the scene is shown from outside, too, and how.
+    pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
     /// The tab that is open, if not the first.
@@ -197,12 +202,15 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
     }
+    if let Some(style) = request.mesh {
+        let mesh = &mut app.session_mut().mesh_view;
+        (mesh.open, mesh.style) = (true, style);
+    }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
     }
-    if let Some(Moment { triangles, fragments }) = request.moment {
-        app.session_mut().triangle_limit = Some(triangles);
-        app.session_mut().scrub.fragment_limit = fragments;
+    if let Some(moment) = request.moment {
+        app.session_mut().begin_at(moment);
     }
     if let Some(fate) = request.fate {
         app.open_tab(Tab::Fates);
@@ -224,6 +232,10 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let picture = app.session().viewport();
     if request.selected.is_some_and(|(x, y)| x >= picture.width || y >= picture.height) {
         return Err(picture);
+    }
+    if request.probe {
+        super::probe::probe_now(app.session_mut());
+        headless.pass(Vec::new(), |ui| app.show(ui));
     }
     if request.measure {
         app.measure();

@@ -10,6 +10,7 @@ mod files;
 mod growth;
 mod lab;
 mod measuring;
+mod outside;
 mod picking;
 mod places;
 mod scrubbing;

@@ -5,7 +5,9 @@ use eframe::egui::{ScrollArea, Ui};
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
+use crate::ui::probe;
 use crate::ui::session::Session;
+use crate::ui::vertices;
 use crate::ui::watch;
 
 /// A tab.
@@ -28,6 +30,10 @@ pub enum Tab {
     Stability,
     /// What all buffers hold at watched pixels.
     Watch,
+    /// The vertices of the picked triangle at every stage.
+    Vertices,
+    /// How firmly the picture stands.
+    Probe,
     /// Messages.
     Log,
 }
@@ -50,6 +56,12 @@ pub const TABS: &[(Tab, &str, &str)] = &[
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
     (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
+    (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
+    (
+        Tab::Probe,
+        "Probe",
+        "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
+    ),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -80,13 +92,21 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Fates => {
+                ui.separator();
+                fates::controls(ui, session);
+            }
             Tab::Watch => {
                 ui.separator();
                 watch::panel::controls(ui, session, commands);
             }
-            Tab::Fates => {
+            Tab::Vertices => {
                 ui.separator();
-                fates::controls(ui, session);
+                vertices::controls(ui, session, commands);
+            }
+            Tab::Probe => {
+                ui.separator();
+                probe::controls(ui, session, commands);
             }
             Tab::Xray | Tab::Log => {}
         }
@@ -100,6 +120,8 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
+        Tab::Vertices => vertices::ui(ui, session, commands),
+        Tab::Probe => probe::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
         }
