@@ -21,6 +21,7 @@ use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};
+use super::seen_args::moment;
 use super::{output, parse};
 
 /// What `render` takes.
@@ -40,6 +41,10 @@ pub(crate) struct RenderArgs {
     /// Draw only the first so many of the rasterized triangles
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
+
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "N", requires = "triangles")]
+    fragments: Option<usize>,
 
     /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
     #[arg(long, value_name = "X,Y", hide = true)]
