@@ -6,14 +6,16 @@
 
 use std::sync::Arc;
 
+use super::look::{self, Look, Looked, Source};
 use super::scrub::reel::{Reel, timeline_of};
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
+use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::intermediate::{self, Captured};
 use crate::inspect::scrub::{Moment, Timeline};
-use crate::inspect::view::{self, Range, Value};
-use crate::inspect::{Intermediate, PixelReport, Stage, inspect, stages};
+use crate::inspect::view::Range;
+use crate::inspect::{Intermediate, PixelReport, Stage, inspect};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
 use crate::pipeline::settings::Choice as _;
@@ -71,15 +73,18 @@ pub struct Request {
     pub fragment_limit: Option<usize>,
     /// The questioned pixel.
     pub pick: Option<(u32, u32)>,
+    /// By which colours it is shown, and what is laid over it.
+    pub look: Look,
 }
 
 impl Request {
     /// Whether the answer to both is the same.
     pub fn same_view(&self, other: &Self) -> bool {
-        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick
+        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
-    fn same_frame(&self, other: &Self) -> bool {
+    /// Whether the frames of both are the same.
+    pub fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
     }
 
@@ -114,6 +119,8 @@ pub struct View {
     pub captured: Option<Arc<Captured>>,
     /// Ends of the colour map, if one is used.
     pub range: Option<Range>,
+    /// What the picture was made from, and its figures.
+    pub looked: Looked,
     /// The story of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
     /// The moments around the one that is shown, if it is not the last or a pixel is picked.
@@ -133,15 +140,6 @@ impl View {
     /// Whether the same request again would be answered by a better frame.
     pub fn wants_another(&self) -> bool {
         self.request.triangle_limit.is_none() && self.frame.wants_another(&self.request.recipe)
-    }
-
-    /// What is shown at a pixel inside the picture, as the value that its colour stands for.
-    pub fn value(&self, x: u32, y: u32) -> Value {
-        match (self.request.shown, &self.captured) {
-            (Shown::Buffer(buffer), _) => view::value(buffer, &self.frame, self.buffers.as_deref(), x, y),
-            (Shown::Intermediate(_), Some(captured)) => captured.value(&self.frame, x, y),
-            _ => self.picture.get(x, y).map_or(Value::NotDrawn, Value::Color),
-        }
     }
 }
 
@@ -167,11 +165,8 @@ impl Engine {
             }
         }
         let fresh = last.is_none();
-        let (frame, rasterized, kept_buffers, kept_picture, kept_captured) = match last {
-            Some(view) => {
-                let same_picture = (view.request.shown == request.shown).then_some(view.picture);
-                (view.frame, view.rasterized, view.buffers, same_picture, view.captured)
-            }
+        let (frame, rasterized, kept_buffers, kept_captured, kept) = match last {
+            Some(view) => (view.frame, view.rasterized, view.buffers, view.captured, Some((view.request, view.looked))),
             None => {
                 let (frame, rasterized) = render(&request, &mut self.renderer, (&mut self.reel, whole));
                 (Arc::new(frame), rasterized, None, None, None)
@@ -179,17 +174,16 @@ impl Engine {
         };
         let captured = needed_capture(&request, &frame, kept_captured);
         let buffers = needed_buffers(&request, &frame, kept_buffers);
-        let range = match request.shown {
-            Shown::Buffer(buffer) => view::range(buffer, &frame, buffers.as_deref()),
-            Shown::Stage(_) => None,
-            Shown::Intermediate(_) => captured.as_ref().and_then(|captured| captured.range()),
+        let looked = {
+            let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
+            look::look(&request, Source { frame: &frame, buffers, captured, stage: None }, kept)
         };
-        let picture = kept_picture
-            .unwrap_or_else(|| Arc::new(picture(&request, &frame, (buffers.as_deref(), captured.as_deref()), range)));
         let report =
             request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
+        let (picture, range) = (looked.picture.clone(), looked.range);
         let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
-        let view = View { request, frame, rasterized, picture, buffers, captured, range, report, timeline, fresh };
+        let view =
+            View { request, frame, rasterized, picture, buffers, captured, range, looked, report, timeline, fresh };
         self.last = Some(view.clone());
         view
     }
@@ -248,6 +242,8 @@ pub struct StageFigures {
     pub times: StageTimes,
     /// Counts.
     pub counters: Counters,
+    /// Fragments whose depth or weights are NaN or infinite.
+    pub bad: u64,
 }
 
 /// Finds out the figures of a view piece by piece, each at most as long as a frame.
@@ -272,31 +268,18 @@ impl Figuring {
     pub fn step(&mut self) -> Option<StageFigures> {
         let View { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
-        Some(StageFigures { times, counters: count(request, frame) })
+        let BadFragments { counters, bad, .. } = count(request, frame);
+        Some(StageFigures { times, counters, bad })
     }
 }
 
 /// Counts without shading: as many fragments are shaded as pass.
-fn count(request: &Request, frame: &Frame) -> Counters {
+fn count(request: &Request, frame: &Frame) -> BadFragments {
     let Request { scene, camera, recipe, .. } = request;
-    let mut counters = Counters::default();
-    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counters);
-    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counters);
+    let mut counting = BadFragments::new(recipe.pipeline);
+    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counting);
+    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counting);
+    let counters = &mut counting.counters;
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
-    counters
-}
-
-fn picture(
-    request: &Request,
-    frame: &Frame,
-    (buffers, captured): (Option<&Buffers>, Option<&Captured>),
-    range: Option<Range>,
-) -> Image<Rgba8> {
-    match request.shown {
-        Shown::Intermediate(_) => {
-            captured.map_or_else(|| frame.image().clone(), |captured| captured.picture(frame, range))
-        }
-        Shown::Buffer(buffer) => view::picture(buffer, frame, buffers, range),
-        Shown::Stage(stage) => stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage),
-    }
+    counting
 }

@@ -11,6 +11,7 @@ use crate::pipeline::settings::Arithmetic;
 use crate::scene::Transparency;
 use crate::ui::command::Command;
 use crate::ui::format;
+use crate::ui::overlays;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
@@ -37,6 +38,7 @@ impl Inspector {
     /// Draws the panel.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
         hover_line(ui, session, hovered);
+        overlays::readout::ui(ui, session, hovered);
         ui.separator();
         let report = session.view.as_ref().and_then(|view| view.report.as_deref());
         let Some(report) = report else {

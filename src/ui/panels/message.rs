@@ -35,6 +35,9 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<&Path>, commands: &mut
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {
             line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
+        } else if let Some(words) = session.what_if.unasked(&session.state.recipe) {
+            let text = format!("{words}.  X shows what that changed.");
+            line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
         } else {
             let (name, help) = (session.shown.name(), session.shown.help());
             line(ui, Icon::Eye, tokens(ui).text_weak, &format!("{name}: {help}"), None, commands);
