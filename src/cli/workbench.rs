@@ -11,8 +11,10 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::engine::Shown;
+use rasterscope::ui::overlays;
 use rasterscope::ui::panels::bottom;
 use rasterscope::ui::place;
+use rasterscope::ui::range;
 use rasterscope::ui::watch;
 use rasterscope::ui::what_if;
 use rasterscope::ui::{self, ScreenshotRequest, Seen, WindowStart};
@@ -49,6 +51,7 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
         moment: look.moment,
+        changes: look_changes(look),
         fate: look.fate,
         probe: look.probe,
         mesh: look.mesh,
@@ -64,6 +67,15 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         let (x, y) = look.at.unwrap_or_default();
         Failure::OutsidePicture { x, y, picture }
     })
+}
+
+/// What is shown on the canvas.
+fn look_changes(look: &Look) -> Vec<Command> {
+    let show = look.buffer.map(|buffer| Command::Show(Shown::Buffer(buffer)));
+    let range = look.range.then_some(Command::Range(range::Change::Open(true)));
+    let layers = look.overlay.iter().map(|overlay| Command::Overlays(overlays::Change::Toggle(*overlay)));
+    let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
+    show.into_iter().chain(range).chain(layers).chain(list).collect()
 }
 
 fn comparison(compare: Compare) -> Change {
@@ -90,6 +102,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Xray => bottom::Tab::Xray,
+        Tab::Histogram => bottom::Tab::Histogram,
         Tab::Fates => bottom::Tab::Fates,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
