@@ -267,6 +267,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             probe: false,
             mesh: None,
             compare: None,
+            changes: Vec::new(),
             tab: None,
             moment: None,
             fate: None,

@@ -21,6 +21,7 @@ use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
 use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
+use super::overlays;
 use super::palette::Palette;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
@@ -29,6 +30,7 @@ use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
 use super::probe;
+use super::range;
 use super::scrub;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
@@ -161,7 +163,11 @@ impl Workbench {
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
         for command in commands {
+            let nudges = matches!(command, Command::NudgePick(..));
             self.run(ui, command);
+            if let Some(pixel) = self.session.pick.filter(|_| nudges) {
+                self.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
+            }
         }
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));
@@ -476,8 +482,10 @@ impl Workbench {
                     self.canvas.bring_into_view(pixel, self.session.canvas_px);
                 }
             }
+            Command::Overlays(overlays::Change::SaveTotals) => self.save(ui, overlays::save::totals(&self.session)),
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
+            Command::SaveData => self.save(ui, range::save::data(&self.session)),
             Command::SavePicture => self.save_picture(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),
@@ -490,6 +498,10 @@ impl Workbench {
             Command::OpenTab(tab) => self.tab = tab,
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
+                let center = (x as f32 + 0.5, y as f32 + 0.5);
+                self.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
+            }
             Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
             Command::Place(place::Change::Copy) => {
                 ui.ctx().copy_text(self.session.command_line());
@@ -503,7 +515,7 @@ impl Workbench {
 
     /// Picks the fault after or before the picked pixel and brings it into view; shows the hit count first if it is not shown.
     fn step_fault(&mut self, forwards: bool) {
-        if self.session.shown != Shown::Buffer(Buffer::Hits) {
+        if self.session.shown != Shown::Buffer(Buffer::Hits) && self.session.overlays.stepped().is_none() {
             self.session.shown = Shown::Buffer(Buffer::Hits);
         } else if let Some((x, y)) = self.session.fault_beside_pick(forwards) {
             self.session.pick = Some((x, y));
@@ -756,7 +768,7 @@ impl Workbench {
     fn saved(&mut self, outcome: Result<PathBuf, String>) {
         match outcome {
             Ok(path) => {
-                self.session.report(Level::Info, format!("Saved the picture as {}", path.display()));
+                self.session.report(Level::Info, format!("Saved {}", path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, error),
@@ -791,7 +803,7 @@ fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {
 }
 
 /// `stem.extension`, or the first free `stem-2.extension`, `stem-3.extension` … in `folder`.
-fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
+pub(super) fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
     let first = folder.join(format!("{stem}.{extension}"));
     if !first.exists() {
         return first;

@@ -22,7 +22,13 @@ pub mod format;
 
 pub mod widgets;
 
+pub mod look;
+
 pub mod engine;
+
+pub mod range;
+
+pub mod overlays;
 
 pub mod compare;
 

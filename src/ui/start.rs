@@ -54,8 +54,8 @@ pub struct Seen {
     pub pixel: Option<(u32, u32)>,
     /// A buffer or the picture after a stage.
     pub shown: Option<Shown>,
-    /// Only the first so many rasterized triangles.
-    pub triangles: Option<usize>,
+    /// An earlier moment of the frame than its last.
+    pub moment: Option<Moment>,
     /// Size of the picture.
     pub picture: Option<Viewport>,
 }
@@ -64,7 +64,8 @@ impl Seen {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
-        session.triangle_limit = self.triangles;
+        session.triangle_limit = self.moment.map(|moment| moment.triangles);
+        session.scrub.fragment_limit = self.moment.and_then(|moment| moment.fragments);
         if let Some(Viewport { width, height }) = self.picture {
             session.state.size = PictureSize::Fixed(width, height);
         }
@@ -99,6 +100,8 @@ pub struct ScreenshotRequest {
     pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
+    /// What else is changed before the picture is taken.
+    pub changes: Vec<Command>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
     /// How much of the frame is drawn, if not all.
@@ -204,6 +207,9 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     if let Some(style) = request.mesh {
         let mesh = &mut app.session_mut().mesh_view;
         (mesh.open, mesh.style) = (true, style);
+    }
+    for command in request.changes.iter().cloned() {
+        app.session_mut().apply(command);
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);

@@ -6,6 +6,7 @@ use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
 use crate::ui::probe;
+use crate::ui::range::panel;
 use crate::ui::session::Session;
 use crate::ui::vertices;
 use crate::ui::watch;
@@ -20,6 +21,8 @@ pub enum Tab {
     ErrorTime,
     /// What a pixel of the picture is made of.
     Xray,
+    /// How often each value is there.
+    Histogram,
     /// Where triangles and fragments went.
     Fates,
     /// What the scene needs and what is left out.
@@ -28,12 +31,12 @@ pub enum Tab {
     Scaling,
     /// How the engine does on hard cases.
     Stability,
+    /// What all buffers hold at watched pixels.
+    Watch,
     /// The vertices of the picked triangle at every stage.
     Vertices,
     /// How firmly the picture stands.
     Probe,
-    /// What all buffers hold at watched pixels.
-    Watch,
     /// Messages.
     Log,
 }
@@ -47,6 +50,7 @@ pub const TABS: &[(Tab, &str, &str)] = &[
         "X-ray",
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
+    (Tab::Histogram, "Histogram", "How often each value of what is shown is there, and the figures of it"),
     (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
@@ -55,13 +59,13 @@ pub const TABS: &[(Tab, &str, &str)] = &[
         "Stability",
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
+    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
     (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
     (
         Tab::Probe,
         "Probe",
         "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
     ),
-    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -92,6 +96,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Histogram => {
+                ui.separator();
+                panel::controls(ui, session, commands);
+            }
             Tab::Fates => {
                 ui.separator();
                 fates::controls(ui, session);
@@ -112,7 +120,9 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         }
     });
     ui.add_space(4.0);
+    panel::tell(*tab == Tab::Histogram, session, commands);
     match tab {
+        Tab::Histogram => panel::ui(ui, session, commands),
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
