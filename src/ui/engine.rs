@@ -59,6 +59,11 @@ impl Request {
         self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
+    /// Whether the canvas shows the same for both, whichever pixel is questioned.
+    pub fn same_picture(&self, other: &Self) -> bool {
+        self.same_frame(other) && self.shown == other.shown && self.look == other.look
+    }
+
     /// Whether the frames of both are the same.
     pub fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
