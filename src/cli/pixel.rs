@@ -1,7 +1,7 @@
 //! `rasterscope pixel`: why a pixel looks as it does, in words or as JSON.
 
 use clap::Args;
-use rasterscope::inspect::inspect;
+use rasterscope::inspect::{Survey, explain};
 
 use super::failure::Failure;
 use super::pixel_text::describe;
@@ -32,7 +32,8 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
         return Err(outside());
     }
     let Drawn { scene, recipe, frame, .. } = args.frame.draw()?;
-    let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
+    let survey = Survey::of(&scene, &recipe, &frame);
+    let report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;
     if args.json {
         let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
         output::print(&(json + "\n"))

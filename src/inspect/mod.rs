@@ -10,7 +10,11 @@ pub mod depth;
 
 pub mod feeds;
 
+pub mod history;
+
 pub mod hits;
+
+pub mod lesson;
 
 pub mod outline;
 
@@ -24,6 +28,7 @@ pub mod view;
 
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
+pub use history::{Survey, explain};
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
 pub use stages::Stage;

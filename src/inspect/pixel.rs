@@ -3,20 +3,21 @@
 use serde::Serialize;
 
 use super::depth::DepthRecord;
+use super::history::{Absent, SampleState};
 use super::hits::{Fault, fault_at};
-use super::verdict::{fault_verdict, verdict};
+use super::verdict::verdict;
 use crate::antialias::{post, resolve};
 use crate::chain::{Frame, Recipe, samples};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
-use crate::pipeline::depth::{Comparison, depth_at};
+use crate::pipeline::depth::{Comparison, clear_value, depth_at};
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::raster::{Sample, Scissor};
 use crate::pipeline::sample::TexelTap;
-use crate::pipeline::settings::{Arithmetic, Interpolation};
+use crate::pipeline::settings::{Arithmetic, DepthTest, Interpolation};
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw, wireframe};
@@ -87,6 +88,10 @@ pub struct FragmentRecord {
     pub alpha: Option<f32>,
     /// Shading, if it came to that.
     pub shading: Option<ShadingRecord>,
+    /// What the sample held before.
+    pub before: SampleState,
+    /// What it held after; the same if the fragment was rejected.
+    pub after: SampleState,
 }
 
 impl FragmentRecord {
@@ -103,6 +108,8 @@ pub struct ShadingRecord {
     pub uv: Option<[f32; 2]>,
     /// Unit normal, world space.
     pub normal: Option<[f32; 3]>,
+    /// Interpolated vertex colour, in the numbers that light is computed in.
+    pub vertex_color: Option<[f32; 3]>,
     /// N·L.
     pub cosine: Option<f32>,
     /// The factor that light contributes.
@@ -162,8 +169,13 @@ pub struct PixelReport {
     pub drawn_at: [u32; 2],
     /// Its samples, whose mean is its colour; none if it has but one, at its centre.
     pub samples: Vec<SampleRecord>,
+    /// What its centre held before the first of them.
+    pub clear: SampleState,
     /// Every fragment at its centre, in drawing order.
     pub fragments: Vec<FragmentRecord>,
+    /// Triangles that have no fragment here, each with its reason, as far as they were asked for
+    /// ([`super::history::explain`]).
+    pub absent: Vec<Absent>,
     /// What the depth buffer holds in the end.
     pub final_depth: Option<DepthRecord>,
     /// The drawn pixels that this one was made of; one with weight 1 if it was drawn itself.
@@ -180,6 +192,11 @@ pub struct PixelReport {
 }
 
 impl PixelReport {
+    /// What its centre held after the last of its fragments.
+    pub fn last(&self) -> SampleState {
+        self.fragments.last().map_or(self.clear, |fragment| fragment.after)
+    }
+
     /// The fragment that the pixel shows; if it is blended, the nearest of those that it shows.
     pub fn visible(&self) -> Option<&FragmentRecord> {
         self.fragments.iter().find(|f| f.outcome == Outcome::Visible)
@@ -188,6 +205,13 @@ impl PixelReport {
 
 /// Replays pixel (x, y) of a frame. `None` outside of the picture.
 pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
+    let mut report = replayed(scene, recipe, frame, x, y)?;
+    report.verdict = verdict(&report, scene, recipe, frame);
+    Some(report)
+}
+
+/// The report of a replay, still without a verdict.
+pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
     let Viewport { width, height } = frame.viewport;
     if x >= width || y >= height {
         return None;
@@ -211,14 +235,16 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
     let below = filtered.unwrap_or(upscaled);
     let wireframe = recipe.wireframe.then(|| wireframe::crosses(frame.outlines(), (width, height), (x, y))).flatten();
     let color = if wireframe.is_some() { wireframe::line_color(below) } else { below };
-    let mut report = PixelReport {
+    Some(PixelReport {
         x,
         y,
         verdict: String::new(),
         color,
         drawn_at: drawn_at.into(),
         samples: if frame.antialias.is_off() { Vec::new() } else { samples },
+        clear: recorder.clear,
         fragments: recorder.finish(),
+        absent: Vec::new(),
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
         remembered_at: upscaler
@@ -227,11 +253,7 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         unfiltered: filtered.map(|_| upscaled),
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),
-    };
-    let story = verdict(&report, frame.is_drawn(x, y), Comparison::of(&recipe.pipeline));
-    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline) + " ");
-    report.verdict = fault.unwrap_or_default() + &story;
-    Some(report)
+    })
 }
 
 fn source(frame: &Frame, tap: Tap, samples: &[Rgba8]) -> SourceRecord {
@@ -296,14 +318,19 @@ struct Recorder<'a> {
     arithmetic: Arithmetic,
     interpolation: Interpolation,
     records: Vec<FragmentRecord>,
+    /// What the sample held at first.
+    clear: SampleState,
     /// What has been drawn so far.
-    color: Rgba8,
+    now: SampleState,
 }
 
 impl<'a> Recorder<'a> {
     fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
         let shaders = scene.instances.iter().zip(&frame.plans);
         let [r, g, b] = scene.background;
+        let has_depth = recipe.pipeline.depth_test != DepthTest::Off;
+        let depth = has_depth.then(|| DepthRecord::new(clear_value(&recipe.pipeline), frame.depth_scale()));
+        let clear = SampleState { color: [r, g, b, 255], depth };
         Self {
             scene,
             shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
@@ -312,7 +339,8 @@ impl<'a> Recorder<'a> {
             arithmetic: recipe.pipeline.arithmetic,
             interpolation: recipe.pipeline.interpolation,
             records: Vec::new(),
-            color: [r, g, b, 255],
+            clear,
+            now: clear,
         }
     }
 
@@ -366,6 +394,8 @@ impl Observer for Recorder<'_> {
             stored_depth: None,
             alpha: None,
             shading: None,
+            before: self.now,
+            after: self.now,
         });
     }
 
@@ -385,6 +415,12 @@ impl Observer for Recorder<'_> {
         }
     }
 
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {
+        let Some(record) = self.records.last_mut() else { return };
+        self.now.depth = Some(record.depth);
+        record.after = self.now;
+    }
+
     fn cut_out(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) {
         let alpha = self.shaders[triangle.instance as usize].alpha(fragment);
         let Some(record) = self.records.last_mut() else { return };
@@ -396,8 +432,9 @@ impl Observer for Recorder<'_> {
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
         let instance = triangle.instance as usize;
         let (shader, plan) = (&self.shaders[instance], &self.frame.plans[instance]);
-        let below = std::mem::replace(&mut self.color, color);
+        let below = std::mem::replace(&mut self.now.color, color);
         let Some(record) = self.records.last_mut() else { return };
+        record.after = self.now;
         let mut shading = shading_record(shader, plan, fragment, color);
         record.alpha = (record.transparency != Transparency::Opaque).then(|| shader.alpha(fragment));
         shading.below = (record.transparency == Transparency::Blended).then_some(below);
@@ -437,6 +474,7 @@ fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, col
     ShadingRecord {
         uv: plan.runs(Part::TextureCoordinates).then(|| fragment.uv.into()),
         normal: plan.runs(Part::Normals).then(|| shader.unit_normal(fragment).into()),
+        vertex_color: plan.runs(Part::VertexColors).then(|| fragment.color.into()),
         cosine: lit.then(|| shader.cosine(fragment)),
         light: lit.then(|| shader.light(fragment)),
         texels,

@@ -119,7 +119,7 @@ pub fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan
             let mut varyings = Varyings { color: Vec3::ONE, ..Varyings::default() };
             if normals {
                 let normal = matrices.world_from_model_normal * mesh.normals[i];
-                varyings.normal = unit_or(normal.as_dvec3(), Vec3::Y);
+                varyings.normal = unit_or(normal.as_dvec3(), Vec3::ZERO);
                 if settings.shading == Shading::Gouraud {
                     varyings.light = lambert(varyings.normal, light_direction, settings.light.ambient);
                 }

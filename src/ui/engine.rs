@@ -10,7 +10,7 @@ use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer, run};
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::view::{self, Range};
-use crate::inspect::{PixelReport, Stage, inspect, stages};
+use crate::inspect::{PixelReport, Stage, Survey, explain, stages};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
 use crate::pipeline::viewport::Viewport;
@@ -93,6 +93,8 @@ impl View {
 pub struct Engine {
     last: Option<View>,
     renderer: Renderer,
+    /// What the geometry stages of the last frame dropped, if a pixel of it was questioned.
+    survey: Option<Survey>,
 }
 
 impl Engine {
@@ -123,8 +125,11 @@ impl Engine {
             Shown::Stage(_) => None,
         };
         let picture = kept_picture.unwrap_or_else(|| Arc::new(picture(&request, &frame, buffers.as_deref(), range)));
-        let report =
-            request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
+        self.survey.take_if(|_| fresh);
+        let report = request.pick.and_then(|pick| {
+            let survey = self.survey.get_or_insert_with(|| Survey::of(&request.scene, &request.recipe, &frame));
+            explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
+        });
         let view = View { request, frame, rasterized, picture, buffers, range, report, fresh };
         self.last = Some(view.clone());
         view
