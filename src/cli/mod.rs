@@ -1,10 +1,11 @@
 //! The command line: one file per subcommand, each a function from its options to results on standard output.
 //!
 //! Warnings and errors go to standard error, one line each. Exit codes: 0 done; 2 input that cannot be used or output
-//! that cannot be written; 3 no window where one was asked for.
+//! that cannot be written; 3 no window where one was asked for; 1 what `check` checked is violated.
 
 mod bench;
 mod case;
+mod check;
 mod failure;
 mod lab;
 mod output;
@@ -49,7 +50,7 @@ struct Cli {
     start: SceneArgs,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible";
+const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 1 what `check` checked is violated";
 
 #[derive(Subcommand, Debug)]
 enum Command {
@@ -62,6 +63,9 @@ enum Command {
     /// Tell why a pixel looks as it does: every fragment there, who won and why, down to the texels
     #[command(after_help = EXIT_CODES)]
     Pixel(pixel::PixelArgs),
+    /// Check assertions on every fragment of a frame; exit code 1 if one is violated
+    #[command(after_help = EXIT_CODES)]
+    Check(check::CheckArgs),
     /// Tell what each draw runs and leaves out, and why
     #[command(after_help = EXIT_CODES)]
     Plan(plan::PlanArgs),
@@ -115,6 +119,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Window(args)) => window::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Pixel(args)) => pixel::run(args),
+        Some(Command::Check(args)) => check::run(args),
         Some(Command::Plan(args)) => plan::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
         Some(Command::Bench(args)) => bench::run(args),

@@ -123,6 +123,8 @@ pub(crate) enum Tab {
     Scaling,
     /// How the engine does on hard cases
     Stability,
+    /// What holds for every fragment of the frame
+    Assertions,
     /// Messages
     Log,
 }

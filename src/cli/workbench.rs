@@ -68,6 +68,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
+        Tab::Assertions => bottom::Tab::Checks,
         Tab::Log => bottom::Tab::Log,
     }
 }

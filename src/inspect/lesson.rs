@@ -56,7 +56,7 @@ pub const ALL: &[Lesson] = &[
         scene: "nan-normal",
         question: "What is the dark patch on the ball?",
         settings: &["light.ambient=0"],
-        place: [0.37, 0.33],
+        place: [0.31, 0.36],
         cause: "was not a finite number (NaN)",
     },
     Lesson {

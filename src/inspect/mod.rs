@@ -4,6 +4,8 @@
 //! with a scissor of one pixel and an observer that writes everything down. What it shows is therefore the arithmetic
 //! that drew the pixel, bit for bit, and a test holds that for every pixel.
 
+pub mod assertions;
+
 pub mod buffers;
 
 pub mod depth;

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::canvas::Canvas;
+use super::checks;
 use super::command::{BINDINGS, Command};
 use super::compare::compute::CompareRequest;
 use super::compare::tiles::TilesView;
@@ -79,6 +80,7 @@ pub struct Workbench {
     tiles: TilesView,
     asked_to_compare: Option<CompareRequest>,
     inspector: Inspector,
+    checks: checks::Runner,
     dialog: Dialog,
     tab: Tab,
     /// Whether the theme is light, and the interface scale, as last drawn: saving has no context to ask.
@@ -106,6 +108,7 @@ impl Workbench {
             tiles: TilesView::default(),
             asked_to_compare: None,
             inspector: Inspector::default(),
+            checks: checks::Runner::default(),
             dialog: Dialog::default(),
             tab: Tab::default(),
             look: (false, 1.0),
@@ -143,6 +146,7 @@ impl Workbench {
         }
         self.ask(ui);
         self.ask_to_compare(ui);
+        self.checks.step(&mut self.session, ui.ctx(), self.waits);
         self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
     }
 

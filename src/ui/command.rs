@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::checks;
 use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::judging::StabilityView;
@@ -131,6 +132,8 @@ pub enum Command {
     ToggleLab,
     /// Change something in the lab.
     Lab(lab::Change),
+    /// Change what is checked.
+    Checks(checks::Change),
 }
 
 /// A key, what it does, and the words for it.

@@ -36,6 +36,8 @@ pub mod open_case;
 
 pub mod session;
 
+pub mod checks;
+
 pub mod fault_bar;
 
 pub mod zoom;

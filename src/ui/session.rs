@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::checks::Checks;
 use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
 use super::compare::{Comparison, Mode, Tiles};
@@ -184,6 +185,8 @@ pub struct Session {
     pub growth: Growth,
     /// The 2D lab.
     pub lab: Lab,
+    /// What is checked of frames, and what was found.
+    pub checks: Checks,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -238,6 +241,7 @@ impl Session {
             savings: PlanSavings::default(),
             growth: Growth::default(),
             lab: Lab::default(),
+            checks: Checks::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -408,6 +412,7 @@ impl Session {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
                 self.comparison.apply(change, tiles, recipe);
             }
+            Command::Checks(change) => self.checks.apply(change),
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
 use super::app::Workbench;
+use super::checks;
 use super::command::Command;
 use super::compare::Change;
 use super::headless::Headless;
@@ -154,6 +155,9 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     app.session_mut().pick = request.selected;
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
+    }
+    if request.tab == Some(Tab::Checks) {
+        app.session_mut().checks.apply(checks::Change::Run);
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);

@@ -7,6 +7,7 @@ mod cases;
 mod comparing;
 mod files;
 mod growth;
+mod history;
 mod lab;
 mod measuring;
 mod picking;

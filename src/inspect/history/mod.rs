@@ -126,6 +126,8 @@ pub struct Absent {
     /// Why, in one sentence with the number that decided. It begins with “covers”, “misses” or the like: the triangle is
     /// the subject.
     pub reason: String,
+    /// Corners on the screen in px, as coverage was decided or would have been; none where it has no place there.
+    pub corners_px: Option<[[f32; 2]; 3]>,
     /// Distance from the pixel's centre to the triangle in px, where that is outside. Between the snapped corners in fixed
     /// point: then numerator and denominator are exact integers, and only root and quotient are rounded.
     pub distance_px: Option<f64>,

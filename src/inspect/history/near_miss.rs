@@ -67,8 +67,11 @@ pub(super) fn at(
 
 /// The corners that coverage is decided by, px.
 fn corners(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [DVec2; 3] {
-    let corners = if arithmetic == Arithmetic::Fixed { triangle.snapped_px() } else { triangle.corners_px() };
-    corners.map(|[x, y]| DVec2::new(x.into(), y.into()))
+    decided_by(triangle, arithmetic).map(|[x, y]| DVec2::new(x.into(), y.into()))
+}
+
+fn decided_by(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
+    if arithmetic == Arithmetic::Fixed { triangle.snapped_px() } else { triangle.corners_px() }
 }
 
 /// Distance from a point to the box around three others; 0 inside.
@@ -131,6 +134,7 @@ fn absent(
         submission: Some(place),
         cause,
         reason,
+        corners_px: Some(decided_by(triangle, settings.arithmetic)),
         distance_px: Some(distance_px),
         edges: Some(edges),
     })

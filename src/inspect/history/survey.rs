@@ -157,6 +157,7 @@ impl Survey {
             submission: None,
             cause,
             reason,
+            corners_px: None,
             distance_px: None,
             edges: None,
         };
@@ -164,7 +165,10 @@ impl Survey {
         let dropped = self.dropped.iter().filter(|piece| piece.would_cover(settings, frame, pixel));
         let crossing = self.crossing.iter().filter_map(|t| Some((t, self.cut_away(t, settings, pixel)?)));
         dropped
-            .map(|piece| absent(piece.id, piece.instance, piece.cause, piece.reason(settings)))
+            .map(|piece| Absent {
+                corners_px: Some(piece.corners_px),
+                ..absent(piece.id, piece.instance, piece.cause, piece.reason(settings))
+            })
             .chain(crossing.map(|(t, (cause, reason))| absent(t.id, t.instance, cause, reason)))
             .chain(self.not_finite.iter().map(|(id, instance)| {
                 let reason = "has a corner that is not a finite number in clip space, so it is never drawn".to_owned();

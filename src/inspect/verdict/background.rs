@@ -69,6 +69,7 @@ mod tests {
             submission: None,
             cause,
             reason: reason.into(),
+            corners_px: None,
             distance_px,
             edges: None,
         }

@@ -55,7 +55,7 @@ const NIGHT: [u8; 3] = [0, 0, 0];
 const DUSK: [u8; 3] = [30, 32, 36];
 
 fn draft_back_facing() -> Draft {
-    let mut draft = Draft::new(NIGHT, Camera::look_at(Vec3::new(0.0, 0.15, 3.6), Vec3::ZERO));
+    let mut draft = Draft::new(NIGHT, Camera::look_at(Vec3::new(0.0, 0.15, 2.9), Vec3::ZERO));
     let panel = draft.mesh(shapes::grid(1));
     let bricks = draft.textured("bricks", textures::bricks(128, srgb(0xB8_6A_50), srgb(0xA8_A2_98)));
     let upright = Quat::from_rotation_x(FRAC_PI_2);
@@ -83,21 +83,21 @@ fn draft_near_clipped() -> Draft {
 }
 
 fn draft_z_fought() -> Draft {
-    /// So far away, with the near plane at 0.1, the steps of a standard depth are larger than what rounding does to it.
-    const DISTANCE: f32 = 100.0;
+    /// So far away, with the near plane at 0.1, snapping the corners to 1/256 px moves depths by a few of their steps.
+    const DISTANCE: f32 = 10.0;
     let home = Camera { near: 0.1, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
     let mut draft = Draft::new(DUSK, home);
     let sheet = draft.mesh(shapes::grid(1));
-    let black = draft.plain("black paint", Vec3::ZERO);
     let paper = draft.plain("white paper", srgb(0xF4_F0_E6));
-    let plane = Quat::from_rotation_y(0.5) * Quat::from_rotation_x(FRAC_PI_2);
+    let black = draft.plain("black paint", Vec3::ZERO);
+    let plane = Quat::from_rotation_y(0.6) * Quat::from_rotation_x(0.9);
     let at = |edge: f32, turn: f32| {
         let rotation = plane * Quat::from_rotation_y(turn);
         Mat4::from_scale_rotation_translation(Vec3::splat(edge), rotation, Vec3::Z * -DISTANCE)
     };
-    draft.place("wall", sheet, black, at(64.0, 0.0));
-    // Turned, so that its depth is computed from other corners than that of the wall.
-    draft.place("poster", sheet, paper, at(36.0, 0.6));
+    // Turned, so that its depth is computed from other corners than that of the wall; first, so that it shows where both tie.
+    draft.place("poster", sheet, paper, at(4.5, 0.6));
+    draft.place("wall", sheet, black, at(7.5, 0.0));
     draft
 }
 

@@ -3,6 +3,7 @@
 use eframe::egui::{ScrollArea, Ui};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
+use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 
@@ -22,11 +23,13 @@ pub enum Tab {
     Scaling,
     /// How the engine does on hard cases.
     Stability,
+    /// What holds for every fragment.
+    Checks,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 7] = [
+const TABS: [(Tab, &str, &str); 8] = [
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -41,6 +44,7 @@ const TABS: [(Tab, &str, &str); 7] = [
         "Stability",
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
+    (Tab::Checks, "Assertions", "What should hold for every fragment of a frame: checked on demand"),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -71,6 +75,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Checks => {
+                ui.separator();
+                checks::panel::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -81,6 +89,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Stability => stability::ui(ui, session, commands),
+        Tab::Checks => checks::panel::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
         }

@@ -21,10 +21,19 @@ const LISTED_ABSENT: usize = 60;
 
 /// What of the history is shown.
 pub(super) struct History {
-    /// The fragment that is explained below; the visible one if none was chosen.
-    pub(super) chosen: Option<usize>,
+    /// What is explained below; the visible fragment if none was chosen.
+    pub(super) chosen: Option<Chosen>,
     /// For each of [`Kind::ALL`] whether it is listed.
     listed: [bool; Kind::ALL.len()],
+}
+
+/// An entry of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Chosen {
+    /// One of the fragments.
+    Fragment(usize),
+    /// One of the triangles that have none.
+    Absent(usize),
 }
 
 impl Default for History {
@@ -87,19 +96,24 @@ impl History {
             if !self.lists(Kind::of(fragment)) {
                 continue;
             }
-            let chosen = self.chosen.map_or(fragment.outcome == Outcome::Visible, |c| c == index);
+            let this = Chosen::Fragment(index);
+            let chosen = self.chosen.map_or(fragment.outcome == Outcome::Visible, |chosen| chosen == this);
             if row(ui, chosen, &Row::of_fragment(fragment), commands) {
-                self.chosen = Some(index);
+                self.chosen = Some(this);
             }
         }
     }
 
-    fn absent(&self, ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
-        let listed = || report.absent.iter().filter(|absent| self.lists(absent.cause.kind()));
-        for absent in listed().take(LISTED_ABSENT) {
-            row(ui, false, &Row::of_absent(absent), commands);
+    fn absent(&mut self, ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+        let all = report.absent.iter().enumerate();
+        let listed: Vec<_> = all.filter(|(_, absent)| self.lists(absent.cause.kind())).collect();
+        for (index, absent) in listed.iter().take(LISTED_ABSENT) {
+            let this = Chosen::Absent(*index);
+            if row(ui, self.chosen == Some(this), &Row::of_absent(absent), commands) {
+                self.chosen = Some(this);
+            }
         }
-        if let Some(more) = listed().count().checked_sub(LISTED_ABSENT).filter(|more| *more > 0) {
+        if let Some(more) = listed.len().checked_sub(LISTED_ABSENT).filter(|more| *more > 0) {
             ui.weak(format!("… {} more, all in the copied JSON …", format::count(more as u64)));
         }
     }
@@ -137,8 +151,8 @@ struct Row<'a> {
     change: Option<[SampleState; 2]>,
     /// Its place in the list of rasterized triangles.
     submission: Option<usize>,
-    /// Whether it has numbers to be shown.
-    is_fragment: bool,
+    /// Whether there is more to be shown of it.
+    can_be_chosen: bool,
     /// What it is called where it is not seen.
     name: String,
 }
@@ -159,7 +173,7 @@ impl<'a> Row<'a> {
             reason: &fragment.reason,
             change: fragment.outcome.is_written().then_some([fragment.before, fragment.after]),
             submission: Some(fragment.submission),
-            is_fragment: true,
+            can_be_chosen: true,
             name: format!("Fragment of triangle {}", fragment.triangle.0),
         }
     }
@@ -172,7 +186,7 @@ impl<'a> Row<'a> {
             reason: &absent.reason,
             change: None,
             submission: absent.submission,
-            is_fragment: false,
+            can_be_chosen: absent.corners_px.is_some(),
             name: format!("Triangle {} without a fragment", absent.triangle.0),
         }
     }
@@ -182,7 +196,7 @@ impl<'a> Row<'a> {
 fn row(ui: &mut Ui, chosen: bool, row: &Row<'_>, commands: &mut Vec<Command>) -> bool {
     let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
     let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
-    let sense = if row.is_fragment { Sense::click() } else { Sense::hover() };
+    let sense = if row.can_be_chosen { Sense::click() } else { Sense::hover() };
     // The row senses clicks before what stands in it, so that its button is above.
     let builder = UiBuilder::new().sense(sense);
     let response = ui
@@ -193,7 +207,8 @@ fn row(ui: &mut Ui, chosen: bool, row: &Row<'_>, commands: &mut Vec<Command>) ->
         })
         .response;
     response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, &row.name));
-    let response = if row.is_fragment { response.on_hover_text("Click to see its numbers") } else { response };
+    let response =
+        if row.can_be_chosen { response.on_hover_text("Click to see where it lies and its numbers") } else { response };
     response.clicked()
 }
 

@@ -9,12 +9,13 @@ mod numbers;
 
 use eframe::egui::{self, Color32, Label, RichText, ScrollArea, Sense, Ui, Vec2};
 
-use self::diagram::{triangle_diagram, weights};
-use self::history::History;
-use self::numbers::numbers;
+use self::diagram::{Place, triangle_diagram, weights};
+use self::history::{Chosen, History};
+use self::numbers::{absent_numbers, numbers};
 use crate::image::Rgba8;
 use crate::inspect::PixelReport;
 use crate::inspect::view::{Value, value};
+use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::engine::Shown;
 use crate::ui::format;
@@ -45,20 +46,30 @@ impl Inspector {
             return;
         };
         if self.of_pixel != Some((report.x, report.y)) {
-            (self.of_pixel, self.history.chosen) = (Some((report.x, report.y)), None);
+            (self.of_pixel, self.history.chosen) = (Some((report.x, report.y)), violating(session, report));
         }
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             headline(ui, report, commands);
-            let explained = self.history.chosen.and_then(|i| report.fragments.get(i)).or_else(|| report.visible());
-            let explained = explained.or(report.fragments.first());
-            if let Some(fragment) = explained {
-                triangle_diagram(ui, fragment, report);
+            let (fragment, absent) = match self.history.chosen {
+                Some(Chosen::Absent(index)) => (None, report.absent.get(index)),
+                Some(Chosen::Fragment(index)) => (report.fragments.get(index), None),
+                None => (report.visible().or(report.fragments.first()), None),
+            };
+            if let Some(fragment) = fragment {
+                triangle_diagram(ui, fragment.corners_px, Place::Inside, report);
                 weights(ui, fragment);
+            }
+            if let Some(corners_px) = absent.and_then(|absent| absent.corners_px) {
+                let is_outside = absent.is_some_and(|absent| absent.distance_px.is_some());
+                triangle_diagram(ui, corners_px, if is_outside { Place::Outside } else { Place::Inside }, report);
             }
             self.history.ui(ui, session, report, commands);
             samples(ui, report);
             sources(ui, report, commands);
-            if let Some(fragment) = explained {
+            if let Some(absent) = absent {
+                absent_numbers(ui, absent);
+            }
+            if let Some(fragment) = fragment {
                 numbers(ui, fragment);
                 let help = "Writes the triangle that this pixel shows into a case file in the current folder: the smallest \
                             thing to report, or to open again";
@@ -68,6 +79,15 @@ impl Inspector {
             }
         });
     }
+}
+
+/// The fragment that violates an assertion, if that is why the pixel is picked.
+fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
+    let (found, frame) = session.checks.found.as_ref()?;
+    let (_, violation) = found.first_violation()?;
+    let is_here = checks::place(violation, frame) == (report.x, report.y);
+    let index = report.fragments.iter().position(|fragment| is_here && fragment.triangle == violation.triangle)?;
+    Some(Chosen::Fragment(index))
 }
 
 /// What the shown buffer holds under the pointer.

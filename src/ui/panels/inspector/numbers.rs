@@ -3,6 +3,7 @@
 use eframe::egui::{self, RichText, Ui};
 
 use super::{codes, to_color};
+use crate::inspect::history::Absent;
 use crate::inspect::pixel::ShadingRecord;
 use crate::inspect::{DepthRecord, FragmentRecord};
 use crate::pipeline::settings::Arithmetic;
@@ -65,6 +66,21 @@ pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     }
     if let Some(shading) = &fragment.shading {
         shading_numbers(ui, shading);
+    }
+}
+
+/// What is known of a triangle that has no fragment here.
+pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
+    section_header(ui, "Triangle without a fragment", |_| {});
+    value_row(ui, "Triangle", &absent.triangle.0.to_string(), "Its number in the scene, counted from 0");
+    if let Some(distance) = absent.distance_px {
+        let help =
+            "From the pixel's centre to the nearest point of the triangle; in fixed point between snapped corners";
+        value_row(ui, "Distance, px", &format!("{distance:.6}"), help);
+    }
+    for (i, edge) in absent.edges.into_iter().flatten().enumerate() {
+        let help = "Edge value at the pixel's centre: below zero is outside, zero lies on the edge";
+        value_row(ui, &format!("Opposite to v{i}"), &format::edge(edge), help);
     }
 }
 
