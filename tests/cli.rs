@@ -795,6 +795,21 @@ fn every_page_of_the_lab_is_told_and_written() {
 }
 
 #[test]
+fn the_lab_takes_pictures_of_every_format_it_writes() {
+    let folder = folder();
+    for end in ["png", "bmp", "jpg", "gif", "tiff"] {
+        let name = format!("wall.{end}");
+        assert_success(&run(&folder, &["lab", "seed-fill", "--step", "0", "-o", &name]));
+        let filled = run(&folder, &["lab", "seed-fill", "--picture", &name]);
+        assert_success(&filled);
+        let default = run(&folder, &["lab", "seed-fill"]);
+        assert_ne!(stdout(&filled), stdout(&default), "{end}");
+    }
+    assert_failure(&run(&folder, &["lab", "lines", "--picture", "wall.png"]), 2, "takes no picture");
+    assert_failure(&run(&folder, &["lab", "sampling", "--picture", "none.png"]), 2, "none.png");
+}
+
+#[test]
 fn a_scene_is_written_in_every_format_of_drawings() {
     let folder = folder();
     for (kind, (end, _)) in OutlineKind::ALL.iter().cycle().zip(EXTENSIONS) {

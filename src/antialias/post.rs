@@ -1,8 +1,9 @@
 //! The filter over the finished picture, as a recipe chooses it.
 
 use super::fxaa;
-use super::mask::Mask;
+use super::mask;
 use super::settings::{Filter, PostFilter};
+use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
@@ -12,11 +13,11 @@ pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>) -> Option<Image<Rgba8>
     if filter.filter == Filter::Fxaa {
         return Some(fxaa::apply(picture, linear));
     }
-    mask(filter).map(|mask| mask.apply(picture, linear))
+    mask_of(filter).map(|mask| mask::apply(&mask, picture, linear))
 }
 
 /// The mask that a filter amounts to, if it is one.
-pub fn mask(filter: &PostFilter) -> Option<Mask> {
+pub fn mask_of(filter: &PostFilter) -> Option<Mask> {
     match filter.filter {
         Filter::None | Filter::Fxaa => None,
         Filter::Blur => Some(Mask::blur(filter.strength.round() as usize)),
@@ -32,7 +33,7 @@ pub fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
         // Along the edge to its end, and around there by one.
         Filter::Fxaa => Some(fxaa::SEARCH_PX + 1),
-        _ => mask(filter).map(|mask| mask.reach()),
+        _ => mask_of(filter).map(|mask| mask.reach()),
     }
 }
 
@@ -46,7 +47,7 @@ mod tests {
         let weights = [0.0, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0, 0.0, 0.0];
         let filter = PostFilter { filter: Filter::Own, mask: widened(weights), ..PostFilter::default() };
         let picture = Image::from_fn(3, 6, |x, y| [(x * 20 + y * 7) as u8, 0, 0, 255]);
-        let expected = Mask::square(&weights).unwrap().apply(&picture, true);
+        let expected = mask::apply(&Mask::square(&weights).unwrap(), &picture, true);
         assert_eq!(apply(&filter, &picture), Some(expected));
         assert_eq!(apply(&PostFilter::default(), &picture), None);
     }

@@ -3,9 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use rasterscope::image::file;
 use rasterscope::lab::drawing::write_recording;
 use rasterscope::lab::recording::Recording;
 use rasterscope::lab::{Lesson, Page};
+use rasterscope::pipeline::settings::Choice as _;
 
 use super::failure::Failure;
 use super::{output, parse};
@@ -21,6 +23,10 @@ pub(crate) struct LabArgs {
     #[arg(long)]
     step: Option<usize>,
 
+    /// A picture to fill in or to sample, on the pages seed-fill and sampling
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+
     /// Also compare all ways to do the same: error and time
     #[arg(long)]
     compare: bool,
@@ -33,7 +39,16 @@ pub(crate) struct LabArgs {
 
 /// Runs the page, and writes or tells it.
 pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
-    let lesson = Lesson::new(args.page);
+    let mut lesson = Lesson::new(args.page);
+    if let Some(path) = &args.picture {
+        let picture = file::read(path)?;
+        if !lesson.set_picture(&picture) {
+            return Err(Failure::Usage(format!(
+                "the page {} takes no picture; seed-fill and sampling do",
+                args.page.id()
+            )));
+        }
+    }
     let recording = lesson.record();
     let all = recording.steps.len();
     let steps = args.step.unwrap_or(all).min(all);
@@ -51,7 +66,8 @@ pub(crate) fn run(args: &LabArgs) -> Result<(), Failure> {
             format!("{:28} {:12.4} {micros:12.2} µs\n", rival.name, rival.error)
         });
         let head = format!("{}; error: {}\n", comparison.task, comparison.error);
-        output::print(&std::iter::once(head).chain(rivals).collect::<String>())
+        let note = comparison.note.as_ref().map(|note| format!("{note}\n"));
+        output::print(&std::iter::once(head).chain(rivals).chain(note).collect::<String>())
     })
 }
 

@@ -1,48 +1,154 @@
-//! Convolution of a picture with a mask of 3 × 3 weights: blur, sharpen, and the trace of a movement.
+//! Convolution of a picture with a mask: blur, sharpen, the trace of a movement, or weights of one's own.
+//!
+//! A mask is a small odd square of weights around each pixel. Weights need not sum to one: a sum of zero finds edges.
+//! Pictures end with their outermost pixels repeated. Here are masks and the plain sum over numbers, whose terms can be
+//! read; [`crate::antialias::mask`] applies the same masks to pictures of codes.
+
+use thiserror::Error;
 
 use crate::image::Image;
 
-/// Weights, row by row from the upper left neighbour to the lower right one.
-pub type Mask = [[f64; 3]; 3];
-
-/// The mean with the middle counting most: binomial in both directions. Sums to 1.
-pub const BLUR: Mask = [[0.0625, 0.125, 0.0625], [0.125, 0.25, 0.125], [0.0625, 0.125, 0.0625]];
-
-/// Takes the four neighbours off: what differs from its surroundings differs more. Sums to 1.
-pub const SHARPEN: Mask = [[0.0, -1.0, 0.0], [-1.0, 5.0, -1.0], [0.0, -1.0, 0.0]];
-
-/// The mean along a diagonal, as a movement during the exposure leaves it. Sums to 1.
-pub const MOTION: Mask = [[1.0 / 3.0, 0.0, 0.0], [0.0, 1.0 / 3.0, 0.0], [0.0, 0.0, 1.0 / 3.0]];
-
-/// The value of one pixel and what it is the sum of: (weight, value) by rows. Beyond the edge the picture goes on as it ends.
-pub fn convolve_at(image: &Image<f64>, mask: &Mask, (x, y): (u32, u32)) -> (f64, [(f64, f64); 9]) {
-    let parts = std::array::from_fn(|i| {
-        let (column, row) = ((i % 3) as i64, (i / 3) as i64);
-        (mask[i / 3][i % 3], image.at_clamped(i64::from(x) + column - 1, i64::from(y) + row - 1))
-    });
-    (parts.iter().map(|(weight, value)| weight * value).sum(), parts)
+/// Weights around a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mask {
+    side: usize,
+    weights: Vec<f32>,
 }
 
-/// Every pixel; values may leave the range of those of `image` where weights are negative.
-pub fn convolve(image: &Image<f64>, mask: &Mask) -> Image<f64> {
-    Image::from_fn(image.width(), image.height(), |x, y| convolve_at(image, mask, (x, y)).0)
+/// The longest side of a mask, px.
+pub const MOST_SIDE: usize = 31;
+
+/// Why weights are no mask.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum MaskError {
+    /// There must be a middle.
+    #[error("{0} weights are no square of an odd side up to {MOST_SIDE}, such as 9 or 25")]
+    Shape(usize),
+    /// A weight is no number.
+    #[error("weight {0} is not finite")]
+    NotFinite(usize),
+}
+
+impl Mask {
+    /// A square of weights, row by row from the top.
+    pub fn square(weights: &[f32]) -> Result<Self, MaskError> {
+        let side = weights.len().isqrt();
+        if side * side != weights.len() || side.is_multiple_of(2) || side > MOST_SIDE {
+            return Err(MaskError::Shape(weights.len()));
+        }
+        match weights.iter().position(|weight| !weight.is_finite()) {
+            Some(index) => Err(MaskError::NotFinite(index)),
+            None => Ok(Self { side, weights: weights.to_vec() }),
+        }
+    }
+
+    /// The mean of (2 · `reach` + 1)² pixels; `reach` as far as masks go.
+    pub fn blur(reach: usize) -> Self {
+        let side = (2 * reach + 1).min(MOST_SIDE);
+        Self { side, weights: vec![1.0 / (side * side) as f32; side * side] }
+    }
+
+    /// The mean of 3 × 3 pixels with the middle counting most: binomial in both directions.
+    pub fn binomial() -> Self {
+        Self { side: 3, weights: [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0].map(|weight| weight / 16.0).to_vec() }
+    }
+
+    /// A bell of standard deviation `sigma` px, cut off at three of them.
+    pub fn gaussian(sigma: f32) -> Self {
+        let reach = (3.0 * sigma).ceil().clamp(1.0, (MOST_SIDE / 2) as f32) as i32;
+        let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
+        let places = || (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y)));
+        let sum: f32 = places().map(|(x, y)| bell(x) * bell(y)).sum();
+        let weights = places().map(|(x, y)| bell(x) * bell(y) / sum).collect();
+        Self { side: (2 * reach + 1) as usize, weights }
+    }
+
+    /// The pixel and `amount` times what sets it off from its four neighbours.
+    pub fn sharpen(amount: f32) -> Self {
+        let beside = -amount / 4.0;
+        Self { side: 3, weights: vec![0.0, beside, 0.0, beside, 1.0 + amount, beside, 0.0, beside, 0.0] }
+    }
+
+    /// The mean along a straight way of `length` px through the pixel, `angle` radians from the right towards below: each
+    /// pixel counts for as much of the way as lies in it.
+    pub fn motion(length: f32, angle: f32) -> Self {
+        /// Steps per px of the way.
+        const STEPS_PER_PX: f32 = 64.0;
+        let length = length.clamp(0.0, (MOST_SIDE - 1) as f32);
+        let reach = (length / 2.0).ceil().max(1.0) as usize;
+        let side = 2 * reach + 1;
+        let mut weights = vec![0.0; side * side];
+        let steps = (length * STEPS_PER_PX).ceil().max(1.0);
+        for step in 0..steps as u32 {
+            let along = ((step as f32 + 0.5) / steps - 0.5) * length;
+            let [x, y] = [angle.cos(), angle.sin()].map(|axis| (along * axis).round() as i32 + reach as i32);
+            weights[y as usize * side + x as usize] += 1.0 / steps;
+        }
+        Self { side, weights }
+    }
+
+    /// The sum of all weights: what a plain picture is multiplied by.
+    pub fn sum(&self) -> f32 {
+        self.weights.iter().sum()
+    }
+
+    /// How many pixels it reads to each side of its middle.
+    pub fn reach(&self) -> u32 {
+        (self.side / 2) as u32
+    }
+
+    /// Its weights, each with the place that it reads: columns to the right and rows below the pixel.
+    pub fn weights(&self) -> impl Iterator<Item = ((i64, i64), f32)> {
+        let reach = i64::from(self.reach());
+        let place = move |index: usize| ((index % self.side) as i64 - reach, (index / self.side) as i64 - reach);
+        self.weights.iter().enumerate().map(move |(index, weight)| (place(index), *weight))
+    }
+
+    /// What one pixel is the sum of: (weight, value) by rows.
+    pub fn terms_at(&self, image: &Image<f64>, (x, y): (u32, u32)) -> impl Iterator<Item = (f64, f64)> {
+        let value = move |right, down| image.at_clamped(i64::from(x) + right, i64::from(y) + down);
+        self.weights().map(move |((right, down), weight)| (weight.into(), value(right, down)))
+    }
+
+    /// Every pixel of a picture of numbers; values may leave the range of those of `image` where weights are negative.
+    pub fn apply_to_numbers(&self, image: &Image<f64>) -> Image<f64> {
+        Image::from_fn(image.width(), image.height(), |x, y| {
+            self.terms_at(image, (x, y)).map(|(weight, value)| weight * value).sum()
+        })
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::FRAC_PI_4;
+
     use super::*;
 
     #[test]
-    fn an_impulse_gives_the_mask_and_a_plain_picture_stays() {
-        let impulse = Image::from_fn(5, 5, |x, y| f64::from((x, y) == (2, 2)));
-        for mask in [BLUR, SHARPEN, MOTION] {
-            let found = convolve(&impulse, &mask);
-            for (row, column) in (0..3).flat_map(|row| (0..3).map(move |column| (row, column))) {
-                // Convolution turns the mask around; these are symmetric.
-                assert_eq!(found.at(column + 1, row + 1), mask[2 - row as usize][2 - column as usize]);
+    fn an_impulse_gives_the_mask_turned_over_and_a_plain_picture_stays() {
+        let impulse = Image::from_fn(9, 9, |x, y| f64::from(u8::from((x, y) == (4, 4))));
+        for mask in [Mask::binomial(), Mask::sharpen(4.0), Mask::motion(3.0, FRAC_PI_4), Mask::gaussian(1.0)] {
+            let found = mask.apply_to_numbers(&impulse);
+            for ((right, down), weight) in mask.weights() {
+                assert_eq!(found.at((4 - right) as u32, (4 - down) as u32), f64::from(weight));
             }
-            let plain = convolve(&Image::filled(4, 3, 0.5), &mask);
-            assert!(plain.pixels().iter().all(|value| (value - 0.5).abs() < 1e-15), "weights sum to 1");
+            let plain = mask.apply_to_numbers(&Image::filled(4, 3, 0.5));
+            assert!(plain.pixels().iter().all(|value| (value - 0.5).abs() < 1e-6), "weights sum to 1");
         }
+    }
+
+    #[test]
+    fn the_binomial_mask_is_the_product_of_two_rows_of_pascal() {
+        let row = [0.25_f32, 0.5, 0.25];
+        for ((right, down), weight) in Mask::binomial().weights() {
+            assert_eq!(weight, row[(right + 1) as usize] * row[(down + 1) as usize]);
+        }
+    }
+
+    #[test]
+    fn what_is_no_mask_is_refused() {
+        assert_eq!(Mask::square(&[1.0; 8]), Err(MaskError::Shape(8)));
+        assert_eq!(Mask::square(&[1.0; 16]), Err(MaskError::Shape(16)));
+        assert_eq!(Mask::square(&[1.0, f32::NAN, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]), Err(MaskError::NotFinite(1)));
     }
 }

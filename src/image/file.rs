@@ -95,6 +95,11 @@ pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
     Ok(to_rgba(decoded))
 }
 
+/// Whether a path is named as pictures are.
+pub fn is_named_picture(path: &Path) -> bool {
+    path.extension().and_then(ImageFormat::from_extension).is_some()
+}
+
 /// A decoder with limits.
 fn reader(bytes: &[u8], format: ImageFormat) -> ImageReader<Cursor<&[u8]>> {
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);

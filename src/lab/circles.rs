@@ -241,7 +241,7 @@ impl CircleLesson {
             Rival { name: method.name(), error, time: time_of(|| run().count()) }
         });
         let task = format!("a circle of radius {radius} px");
-        Comparison { task, error: "greatest distance from the circle, px", rivals: rivals.collect() }
+        Comparison { task, error: "greatest distance from the circle, px", rivals: rivals.collect(), note: None }
     }
 }
 

@@ -219,7 +219,7 @@ impl LineLesson {
             Rival { name: method.name(), error, time: time_of(|| run().len()) }
         });
         let task = format!("a line of {} × {} px", number(ends[1].x - 50.0, 0), number(ends[1].y - 50.0, 0));
-        Comparison { task, error: "greatest distance from the line, px", rivals: rivals.collect() }
+        Comparison { task, error: "greatest distance from the line, px", rivals: rivals.collect(), note: None }
     }
 }
 

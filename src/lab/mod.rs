@@ -9,6 +9,8 @@ pub mod recording;
 
 pub mod drawing;
 
+pub mod picture;
+
 pub mod lines;
 
 pub mod circles;
@@ -25,6 +27,7 @@ pub mod sampling;
 
 use glam::DVec2;
 
+use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 use circles::CircleLesson;
 use lines::LineLesson;
@@ -136,7 +139,20 @@ impl Lesson {
 
     /// Whether there is a truth that ways to do the same could differ from.
     pub fn compare_is_possible(&self) -> bool {
-        !matches!(self, Self::SeedFill(_) | Self::Primitives(_))
+        match self {
+            Self::Primitives(lesson) => lesson.has_outlines(),
+            _ => true,
+        }
+    }
+
+    /// Makes a picture the canvas of the page, if it has one. Whether it has.
+    pub fn set_picture(&mut self, picture: &Image<Rgba8>) -> bool {
+        match self {
+            Self::SeedFill(lesson) => lesson.set_picture(picture),
+            Self::Sampling(lesson) => lesson.set_picture(picture),
+            _ => return false,
+        }
+        true
     }
 
     /// Runs all ways to do the same against the truth, where there is one.
@@ -147,7 +163,8 @@ impl Lesson {
             Self::Polygons(lesson) => Some(lesson.compare()),
             Self::Triangles(lesson) => Some(lesson.compare()),
             Self::Sampling(lesson) => Some(lesson.compare()),
-            Self::SeedFill(_) | Self::Primitives(_) => None,
+            Self::SeedFill(lesson) => Some(lesson.compare()),
+            Self::Primitives(lesson) => lesson.has_outlines().then(|| lesson.compare()),
         }
     }
 }

@@ -326,13 +326,18 @@ impl PolygonLesson {
             rival("Ears of the first contour", &triangles),
             rival("Crossing test per pixel", &|| by_crossings(&contours, size, self.filling(size).rule)),
         ];
-        Comparison { task: format!("the polygon on {} × {} px", size.0, size.1), error: "wrong pixels", rivals }
+        Comparison {
+            task: format!("the polygon on {} × {} px", size.0, size.1),
+            error: "wrong pixels",
+            rivals,
+            note: None,
+        }
     }
 }
 
 /// Whether the centre of each pixel is inside, by counting the crossings of a ray to the left: one look at every edge for
 /// every pixel.
-fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32), rule: InsideRule) -> Vec<bool> {
+pub(super) fn by_crossings(contours: &[Vec<DVec2>], (width, height): (u32, u32), rule: InsideRule) -> Vec<bool> {
     let pixels = (0..height).flat_map(|y| (0..width).map(move |x| DVec2::new(x.into(), y.into()) + 0.5));
     pixels
         .map(|p| {

@@ -2,7 +2,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::recording::{Cell, Ink, Mark, Recording, Step, Tone, cell, number, pair};
+use super::polygons::by_crossings;
+use super::recording::{Cell, Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
+use crate::flat2d::ear_clip::clip_ears;
 use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
 use crate::flat2d::primitives::{Piece, Primitive, Verdict, judge, pieces};
 use crate::flat2d::real_line::real_line;
@@ -204,6 +206,47 @@ impl PrimitiveLesson {
 
     pub(super) fn walk(&self) -> usize {
         pieces(self.kind.primitive(), self.vertices.len()).len()
+    }
+
+    /// Whether outlines were meant, which what is drawn could miss.
+    pub(super) fn has_outlines(&self) -> bool {
+        !self.outlines().is_empty()
+    }
+
+    /// Fans and ears on the outlines made larger, against the crossing test of every pixel.
+    pub(super) fn compare(&self) -> Comparison {
+        const LARGER: f64 = 16.0;
+        let size = (SIZE.0 * LARGER as u32, SIZE.1 * LARGER as u32);
+        let place = |vertex: &usize| self.place(*vertex) * LARGER;
+        let outlines: Vec<Vec<DVec2>> =
+            self.outlines().iter().map(|outline| outline.iter().map(place).collect()).collect();
+        // Outlines are drawn one over the other, so a pixel within two of them is inside.
+        let union = |covers: Vec<Vec<bool>>| {
+            covers.into_iter().reduce(|a, b| a.iter().zip(&b).map(|(a, b)| *a || *b).collect()).unwrap_or_default()
+        };
+        let one_by_one = |outlines: &[Vec<DVec2>]| {
+            let covers = outlines.iter().map(|o| by_crossings(std::slice::from_ref(o), size, InsideRule::EvenOdd));
+            union(covers.collect())
+        };
+        let truth = one_by_one(&outlines);
+        let rival = |name, triangles: &dyn Fn() -> Vec<Vec<DVec2>>| {
+            let wrong = one_by_one(&triangles()).iter().zip(&truth).filter(|(a, b)| a != b).count();
+            Rival { name, error: wrong as f64, time: time_of(|| triangles().len()) }
+        };
+        let fans = || {
+            let fan = |o: &Vec<DVec2>| -> Vec<_> { (2..o.len()).map(|i| vec![o[0], o[i - 1], o[i]]).collect() };
+            outlines.iter().flat_map(fan).collect()
+        };
+        let ears = || {
+            let ears = |o: &Vec<DVec2>| -> Vec<_> { clip_ears(o).map(|ear| ear.map(|i| o[i]).to_vec()).collect() };
+            outlines.iter().flat_map(ears).collect()
+        };
+        Comparison {
+            task: format!("cutting the outlines into triangles, on {} × {} px", size.0, size.1),
+            error: "wrong pixels",
+            rivals: vec![rival("Fan from the first corner", &fans), rival("Ears", &ears)],
+            note: None,
+        }
     }
 
     pub(super) fn explanation(&self) -> &'static str {

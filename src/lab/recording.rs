@@ -183,6 +183,8 @@ pub struct Comparison {
     pub error: &'static str,
     /// The ways.
     pub rivals: Vec<Rival>,
+    /// What they say together, in one sentence.
+    pub note: Option<String>,
 }
 
 #[cfg(test)]

@@ -1,14 +1,18 @@
 //! From a shape or pattern without pixels to pixels: where aliasing comes from and what helps.
 
+use std::f32::consts::{FRAC_PI_4, SQRT_2};
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+use std::time::Duration;
 
 use glam::DVec2;
 
+use super::picture::{brightness, siemens_star};
 use super::recording::{Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
 use crate::antialias::area::triangle_area;
 use crate::antialias::weight::{Weight, weighted_coverage};
-use crate::flat2d::convolve::{BLUR, MOTION, Mask, SHARPEN, convolve, convolve_at};
-use crate::image::Image;
+use crate::flat2d::convolve::Mask;
+use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
@@ -18,6 +22,7 @@ choice! {
         ZonePlate = "zone-plate", "Zone plate", "Rings that get finer outwards: beyond half the radius they are finer than two pixels.";
         ChessBoard = "chess-board", "Receding chess board", "Squares that shrink towards the horizon.";
         Wheel = "wheel", "Turning wheel", "Eight spokes; each step is one frame of a film.";
+        Picture = "picture", "A picture", "The picture that was opened or dropped here last, in grey; until then, a star of wedges.";
     }
 }
 
@@ -37,11 +42,11 @@ choice! {
 }
 
 impl SamplingMethod {
-    fn mask(self) -> Option<&'static Mask> {
+    fn mask(self) -> Option<Mask> {
         match self {
-            Self::Blur => Some(&BLUR),
-            Self::Sharpen => Some(&SHARPEN),
-            Self::Motion => Some(&MOTION),
+            Self::Blur => Some(Mask::binomial()),
+            Self::Sharpen => Some(Mask::sharpen(SHARPENING)),
+            Self::Motion => Some(Mask::motion(MOTION_PX, FRAC_PI_4)),
             _ => None,
         }
     }
@@ -56,14 +61,20 @@ impl SamplingMethod {
     }
 }
 
+/// How much of what sets a pixel off from its four neighbours sharpening adds.
+const SHARPENING: f32 = 4.0;
+
+/// Length of the movement that motion blur shows, px: it reaches into the two neighbours of a pixel along a diagonal.
+const MOTION_PX: f32 = 2.0 * SQRT_2;
+
 /// Columns and rows of the grid.
 const SIZE: (u32, u32) = (48, 36);
 
 /// Points each way that stand for an area where it is not computed.
 const DENSE: u32 = 12;
 
-/// Points each way that stand for the truth where it has no formula.
-const TRUTH: u32 = 24;
+/// Points each way that stand for the truth where it has no formula: others than those of any method.
+const TRUTH: u32 = 43;
 
 /// Frames of the film of the wheel.
 const FRAMES: u32 = 48;
@@ -88,6 +99,8 @@ pub struct SamplingLesson {
     pub turns_per_frame: f32,
     /// The pixel whose numbers are shown.
     pub chosen: (u32, u32),
+    /// The picture of [`SamplingScene::Picture`]: values in [0, 1], laid over the whole grid.
+    pub source: Arc<Image<f64>>,
 }
 
 impl Default for SamplingLesson {
@@ -100,6 +113,7 @@ impl Default for SamplingLesson {
             middle: DVec2::new(24.0, 18.0),
             turns_per_frame: 0.115,
             chosen: (26, 18),
+            source: Arc::new(siemens_star()),
         }
     }
 }
@@ -129,6 +143,12 @@ impl SamplingLesson {
                 let spoke = (from_middle.to_angle() / TAU - turn) * SPOKES;
                 let rim = (14.5..16.0).contains(&radius) || radius < 2.0;
                 f64::from(rim || radius < 14.5 && spoke.rem_euclid(1.0) < 0.3)
+            }
+            SamplingScene::Picture => {
+                let grid = DVec2::new(SIZE.0.into(), SIZE.1.into());
+                let size = DVec2::new(self.source.width().into(), self.source.height().into());
+                let texel = ((place + grid / 2.0 - self.middle) / grid * size).floor();
+                self.source.at_clamped(texel.x as i64, texel.y as i64)
             }
         }
     }
@@ -182,7 +202,7 @@ impl SamplingLesson {
     /// The picture that a method makes at one moment.
     fn picture(&self, method: SamplingMethod, turn: f64) -> Image<f64> {
         if let Some(mask) = method.mask() {
-            return convolve(&self.picture(SamplingMethod::Point, turn), mask);
+            return mask.apply_to_numbers(&self.picture(SamplingMethod::Point, turn));
         }
         Image::from_fn(SIZE.0, SIZE.1, |x, y| match (method.weight(), method) {
             (Some(weight), _) => self.weighted((x, y), weight, turn),
@@ -192,10 +212,28 @@ impl SamplingLesson {
         })
     }
 
-    /// Mean value of each pixel's square: by exact areas for the edge, by many points for the others.
+    /// The mean of the source over a pixel's square: its texels by their shares of the square.
+    fn texel_mean(&self, (x, y): (u32, u32)) -> f64 {
+        let along = |pixel: u32, middle: f64, side: u32, texels: u32| {
+            let per_px = f64::from(texels) / f64::from(side);
+            let from = (f64::from(pixel) + f64::from(side) / 2.0 - middle) * per_px;
+            let to = from + per_px;
+            let share = move |texel: i64| ((texel + 1) as f64).min(to) - (texel as f64).max(from);
+            (from.floor() as i64..to.ceil() as i64).map(move |texel| (texel, share(texel) / per_px))
+        };
+        let columns = || along(x, self.middle.x, SIZE.0, self.source.width());
+        let rows = along(y, self.middle.y, SIZE.1, self.source.height());
+        rows.flat_map(|row| columns().map(move |column| (column, row)))
+            .map(|((column, wide), (row, high))| wide * high * self.source.at_clamped(column, row))
+            .sum()
+    }
+
+    /// Mean value of each pixel's square: by exact areas for the edge and pictures, by many points for the others.
     fn truth(&self) -> Image<f64> {
-        if self.scene != SamplingScene::Edge {
-            return Image::from_fn(SIZE.0, SIZE.1, |x, y| self.mean((x, y), TRUTH, false, 0.0));
+        match self.scene {
+            SamplingScene::Edge => {}
+            SamplingScene::Picture => return Image::from_fn(SIZE.0, SIZE.1, |x, y| self.texel_mean((x, y))),
+            _ => return Image::from_fn(SIZE.0, SIZE.1, |x, y| self.mean((x, y), TRUTH, false, 0.0)),
         }
         let [a, b, c, d] = self.half_plane();
         let mut truth = Image::filled(SIZE.0, SIZE.1, 0.0);
@@ -244,8 +282,9 @@ impl SamplingLesson {
         recording.facts.push((format!("pixel ({x}, {y})"), number(picture.at(x, y), 5)));
         recording.fact("its true area", number(truth.at(x, y), 5));
         if let Some(mask) = self.method.mask() {
-            let (_, parts) = convolve_at(&self.picture(SamplingMethod::Point, 0.0), mask, self.chosen);
-            for (row, three) in parts.chunks(3).enumerate() {
+            let points = self.picture(SamplingMethod::Point, 0.0);
+            let terms: Vec<_> = mask.terms_at(&points, self.chosen).collect();
+            for (row, three) in terms.chunks(3).enumerate() {
                 let terms: Vec<_> = three
                     .iter()
                     .map(|(weight, value)| format!("{} × {}", number(*weight, 3), number(*value, 2)))
@@ -325,6 +364,11 @@ impl SamplingLesson {
                  slower, stand still, or run backwards. Follow the marked spoke with single steps, then play. More points per pixel do not help: more \
                  frames, or a longer exposure, would."
             }
+            SamplingScene::Picture => {
+                "Making a picture smaller is sampling, too: of all the pixels of the large one, one point per pixel keeps a few and forgets the rest, \
+                 which breaks thin lines and turns fine patterns into coarse ones. The mean over each pixel's area keeps what is there. Open or drop \
+                 any picture here; the star shows by how far its wedges are drawn apart, and from where on only false patterns are left."
+            }
         }
     }
 
@@ -334,6 +378,11 @@ impl SamplingLesson {
 
     pub(super) fn move_handle(&mut self, _: usize, to: DVec2) {
         self.middle = (to * 4.0).round() / 4.0;
+    }
+
+    /// Samples this picture from now on.
+    pub fn set_picture(&mut self, picture: &Image<Rgba8>) {
+        (self.scene, self.source) = (SamplingScene::Picture, Arc::new(brightness(picture)));
     }
 
     /// Chooses the pixel whose numbers are shown; places outside of the grid are ignored.
@@ -346,10 +395,11 @@ impl SamplingLesson {
     /// All methods on the present scene.
     pub(super) fn compare(&self) -> Comparison {
         let truth = self.truth();
-        let rivals = SamplingMethod::ALL.iter().map(|method| {
-            let error = root_mean_square(&self.picture(*method, 0.0), &truth);
-            Rival { name: method.name(), error, time: time_of(|| self.picture(*method, 0.0).pixels().len()) }
-        });
+        let rival = |method: SamplingMethod| {
+            let error = root_mean_square(&self.picture(method, 0.0), &truth);
+            Rival { name: method.name(), error, time: time_of(|| self.picture(method, 0.0).pixels().len()) }
+        };
+        let rivals: Vec<_> = SamplingMethod::ALL.iter().map(|method| rival(*method)).collect();
         let task = format!(
             "{} on {} × {} px, {} points each way",
             self.scene.name().to_lowercase(),
@@ -357,7 +407,31 @@ impl SamplingLesson {
             SIZE.1,
             self.points
         );
-        Comparison { task, error: "root mean square error", rivals: rivals.collect() }
+        let blur = rivals.iter().find(|rival| rival.name == SamplingMethod::Blur.name());
+        let note = blur.map(|blur| self.in_the_time_of(blur, &truth));
+        Comparison { task, error: "root mean square error", rivals, note }
+    }
+
+    /// What supersampling reaches in the time that blurring takes.
+    fn in_the_time_of(&self, blur: &Rival, truth: &Image<f64>) -> String {
+        /// More points each way than any blur pays for.
+        const MOST_POINTS: u32 = 8;
+        let timed = |points| {
+            let lesson = Self { points, ..self.clone() };
+            (points, time_of(|| lesson.picture(SamplingMethod::Grid, 0.0).pixels().len()), lesson)
+        };
+        let affordable = (2..=MOST_POINTS).map(timed).take_while(|(_, time, _)| *time <= blur.time).last();
+        let micros = |time: Duration| format!("{} µs", number(time.as_secs_f64() * 1e6, 1));
+        match affordable {
+            None => format!("At equal time: blur takes {}, less than 2 × 2 points take.", micros(blur.time)),
+            Some((points, time, lesson)) => format!(
+                "At equal time: {points} × {points} points in {} are off by {}; one point and blur in {} by {}.",
+                micros(time),
+                number(root_mean_square(&lesson.picture(SamplingMethod::Grid, 0.0), truth), 4),
+                micros(blur.time),
+                number(blur.error, 4)
+            ),
+        }
     }
 }
 

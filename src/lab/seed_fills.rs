@@ -2,10 +2,11 @@
 
 use glam::DVec2;
 
-use super::recording::{Ink, Mark, Recording, Step, Tone, cell, pair};
+use super::picture::painted;
+use super::recording::{Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, pair, time_of};
 use crate::flat2d::seed_fill::{Connectivity, Region, seed_fill};
 use crate::flat2d::stack_fill::stack_fill;
-use crate::image::Image;
+use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, choice};
 
 choice! {
@@ -115,6 +116,11 @@ impl SeedFillPreset {
 }
 
 impl SeedFillLesson {
+    /// Makes a picture the grid, reduced to its size: what is dark is wall, what has a colour is spot.
+    pub fn set_picture(&mut self, picture: &Image<Rgba8>) {
+        self.grid = painted(picture, SIZE);
+    }
+
     fn region(&self) -> Region<Paint> {
         match self.region {
             RegionKind::Flood => Region::Flood,
@@ -232,6 +238,83 @@ impl SeedFillLesson {
     pub(super) fn move_handle(&mut self, _: usize, to: DVec2) {
         let within = |place: f64, length: u32| (place.floor().max(0.0) as u32).min(length - 1);
         self.seed = (within(to.x, self.grid.width()), within(to.y, self.grid.height()));
+    }
+}
+
+/// Name of each way, its neighbours and its order.
+const WAYS: [(&str, Neighbours, FillOrder); 4] = [
+    ("4 neighbours, by pixels", Neighbours::Four, FillOrder::Pixels),
+    ("4 neighbours, by spans", Neighbours::Four, FillOrder::Spans),
+    ("8 neighbours, by pixels", Neighbours::Eight, FillOrder::Pixels),
+    ("8 neighbours, by spans", Neighbours::Eight, FillOrder::Spans),
+];
+
+impl SeedFillLesson {
+    /// All ways on the grid made larger, against what hangs together over the chosen neighbours.
+    pub(super) fn compare(&self) -> Comparison {
+        const LARGER: u32 = 8;
+        let (width, height) = (self.grid.width() * LARGER, self.grid.height() * LARGER);
+        let larger = Self {
+            grid: Image::from_fn(width, height, |x, y| self.grid.at(x / LARGER, y / LARGER)),
+            seed: (self.seed.0 * LARGER, self.seed.1 * LARGER),
+            ..self.clone()
+        };
+        let truth = larger.hanging_together();
+        let rivals = WAYS.into_iter().map(|(name, neighbours, order)| {
+            let way = Self { neighbours, order, ..larger.clone() };
+            let filled = way.filled();
+            let wrong = filled.pixels().iter().zip(truth.pixels()).filter(|(a, b)| a != b).count();
+            Rival { name, error: wrong as f64, time: time_of(|| way.walk()) }
+        });
+        Comparison {
+            task: format!("the grid on {width} × {height} px, {}", self.neighbours.name()),
+            error: "wrong pixels",
+            rivals: rivals.collect(),
+            note: None,
+        }
+    }
+
+    /// Which pixels the fill reaches.
+    fn filled(&self) -> Image<bool> {
+        let (mut grid, mut filled) = (self.grid.clone(), self.grid.map(|_| false));
+        let (region, connectivity) = (self.region(), self.connectivity());
+        match self.order {
+            FillOrder::Pixels => stack_fill(&mut grid, self.seed, region, connectivity, Paint::Filled)
+                .for_each(|(x, y)| filled.set(x, y, true)),
+            FillOrder::Spans => seed_fill(&mut grid, self.seed, region, connectivity, Paint::Filled)
+                .for_each(|span| (span.x0..span.x1).for_each(|x| filled.set(x, span.y, true))),
+        }
+        filled
+    }
+
+    /// Which pixels hang together with the seed, by definition: the whole grid is gone over again and again, and each open
+    /// pixel beside one that belongs to it joins, until none does. No stack and no order of filling is involved.
+    fn hanging_together(&self) -> Image<bool> {
+        let (width, height) = self.grid.size();
+        let seed = self.grid.at(self.seed.0, self.seed.1);
+        let is_open = |paint: Paint| match self.region {
+            RegionKind::Flood => paint == seed,
+            RegionKind::Boundary => paint != Paint::Wall,
+        };
+        let reach = |(dx, dy): &(i64, i64)| self.neighbours == Neighbours::Eight || dx * dy == 0;
+        let around: Vec<(i64, i64)> = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))).filter(reach).collect();
+        let mut belongs = Image::from_fn(width, height, |x, y| (x, y) == self.seed && is_open(self.grid.at(x, y)));
+        let mut forwards: Vec<(u32, u32)> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
+        loop {
+            let mut joined = false;
+            for (x, y) in forwards.iter().copied().filter(|(x, y)| is_open(self.grid.at(*x, *y))) {
+                let beside = |(dx, dy): &(i64, i64)| belongs.at_clamped(i64::from(x) + dx, i64::from(y) + dy);
+                if !belongs.at(x, y) && around.iter().any(beside) {
+                    belongs.set(x, y, true);
+                    joined = true;
+                }
+            }
+            if !joined {
+                return belongs;
+            }
+            // Every second time from the end: ways back are found as fast as ways on.
+            forwards.reverse();
+        }
     }
 }
 

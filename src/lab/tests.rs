@@ -7,6 +7,7 @@ use super::*;
 use crate::flat2d::line::midpoint_line;
 use crate::lab::lines::LineMethod;
 use crate::lab::polygons::{PolygonMethod, PolygonPreset};
+use crate::lab::primitives::{PrimitiveKind, VertexPreset};
 use crate::lab::sampling::{SamplingMethod, SamplingScene};
 use crate::lab::seed_fills::{FillOrder, Neighbours, Paint, SeedFillPreset};
 use crate::lab::triangles::TriangleView;
@@ -77,6 +78,66 @@ fn all_line_methods_show_the_line_between_whole_ends() {
         let sum: f64 = fact(&recording, "sum of shares").parse().unwrap();
         let length = DVec2::new(28.0, 12.0).length();
         assert!((sum / length - 1.0).abs() < 0.02, "{method:?}: {sum} of {length}");
+    }
+}
+
+#[test]
+fn fills_reach_what_hangs_together_and_the_wrong_neighbours_do_not() {
+    for preset in SeedFillPreset::ALL {
+        let (grid, seed) = preset.grid();
+        for neighbours in Neighbours::ALL {
+            let lesson = SeedFillLesson { grid: grid.clone(), seed, neighbours: *neighbours, ..Default::default() };
+            let errors: Vec<_> = lesson.compare().rivals.iter().map(|rival| rival.error).collect();
+            let (right, wrong) = match neighbours {
+                Neighbours::Four => (&errors[..2], &errors[2..]),
+                Neighbours::Eight => (&errors[2..], &errors[..2]),
+            };
+            assert_eq!(right, [0.0, 0.0], "{preset:?} {neighbours:?}");
+            let depends = matches!(preset, SeedFillPreset::DiagonalWall | SeedFillPreset::DiagonalRegion);
+            assert_eq!(wrong.iter().all(|error| *error > 0.0), depends, "{preset:?} {neighbours:?}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn a_fan_misses_what_is_concave_and_ears_do_not() {
+    let errors = |preset: VertexPreset| {
+        let lesson = PrimitiveLesson { vertices: preset.vertices(), kind: PrimitiveKind::Polygon };
+        let comparison = Lesson::Primitives(lesson).compare().unwrap();
+        comparison.rivals.iter().map(|rival| rival.error).collect::<Vec<_>>()
+    };
+    assert_eq!(errors(VertexPreset::Ring), [0.0, 0.0]);
+    let concave = errors(VertexPreset::Concave);
+    assert!(concave[0] > 100.0 && concave[1] == 0.0, "{concave:?}");
+    assert!(!Lesson::Primitives(PrimitiveLesson::default()).compare_is_possible());
+}
+
+#[test]
+fn a_picture_becomes_the_canvas_of_the_pages_that_have_one() {
+    let picture = Image::from_fn(60, 40, |x, _| if x < 30 { [0, 0, 0, 255] } else { [255, 255, 255, 255] });
+    for page in Page::ALL {
+        let mut lesson = Lesson::new(*page);
+        let before = lesson.clone();
+        let takes = matches!(page, Page::SeedFill | Page::Sampling);
+        assert_eq!((lesson.set_picture(&picture), lesson != before), (takes, takes), "{page:?}");
+    }
+    let mut sampling = SamplingLesson { method: SamplingMethod::Point, ..SamplingLesson::default() };
+    sampling.set_picture(&picture);
+    // Half is dark: a sum of half the pixels, and no pixel is mixed until the middle is moved by a part of one.
+    assert_eq!(fact(&sampling.record(), "sum of the picture"), "864.00");
+    assert_eq!(fact(&sampling.record(), "root mean square error"), "0.00000");
+    sampling.middle.x += 0.25;
+    assert_eq!(
+        (fact(&sampling.record(), "sum of the picture"), fact(&sampling.record(), "true sum")),
+        ("864.00", "855.00")
+    );
+}
+
+#[test]
+fn blur_is_set_against_points_at_equal_time() {
+    for scene in [SamplingScene::Edge, SamplingScene::ZonePlate, SamplingScene::Picture] {
+        let comparison = SamplingLesson { scene, ..SamplingLesson::default() }.compare();
+        assert!(comparison.note.is_some_and(|note| note.starts_with("At equal time: ")), "{scene:?}");
     }
 }
 

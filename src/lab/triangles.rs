@@ -286,7 +286,7 @@ impl TriangleLesson {
             Rival { name: rasterizer.name(), error, time }
         });
         let task = format!("ABC on {} × {} px", viewport.width, viewport.height);
-        Comparison { task, error: "wrong pixels", rivals: rivals.collect() }
+        Comparison { task, error: "wrong pixels", rivals: rivals.collect(), note: None }
     }
 }
 

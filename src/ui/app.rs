@@ -384,6 +384,7 @@ impl Workbench {
             }
             Command::StepFault(step) => self.step_fault(step > 0),
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
+            Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
             Command::SavePicture => self.save_picture(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),

@@ -19,6 +19,7 @@ use super::open_case::{self, OpenCase};
 use super::timings::Timings;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
+use crate::image::file;
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
@@ -470,6 +471,14 @@ impl Session {
         self.report(Level::Info, format!("Opened the case {}", case.id));
         self.error = None;
         self.case = Some(OpenCase::new(case));
+    }
+
+    /// Makes the picture of a file the canvas of the lab.
+    pub fn open_picture(&mut self, path: &Path) {
+        match file::read(path) {
+            Ok(picture) => self.lab.show_picture(&picture),
+            Err(error) => self.report(Level::Error, error.to_string()),
+        }
     }
 
     fn open_worst(&mut self, column: Column, json: &str) {

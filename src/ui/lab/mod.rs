@@ -15,6 +15,7 @@ mod rivals;
 
 mod pages;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -22,6 +23,7 @@ use eframe::egui::{self, CentralPanel, Panel, ScrollArea, Ui, Vec2};
 
 use super::command::Command;
 use super::theme::{self, ROW_HEIGHT, space};
+use crate::image::{Image, Rgba8, file};
 use crate::lab::recording::{Comparison, Recording, time_of};
 use crate::lab::seed_fills::Paint;
 use crate::lab::{Lesson, Page};
@@ -93,6 +95,8 @@ pub enum Change {
     Compare,
     /// Close the comparison.
     CloseComparison,
+    /// Make the picture of this file the canvas of the page, or of the one that samples pictures.
+    Picture(PathBuf),
     /// Save the drawing in the format of this end of a file name.
     Save(&'static str),
 }
@@ -150,6 +154,7 @@ impl Lab {
             | Command::CopyPicture
             | Command::SaveOutline(..)
             | Command::ZoomOne => return None,
+            Command::Open(path) if file::is_named_picture(&path) => Change::Picture(path),
             Command::Open(_) | Command::OpenBuiltin(_) => {
                 self.open = false;
                 return Some(command);
@@ -199,9 +204,23 @@ impl Lab {
             Change::View(view) => self.view = view,
             Change::Compare => self.comparison = self.lesson().compare(),
             Change::CloseComparison => self.comparison = None,
-            save @ Change::Save(_) => return Some(save),
+            disk @ (Change::Save(_) | Change::Picture(_)) => return Some(disk),
         }
         None
+    }
+
+    /// Makes a picture the canvas of the present page; if it has none, of the page that samples pictures.
+    pub fn show_picture(&mut self, picture: &Image<Rgba8>) {
+        let place = self.place();
+        if self.lessons[place].set_picture(picture) {
+            (self.comparison, self.playing) = (None, 0);
+            self.run();
+            return;
+        }
+        for lesson in self.lessons.iter_mut().filter(|lesson| lesson.page() == Page::Sampling) {
+            lesson.set_picture(picture);
+        }
+        self.apply(Change::Page(Page::Sampling));
     }
 
     /// Runs the present page. All steps are shown if all were, otherwise as many as before.

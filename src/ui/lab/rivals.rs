@@ -49,6 +49,9 @@ pub(super) fn ui(ui: &mut Ui, comparison: &Comparison, changes: &mut Vec<Change>
 fn table(ui: &mut Ui, comparison: &Comparison) {
     let weak = tokens(ui).text_weak;
     ui.label(RichText::new(format!("error: {}", comparison.error)).color(weak).small());
+    if let Some(note) = &comparison.note {
+        ui.add(Label::new(RichText::new(note).color(tokens(ui).text)).wrap());
+    }
     for (number, rival) in comparison.rivals.iter().enumerate() {
         ui.horizontal(|ui| {
             let (place, _) = ui.allocate_exact_size(vec2(CONTROL_HEIGHT, CONTROL_HEIGHT), Sense::hover());

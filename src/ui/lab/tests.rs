@@ -41,6 +41,22 @@ fn keys_of_the_pipeline_step_the_lab_while_it_is_open_and_no_other_time() {
 }
 
 #[test]
+fn a_picture_that_is_opened_becomes_the_canvas() {
+    let path = PathBuf::from("drawn.PNG");
+    let mut lab = open(Page::Lines);
+    let asked = give(&mut lab, Command::Open(path.clone()));
+    assert_eq!(asked, Some(Command::Lab(Change::Picture(path.clone()))), "the disk is not the lab's");
+    lab.show_picture(&Image::filled(8, 8, [0, 0, 0, 255]));
+    assert_eq!(lab.page, Page::Sampling, "lines have no canvas");
+    lab.apply(Change::Page(Page::SeedFill));
+    let before = lab.lesson().clone();
+    lab.show_picture(&Image::filled(8, 8, [0, 0, 0, 255]));
+    assert!(lab.page == Page::SeedFill && *lab.lesson() != before);
+    let mut closed = Lab::default();
+    assert_eq!(give(&mut closed, Command::Open(path.clone())), Some(Command::Open(path)));
+}
+
+#[test]
 fn playing_goes_to_the_end_and_back_and_stops_there() {
     let mut lab = open(Page::SeedFill);
     let all = lab.recording.steps.len();

@@ -118,7 +118,10 @@ impl OpenDialog {
         self.hint = None;
         self.browsing = Some((receiver, Instant::now()));
         std::thread::spawn(move || {
-            let file = rfd::FileDialog::new().add_filter("Models and cases", &["obj", "OBJ", "json"]).pick_file();
+            let file = rfd::FileDialog::new()
+                .add_filter("Models and cases", &["obj", "OBJ", "json"])
+                .add_filter("Pictures, for the 2D lab", &["png", "jpg", "jpeg", "bmp", "gif", "tif", "tiff", "tga"])
+                .pick_file();
             // The window may be gone by now.
             drop(sender.send(file));
             context.request_repaint();

@@ -27,6 +27,7 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SamplingLesson) {
                 slider(ui, &mut lesson.turns_per_frame, 0.0..=0.5, "", 3)
             });
         }
+        SamplingScene::Picture => hint(ui, "Open a picture with Ctrl+O, or drop one here."),
         SamplingScene::ZonePlate | SamplingScene::ChessBoard => {}
     }
     hint(ui, "Drag the middle. Click a pixel to see its numbers.");

@@ -22,5 +22,9 @@ pub(super) fn ui(ui: &mut Ui, lesson: &mut SeedFillLesson, brush: &mut Paint) {
         ];
         choice(ui, brush, &options);
     });
+    hint(
+        ui,
+        "Open a picture with Ctrl+O, or drop one here, to fill in it: what is dark becomes wall, what has a colour spot.",
+    );
     hint(ui, "Drag the seed (ring). Paint with the main button, wipe with the right one.");
 }

@@ -1,0 +1,97 @@
+//! Pictures from files as the canvas of a page: reduced to its grid, or to be sampled.
+
+use super::seed_fills::Paint;
+use crate::image::color::luma;
+use crate::image::{Image, Rgba8};
+
+/// Cells darker than this, of 255, are walls.
+const WALL_BELOW: f32 = 96.0;
+
+/// Codes of the strongest and the weakest channel that differ by more than this make a colour.
+const COLOR_FROM: f32 = 64.0;
+
+/// A picture of the size of a grid: what is dark is wall, what has a colour is spot, the rest paper. Its shape is kept; what
+/// it leaves of the grid is paper.
+pub fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Image<Paint> {
+    let [wide, high] = [picture.width(), picture.height()].map(f64::from);
+    let cell_px = (wide / f64::from(width)).max(high / f64::from(height));
+    let left = (f64::from(width) - wide / cell_px) / 2.0;
+    let top = (f64::from(height) - high / cell_px) / 2.0;
+    Image::from_fn(width, height, |x, y| {
+        let range = |at: u32, before: f64, end: f64| {
+            let from = ((f64::from(at) - before) * cell_px).max(0.0);
+            let to = ((f64::from(at) + 1.0 - before) * cell_px).min(end);
+            from.round() as u32..to.round() as u32
+        };
+        let (columns, rows) = (range(x, left, wide), range(y, top, high));
+        let pixels = rows.flat_map(|row| columns.clone().map(move |column| picture.at(column, row)));
+        mean(pixels).map_or(Paint::Paper, paint)
+    })
+}
+
+fn mean(pixels: impl Iterator<Item = Rgba8>) -> Option<[f32; 3]> {
+    let (sum, count) = pixels.fold(([0.0_f32; 3], 0_u32), |(sum, count), [r, g, b, _]| {
+        ([sum[0] + f32::from(r), sum[1] + f32::from(g), sum[2] + f32::from(b)], count + 1)
+    });
+    (count > 0).then(|| sum.map(|channel| channel / count as f32))
+}
+
+fn paint(color: [f32; 3]) -> Paint {
+    let (low, high) = color.iter().fold((f32::INFINITY, 0.0_f32), |(low, high), c| (low.min(*c), high.max(*c)));
+    match () {
+        () if high - low > COLOR_FROM => Paint::Spot,
+        () if high < WALL_BELOW => Paint::Wall,
+        () => Paint::Paper,
+    }
+}
+
+/// Brightness of each pixel, of codes as they are, in [0, 1].
+pub fn brightness(picture: &Image<Rgba8>) -> Image<f64> {
+    picture.map(|pixel| f64::from(luma(pixel)) / 255.0)
+}
+
+/// A star of wedges that meet in the middle, where they are finer than any pixel: what lenses and printers are tested with.
+pub fn siemens_star() -> Image<f64> {
+    const SIDES: (u32, u32) = (480, 360);
+    const WEDGES: f64 = 36.0;
+    Image::from_fn(SIDES.0, SIDES.1, |x, y| {
+        let [right, down] = [(x, SIDES.0), (y, SIDES.1)].map(|(at, side)| f64::from(at) + 0.5 - f64::from(side) / 2.0);
+        let wedge = down.atan2(right) / std::f64::consts::TAU * WEDGES;
+        f64::from(u8::from(wedge.rem_euclid(1.0) < 0.5))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dark_is_wall_and_coloured_is_spot_and_the_shape_is_kept() {
+        let picture = Image::from_fn(40, 40, |x, y| match (x < 20, y < 20) {
+            (true, true) => [10, 10, 10, 255],
+            (true, false) => [200, 30, 30, 255],
+            (false, _) => [240, 240, 240, 255],
+        });
+        let grid = painted(&picture, (8, 4));
+        // Square, so it stands in the middle of the wide grid.
+        let row = |y| (0..8).map(|x| grid.at(x, y)).collect::<Vec<_>>();
+        let (paper, wall, spot) = (Paint::Paper, Paint::Wall, Paint::Spot);
+        assert_eq!(row(0), [paper, paper, wall, wall, paper, paper, paper, paper]);
+        assert_eq!(row(3), [paper, paper, spot, spot, paper, paper, paper, paper]);
+    }
+
+    #[test]
+    fn any_size_of_picture_gives_the_grid() {
+        for size in [(1, 1), (1, 500), (700, 2), (29, 19), (31, 21)] {
+            let grid = painted(&Image::filled(size.0, size.1, [0, 0, 0, 255]), (30, 20));
+            assert!(grid.size() == (30, 20) && grid.pixels().contains(&Paint::Wall), "{size:?}");
+        }
+    }
+
+    #[test]
+    fn half_of_a_star_is_white() {
+        let star = siemens_star();
+        let mean = star.pixels().iter().sum::<f64>() / star.pixels().len() as f64;
+        assert!((mean - 0.5).abs() < 0.01, "{mean}");
+    }
+}
