@@ -2,10 +2,10 @@
 
 use super::Assertion;
 use super::exact::Owner;
-use crate::pipeline::depth::{Comparison, DepthScale};
+use crate::pipeline::depth::DepthScale;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::raster::Sample;
-use crate::pipeline::settings::{Arithmetic, DepthTest, Settings};
+use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
 use crate::pipeline::viewport::ScreenTriangle;
 
 /// How far the sum of weights may be from 1: two units in the last place above 1.
@@ -31,9 +31,9 @@ pub(super) struct Covered<'a> {
 /// A fragment that passed the depth test over another.
 pub(super) struct Pass<'a> {
     pub(super) settings: &'a Settings,
-    /// Distance along the line of sight of the fragment and of what it replaces, world units.
-    pub(super) distances: [f64; 2],
-    /// Distance between two steps of the buffer there.
+    /// Depth of the fragment and of what it replaces, before they were quantised.
+    pub(super) depths: [f64; 2],
+    /// One step of the buffer there, and what is not known of them.
     pub(super) step: f64,
 }
 
@@ -123,14 +123,14 @@ fn depth_range(at: &Covered<'_>) -> Verdict {
 }
 
 fn depth_pass(pass: &Pass<'_>) -> Verdict {
-    let [new, old] = pass.distances;
-    let slack = PASS_STEPS * pass.step;
+    let [new, old] = pass.depths;
     let asks_for_farther = pass.settings.depth_test == DepthTest::Greater;
-    let holds = if asks_for_farther { new >= old - slack } else { new <= old + slack };
-    let (way, sign) =
-        if asks_for_farther { ("in front of", Comparison::Greater) } else { ("behind", Comparison::Less) };
-    let test = if Comparison::of(pass.settings) == Comparison::Always { Comparison::Always } else { sign };
-    (!holds).then(|| format!("it passed at distance {new}, {way} what lies at {old}; the test is {}", test.symbol()))
+    let less_is_asked_for = asks_for_farther == pass.settings.reversed();
+    let wrong_by = if less_is_asked_for { new - old } else { old - new };
+    let holds = wrong_by <= PASS_STEPS * pass.step;
+    let way = if asks_for_farther { "in front of" } else { "behind" };
+    let test = pass.settings.depth_test.name();
+    (!holds).then(|| format!("it passed the test “{test}” at depth {new}, {way} what lies at {old}"))
 }
 
 fn attributes(at: &Shaded<'_>) -> Verdict {

@@ -1,4 +1,4 @@
-//! Exact answers that the assertions compare with: whose a sample is, and how far away its surface.
+//! Exact answers that the assertions compare with: whose a sample is, and how deep its surface.
 
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::grid::SampleGrid;
@@ -38,15 +38,20 @@ impl Owner {
     }
 }
 
-/// Distance of a sample's surface along the line of sight, world units, in f64 throughout: from the distances of the corners
-/// and the edge values, neither quantised nor rounded to f32.
-pub(super) fn distance(triangle: &ScreenTriangle, sample: &Sample, scale: &DepthScale, is_perspective: bool) -> f64 {
-    let corners = triangle.vertices.each_ref().map(|corner| scale.distance(corner));
-    let sum: f64 = sample.edges.iter().sum();
-    let mean = |of: fn(f64) -> f64| {
-        let weighted = sample.edges.iter().zip(corners).map(|(edge, corner)| edge * of(corner));
-        weighted.sum::<f64>() / sum
-    };
-    // Projection makes 1/distance, not the distance, linear on the screen.
-    if is_perspective { 1.0 / mean(f64::recip) } else { mean(|distance| distance) }
+/// Depth of a sample before it is quantised, and how far off it may be: the mean of the corners' depths in f64, weighted by edge
+/// values, by another formula than the pipeline's.
+pub(super) fn depth(triangle: &ScreenTriangle, sample: &Sample, scale: &DepthScale) -> (f64, f64) {
+    let depths = triangle.vertices.each_ref().map(|corner| corner.depth);
+    if !scale.is_linear_in_space() {
+        return (weighted_mean(sample.edges, depths), 0.0);
+    }
+    let weights = [0, 1, 2].map(|i| sample.edges[i] * f64::from(triangle.vertices[i].inv_w));
+    let range = depths.into_iter().fold(0.0, f64::max) - depths.into_iter().fold(1.0, f64::min);
+    // 1/w of the corners is known as f32 only.
+    (weighted_mean(weights, depths), range * f64::from(f32::EPSILON))
+}
+
+fn weighted_mean(weights: [f64; 3], values: [f64; 3]) -> f64 {
+    let weighted: f64 = weights.iter().zip(values).map(|(weight, value)| weight * value).sum();
+    weighted / weights.iter().sum::<f64>()
 }

@@ -1,7 +1,7 @@
 //! The observer that hands each fragment to the assertions and counts.
 
 use super::checks::{Check, Covered, Pass, Shaded};
-use super::exact::{Owner, distance};
+use super::exact::{Owner, depth};
 use super::{Assertion, Finding, Report, Violation};
 use crate::chain::{Frame, Recipe};
 use crate::image::{Image, Rgba8};
@@ -12,16 +12,14 @@ use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::{Settings, Shading};
 use crate::pipeline::viewport::ScreenTriangle;
-use crate::scene::Projection;
 
 /// Checks fragments as they come.
 pub(super) struct Watch<'a> {
     settings: &'a Settings,
     scale: DepthScale,
     plans: &'a [DrawPlan],
-    is_perspective: bool,
     entries: Vec<(Check, Finding)>,
-    /// Distance of what each sample's stored depth is of; infinite where nothing was stored yet.
+    /// What each sample's stored depth was before it was quantised; NaN where nothing was stored yet.
     stored: Image<f64>,
     /// The triangle that the last sample was of.
     triangle: Option<(*const ScreenTriangle, Owner)>,
@@ -35,19 +33,14 @@ impl<'a> Watch<'a> {
             settings: &recipe.pipeline,
             scale: frame.geometry.depth_scale,
             plans: &frame.plans,
-            is_perspective: matches!(frame.camera.projection, Projection::Perspective { .. }),
             entries: wanted.iter().map(|assertion| (Check::of(*assertion), finding(*assertion))).collect(),
-            stored: Image::filled(width, height, f64::INFINITY),
+            stored: Image::filled(width, height, f64::NAN),
             triangle: None,
         }
     }
 
     pub(super) fn report(self) -> Report {
         Report { findings: self.entries.into_iter().map(|(_, finding)| finding).collect() }
-    }
-
-    fn distance(&self, triangle: &ScreenTriangle, sample: &Sample) -> f64 {
-        distance(triangle, sample, &self.scale, self.is_perspective)
     }
 }
 
@@ -78,12 +71,15 @@ impl Observer for Watch<'_> {
 
     fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
         let old = self.stored.at(sample.column, sample.row);
-        if !outcome.passed || old.is_infinite() {
+        if !outcome.passed || old.is_nan() {
             return;
         }
-        let distances = [self.distance(triangle, sample), old];
-        let step = self.scale.resolution(outcome.new).max(self.scale.resolution(outcome.stored));
-        let pass = Pass { settings: self.settings, distances, step };
+        let (new, unknown) = depth(triangle, sample, &self.scale);
+        let steps = [outcome.new, outcome.stored].map(|stored| {
+            let [depth, next] = self.scale.encoding().with_next(stored);
+            (next - depth).abs()
+        });
+        let pass = Pass { settings: self.settings, depths: [new, old], step: steps[0].max(steps[1]) + unknown };
         for (check, finding) in &mut self.entries {
             if let Check::Pass(check) = check {
                 count(finding, triangle, sample, check(&pass));
@@ -92,8 +88,8 @@ impl Observer for Watch<'_> {
     }
 
     fn depth_stored(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
-        let distance = self.distance(triangle, sample);
-        self.stored.set(sample.column, sample.row, distance);
+        let (depth, _) = depth(triangle, sample, &self.scale);
+        self.stored.set(sample.column, sample.row, depth);
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {

@@ -83,7 +83,8 @@ impl Runner {
             }
             return;
         }
-        let Some(view) = session.view.clone().filter(|view| session.checks.wants(&view.frame)) else { return };
+        let wanted = session.view.as_ref().filter(|view| session.checks.wants(&view.frame));
+        let Some(view) = wanted.cloned() else { return };
         session.checks.wanted = false;
         if waits {
             if let Some(report) = checked(&view, &|_| {}, &AtomicBool::new(false)) {
