@@ -38,7 +38,7 @@ fn each_is_violated_by_something_that_is_wrong_on_purpose() {
         (Assertion::WeightsSum, "shared-edges", &["interpolation=published"]),
         (Assertion::Finite, "shared-edges", &["interpolation=published"]),
         (Assertion::DepthRange, "cubes", &["rasterizer=scanline-published"]),
-        (Assertion::DepthPass, "cubes", &["depth-test=always"]),
+        (Assertion::DepthPass, "interpenetrating", &["depth-test=always"]),
         (Assertion::Attributes, "shared-edges", &["interpolation=published"]),
         (Assertion::Normal, "nan-normal", &[]),
     ];

@@ -33,7 +33,7 @@ choice! {
         Failed = "failed", "Failed", "Fragments that lost the depth test, and those whose alpha says that they are not there.";
         Culled = "culled", "Culled", "Triangles that would cover the pixel, but were dropped before: for the side that they show, for having no area, or by the triangle slider.";
         Clipped = "clipped", "Clipped", "Triangles that the near or the far plane cuts away here, and those with a corner that is not finite.";
-        Missed = "missed", "Missed", "Triangles that come near and do not cover the pixel's centre, the nearest first.";
+        Missed = "missed", "Missed", "Triangles that come near and do not cover the pixel's centre: the nearest 40, the nearest first.";
     }
 }
 

@@ -1,17 +1,18 @@
 //! What was wrong with the scene as it was given, and shows at a pixel: the loader made it drawable, the cause remains.
 
-use crate::chain::Recipe;
-use crate::inspect::pixel::PixelReport;
-use crate::pipeline::plan::Part;
-use crate::scene::Scene;
 use glam::Vec3;
 
 use super::instance_of;
-use crate::chain::Frame;
+use crate::chain::{Frame, Recipe};
+use crate::inspect::pixel::PixelReport;
+use crate::pipeline::plan::Part;
+use crate::scene::Scene;
 
 /// What was repaired or left out of the surface that the pixel shows, if anything was and the shading would have read it.
 pub(super) fn told(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> Option<String> {
-    let visible = report.visible()?;
+    let is_flawless = scene.library.meshes().iter().all(|mesh| mesh.lost_normals() == 0)
+        && scene.library.materials().iter().all(|material| material.missing_texture.is_none());
+    let visible = report.visible().filter(|_| !is_flawless)?;
     let (index, instance) = instance_of(scene, visible.triangle)?;
     let mut told = Vec::new();
     let material = scene.library.material(instance.material);

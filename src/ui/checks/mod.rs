@@ -92,7 +92,7 @@ impl Runner {
             }
             return;
         }
-        session.checks.progress = Some(0.0);
+        (session.checks.progress, session.checks.cancelled) = (Some(0.0), false);
         let frame = view.frame.clone();
         self.running = Some((Task::start(context.clone(), move |tell, stop| checked(&view, tell, stop)), frame));
     }
