@@ -23,6 +23,7 @@ use crate::pipeline::observe::Observer;
 use crate::pipeline::plan::DrawPlan;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Settings, Shading};
 use crate::pipeline::tiled::{self, TiledReport};
+use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare, wireframe};
 use crate::scene::{Camera, Scene};
@@ -292,7 +293,7 @@ pub struct Frame {
     /// What of the full picture was drawn.
     pub sampling: Sampling,
     /// The triangles of the full picture, where lines over it need them and `geometry` is of a smaller one.
-    outlines: Option<Vec<ScreenTriangle>>,
+    outlines: Option<TriangleList>,
     /// How it was drawn.
     pub execution: Execution,
     /// Where the time went.
@@ -396,12 +397,35 @@ impl Frame {
 
     /// Draws the list of triangles once more, after it was changed, with one sample for each pixel.
     pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
-        self.drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
-        self.antialias = Antialiasing::default();
-        let triangles = || self.outlines.as_ref().unwrap_or_else(|| &self.geometry.triangles);
-        let drawn = self.as_drawn(&self.drawn.color);
-        let Finished { picture, unfiltered } = finish(recipe, &drawn, self.viewport, triangles);
-        (self.finished, self.unfiltered) = (picture, unfiltered);
+        let drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
+        *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
+    }
+
+    /// The frame as it was at an earlier moment: `drawn` is what was drawn by then, with one sample for each pixel, and
+    /// `geometry` has the triangles that were drawn.
+    pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
+        let Finished { picture, unfiltered } = {
+            let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
+            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, triangles)
+        };
+        Self {
+            finished: picture,
+            unfiltered,
+            drawn,
+            antialias: Antialiasing::default(),
+            camera: self.camera,
+            surfaces: self.surfaces.clone(),
+            past: self.past.clone(),
+            geometry: LazyGeometry::made(geometry),
+            plans: self.plans.clone(),
+            viewport: self.viewport,
+            raster: self.raster,
+            sampling: self.sampling,
+            outlines: self.outlines.clone(),
+            execution: Execution::Classic,
+            times: self.times,
+            tiled: None,
+        }
     }
 }
 
@@ -777,7 +801,7 @@ fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f6
 }
 
 /// The triangles of the full picture, where lines over it need them and what is drawn is a smaller one.
-fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<Vec<ScreenTriangle>> {
+fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<TriangleList> {
     let drawn_smaller = matches!(recipe.upscaler.sampling(), Sampling::Lattice(_));
     (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)
 }
@@ -804,7 +828,7 @@ fn finish<'a>(
     recipe: &Recipe,
     drawn: &Drawn<'_>,
     viewport: Viewport,
-    triangles: impl Fn() -> &'a Vec<ScreenTriangle>,
+    triangles: impl Fn() -> &'a TriangleList,
 ) -> Finished {
     let Viewport { width, height } = viewport;
     let upscaled = (!recipe.upscaler.is_native()).then(|| recipe.upscaler.upscale(drawn, width, height));
@@ -831,6 +855,14 @@ pub fn redraw<O: Observer>(
 ) -> Framebuffer {
     let area = (frame.sampling.grid(), frame.raster);
     draw_pixels(scene, recipe, &frame.geometry, area, until, observer)
+}
+
+/// The geometry stages of a frame once more, watched: all triangles, even if the frame's own list was cut short. `recipe`
+/// may differ from the frame's own in anything but the upscaler.
+pub fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
+    let (_, place) = sampling_after(frame.past.as_deref(), recipe);
+    let seen_by = camera_of(&frame.camera, frame.sampling, frame.viewport, place);
+    prepare(scene, &seen_by, &recipe.pipeline, frame.raster, observer)
 }
 
 fn draw_pixels<O: Observer>(

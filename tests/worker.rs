@@ -24,6 +24,7 @@ fn request(scene: &str, (width, height): (u32, u32)) -> Request {
         viewport: Viewport { width, height },
         shown: Shown::Buffer(Buffer::Color),
         triangle_limit: None,
+        fragment_limit: None,
         pick: None,
     }
 }

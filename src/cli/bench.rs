@@ -5,7 +5,9 @@ use rasterscope::chain::Renderer;
 use rasterscope::math::lanes::Lanes;
 use rasterscope::measure::bench::{BenchReport, bench};
 use rasterscope::measure::timing::Summary;
+use serde::Serialize;
 
+use super::bench_scrub;
 use super::failure::Failure;
 use super::output;
 use super::scene_args::FrameArgs;
@@ -28,6 +30,10 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_enum, default_value_t = LanesArg::Best)]
     lanes: LanesArg,
 
+    /// Time steps through the making of the frame instead, as many of each kind
+    #[arg(long, conflicts_with_all = ["threads", "lanes"])]
+    scrub: bool,
+
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -44,6 +50,10 @@ enum LanesArg {
 /// Draws, and says what it cost.
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let (view, size) = (args.frame.view()?, args.frame.size());
+    if args.scrub {
+        let report = bench_scrub::measure(&view, size, args.frames as usize);
+        return if args.json { print_json(&report) } else { output::print(&bench_scrub::table(&report)) };
+    }
     let lanes = match args.lanes {
         LanesArg::Best => Lanes::best(),
         LanesArg::Baseline => Lanes::baseline(),
@@ -55,10 +65,14 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         .install(|| bench(&view.scene, &view.camera, &view.recipe, size, args.frames as usize, Renderer::on(lanes)));
     let Some(report) = report else { return Ok(()) };
     if args.json {
-        let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
-        return output::print(&(json + "\n"));
+        return print_json(&report);
     }
     output::print(&table(&report))
+}
+
+fn print_json(report: &impl Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(report).map_err(|e| Failure::Output(e.into()))?;
+    output::print(&(json + "\n"))
 }
 
 fn table(report: &BenchReport) -> String {

@@ -27,7 +27,7 @@ pub(crate) struct CheckArgs {
 
 /// Draws, checks, prints what was found, and fails if anything is violated.
 pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw()?;
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let wanted = if args.assert.is_empty() { Assertion::ALL } else { &args.assert };
     // Nobody cancels but with the program.
     let Some(report) = check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };

@@ -4,9 +4,12 @@
 //! that cannot be written; 3 no window where one was asked for; 1 what `check` checked is violated.
 
 mod bench;
+mod bench_scrub;
 mod case;
 mod check;
+mod diff;
 mod failure;
+mod fates;
 mod lab;
 mod output;
 mod parse;
@@ -19,6 +22,7 @@ mod scaling;
 mod scene_args;
 mod scenes;
 mod screenshot;
+mod seen_args;
 mod stability;
 mod vector;
 mod window;
@@ -34,7 +38,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use failure::Failure;
-use scene_args::SceneArgs;
+use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
 ///
@@ -47,7 +51,7 @@ struct Cli {
     command: Option<Command>,
 
     #[command(flatten)]
-    start: SceneArgs,
+    start: WindowArgs,
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 1 what `check` checked is violated";
@@ -56,7 +60,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot
 enum Command {
     /// Open the window, and fail where that is impossible
     #[command(after_help = EXIT_CODES)]
-    Window(SceneArgs),
+    Window(WindowArgs),
     /// Draw one frame, or one of its buffers, into a PNG
     #[command(after_help = EXIT_CODES)]
     Render(render::RenderArgs),
@@ -66,9 +70,15 @@ enum Command {
     /// Check assertions on every fragment of a frame; exit code 1 if one is violated
     #[command(after_help = EXIT_CODES)]
     Check(check::CheckArgs),
+    /// Tell how every triangle and every fragment ended, in all and per object
+    #[command(after_help = EXIT_CODES)]
+    Fates(fates::FatesArgs),
     /// Tell what each draw runs and leaves out, and why
     #[command(after_help = EXIT_CODES)]
     Plan(plan::PlanArgs),
+    /// Tell what other settings change in a view: which pixels, how far, and what it costs
+    #[command(after_help = EXIT_CODES)]
+    Diff(diff::DiffArgs),
     /// Draw the whole workbench into a PNG, without a window
     #[command(after_help = EXIT_CODES)]
     Screenshot(screenshot::ScreenshotArgs),
@@ -120,7 +130,9 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Pixel(args)) => pixel::run(args),
         Some(Command::Check(args)) => check::run(args),
+        Some(Command::Fates(args)) => fates::run(args),
         Some(Command::Plan(args)) => plan::run(args),
+        Some(Command::Diff(args)) => diff::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
         Some(Command::Bench(args)) => bench::run(args),
         Some(Command::Scaling(args)) => scaling::run(args),
@@ -142,3 +154,7 @@ fn usage(error: &clap::Error) -> Result<(), Failure> {
     let first = text.split("\n\n").next().unwrap_or(&text);
     Err(Failure::Usage(first.trim_start_matches("error: ").to_owned()))
 }
+
+// Without the window nothing reads all of a view, and that is said where it is declared.
+#[cfg(all(test, feature = "ui"))]
+mod tests;

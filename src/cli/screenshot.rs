@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::SceneArgs;
+use super::seen_args::SeenArgs;
 use super::{output, parse, workbench};
 
 /// What `screenshot` takes.
@@ -20,6 +23,13 @@ pub(crate) struct ScreenshotArgs {
 
     #[command(flatten)]
     look: Look,
+
+    #[command(flatten)]
+    seen: SeenArgs,
+
+    /// Show what changes where one setting was this before; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    against: Vec<String>,
 
     /// The PNG file to write
     #[arg(short, long, value_name = "FILE.png")]
@@ -57,6 +67,21 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
+    /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
+    #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
+    pub(crate) moment: Option<Moment>,
+
+    /// Select the triangles that ended so, and open the tab of fates
+    #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
+    pub(crate) fate: Option<TriangleFate>,
+    /// Watch the selected pixel
+    #[arg(long)]
+    pub(crate) watch: bool,
+
+    /// What is open over the workbench
+    #[arg(long)]
+    pub(crate) open: Option<Open>,
+
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
     pub(crate) lab: Option<Page>,
@@ -76,6 +101,10 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            moment: None,
+            fate: None,
+            watch: false,
+            open: None,
             lab: None,
             lab_step: None,
         }
@@ -108,6 +137,17 @@ pub(crate) enum Compare {
     Difference,
 }
 
+/// What lies over the workbench.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Open {
+    /// All keys by topic
+    Keys,
+    /// Everything that can be done, to be searched
+    Palette,
+    /// The list of bookmarks, of which there is one
+    Bookmarks,
+}
+
 /// Tabs along the bottom.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Tab {
@@ -117,6 +157,8 @@ pub(crate) enum Tab {
     ErrorTime,
     /// What the picked pixel is made of
     Xray,
+    /// Where triangles and fragments went
+    Fates,
     /// What the scene needs and what is left out
     Plan,
     /// How cost grows
@@ -125,8 +167,16 @@ pub(crate) enum Tab {
     Stability,
     /// What holds for every fragment of the frame
     Assertions,
+    /// What all buffers hold at watched pixels
+    Watch,
     /// Messages
     Log,
+}
+
+fn moment(text: &str) -> Result<Moment, String> {
+    let number = |text: &str| text.trim().parse().map_err(|_| format!("`{text}` is not a whole number"));
+    let (triangles, fragments) = text.split_once(',').map_or((text, None), |(first, second)| (first, Some(second)));
+    Ok(Moment { triangles: number(triangles)?, fragments: fragments.map(number).transpose()? })
 }
 
 fn scale(text: &str) -> Result<f32, String> {
@@ -136,7 +186,11 @@ fn scale(text: &str) -> Result<f32, String> {
 
 /// Draws the workbench into a file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
-    save(&workbench::draw(args.scene.view()?, &args.look)?, &args.output)
+    let view = args.scene.view()?;
+    let mut against = view.recipe;
+    against.set_all(&args.against)?;
+    let against = (!args.against.is_empty()).then_some(against);
+    save(&workbench::draw(view, &args.look, args.seen, against)?, &args.output)
 }
 
 /// Writes a picture of the workbench and says in one line what was made.

@@ -19,6 +19,7 @@ use crate::image::Image;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{Scissor, Span, cover_within};
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
+use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::TriangleId;
 
@@ -64,7 +65,8 @@ pub struct Hits {
 impl Hits {
     /// Of a frame that `settings` made.
     pub fn of(frame: &Frame, settings: &Settings) -> Self {
-        Self::of_triangles(&frame.geometry.triangles, settings, frame.drawn.grid, frame.raster)
+        let Viewport { width, height } = frame.raster;
+        Search::of(frame, settings, Scissor::full(width, height)).run()
     }
 
     /// Of triangles on the screen that are drawn onto a grid of samples.
@@ -117,7 +119,7 @@ pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fa
     let end = |at: u32, limit: u32| at.saturating_add(around_px).saturating_add(1).min(limit);
     let (left, top) = (x.saturating_sub(around_px), y.saturating_sub(around_px));
     let scissor = Scissor { left, top, right: end(x, width), bottom: end(y, height) };
-    let hits = Search::new(&frame.geometry.triangles, settings, frame.drawn.grid, scissor).run();
+    let hits = Search::of(frame, settings, scissor).run();
     hits.faults.into_iter().find(|fault| (fault.x, fault.y) == (x, y))
 }
 
@@ -130,6 +132,8 @@ const WIDEST_STEP_PX: u32 = 4;
 /// Where faults are looked for.
 struct Search<'a> {
     triangles: &'a [ScreenTriangle],
+    /// The same with their boxes, if they are known.
+    list: Option<&'a TriangleList>,
     settings: &'a Settings,
     grid: SampleGrid,
     scissor: Scissor,
@@ -175,7 +179,20 @@ impl<'a> Search<'a> {
         let columns = rows.clone().map(|row| grid.columns(row, scissor.left, scissor.right)).filter(|c| !c.is_empty());
         let columns = columns.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or_default();
         let (origin, size) = ((columns.start, rows.start), (columns.len() as u32, rows.len() as u32));
-        Self { triangles, settings, grid, scissor, origin, size }
+        Self { triangles, list: None, settings, grid, scissor, origin, size }
+    }
+
+    fn of(frame: &'a Frame, settings: &'a Settings, scissor: Scissor) -> Self {
+        let list = &frame.geometry.triangles;
+        Self { list: Some(list), ..Self::new(list, settings, frame.drawn.grid, scissor) }
+    }
+
+    /// Whether a triangle of the list may have samples within the scissor.
+    fn may_meet(&self, place: usize) -> bool {
+        match self.list {
+            Some(list) => self.scissor.may_meet_box(list.box_of(place)),
+            None => self.scissor.may_meet(self.triangles[place].corners_px()),
+        }
     }
 
     fn run(&self) -> Hits {
@@ -211,7 +228,7 @@ impl<'a> Search<'a> {
         };
         let mut spans: Vec<Span> = Vec::new();
         for (index, triangle) in self.triangles.iter().enumerate() {
-            if !self.scissor.may_meet(triangle.corners_px()) {
+            if !self.may_meet(index) {
                 continue;
             }
             let corners_px = match way {

@@ -10,7 +10,13 @@ pub mod buffers;
 
 pub mod depth;
 
+pub mod fates;
+
 pub mod feeds;
+
+pub mod fields;
+
+pub mod find;
 
 pub mod history;
 
@@ -22,15 +28,27 @@ pub mod outline;
 
 pub mod pixel;
 
+pub mod scrub;
+
+pub mod place;
+pub mod selection;
+
 pub mod stages;
 
 mod verdict;
 
 pub mod view;
 
+pub mod watch;
+
+pub mod what_if;
+
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
+pub use fates::Fates;
 pub use history::{Survey, explain};
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use place::Place;
+pub use selection::TriangleSelection;
 pub use stages::Stage;

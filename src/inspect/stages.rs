@@ -129,7 +129,7 @@ impl Wires {
         settings.culling = Culling::None;
         let mut fates = CutTriangles::default();
         let triangles = prepare(scene, camera, &settings, viewport, &mut fates).triangles;
-        Self { triangles, fates, viewport }
+        Self { triangles: triangles.into_vec(), fates, viewport }
     }
 
     fn blank(&self) -> Image<Rgba8> {

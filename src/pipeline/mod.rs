@@ -29,6 +29,8 @@ pub mod multisample;
 
 pub mod observe;
 
+pub mod partial;
+
 pub mod plan;
 
 pub mod raster;
@@ -42,6 +44,8 @@ pub mod settings;
 pub mod shade;
 
 pub mod tiled;
+
+pub mod triangle_list;
 
 pub mod vertex;
 
@@ -60,6 +64,7 @@ use raster::numbers::Numbers;
 use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
 use settings::{Arithmetic, Culling, Settings};
 use shade::Shader;
+use triangle_list::TriangleList;
 use vertex::{ClipVertex, DrawMatrices, containment, transform};
 use viewport::{ScreenTriangle, ScreenVertex, Viewport};
 
@@ -70,7 +75,9 @@ use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
 pub struct Geometry {
     /// Triangles to rasterize, in the order in which they are drawn: as they were submitted, but for those that are
     /// blended, which come last, from far to near.
-    pub triangles: Vec<ScreenTriangle>,
+    pub triangles: TriangleList,
+    /// Of the last triangle only these samples are drawn; all of them if none.
+    pub partial: Option<Vec<Span>>,
     /// What depths of the triangles mean.
     pub depth_scale: DepthScale,
     /// One plan per instance.
@@ -117,10 +124,11 @@ impl Geometry {
             return;
         }
         let triangles = std::mem::take(&mut self.triangles);
-        let (mut blended, others): (Vec<_>, Vec<_>) = triangles.into_iter().partition(|t| self.is_blended(t));
+        let (mut blended, mut others): (Vec<_>, Vec<_>) =
+            triangles.into_vec().into_iter().partition(|t| self.is_blended(t));
         blended.sort_by(|a, b| self.mean_distance(b).total_cmp(&self.mean_distance(a)));
-        self.triangles = others;
-        self.triangles.append(&mut blended);
+        others.append(&mut blended);
+        self.triangles = others.into();
     }
 
     fn mean_distance(&self, triangle: &ScreenTriangle) -> f64 {
@@ -174,6 +182,7 @@ pub fn prepare<O: Observer>(
         prepare_draw(scene, camera, settings, viewport, (index, instance, first), &mut geometry, observer);
     }
     geometry.draw_blended_last();
+    geometry.triangles.find_boxes();
     geometry
 }
 
@@ -252,9 +261,11 @@ fn finish_draw<O: Observer>(
     let projected_at = Instant::now();
 
     // Pieces of one triangle stand together.
+    let mut triangles = std::mem::take(&mut out.triangles).into_vec();
     for pieces in projected.chunk_by(|a, b| a.0 == b.0) {
-        set_up(pieces, draw, settings, &depth_scale, &mut out.triangles, observer);
+        set_up(pieces, draw, settings, &depth_scale, &mut triangles, observer);
     }
+    out.triangles = triangles.into();
     out.times.clip += clipping_done - transformed;
     out.times.project += projected_at - clipping_done;
     out.times.cull += projected_at.elapsed();
@@ -273,7 +284,7 @@ pub fn from_clip_space<O: Observer>(
     let settings = Settings { culling: Culling::None, arithmetic, ..Settings::default() };
     let mut geometry = Geometry::default();
     finish_draw(&draw, &settings, viewport, &mut geometry, observer);
-    geometry.triangles
+    geometry.triangles.into_vec()
 }
 
 /// Culls the pieces of one triangle and sets up the edges of those that stay; if none does, the triangle has one fate.
@@ -353,17 +364,40 @@ fn draw_in<N: Numbers, O: Observer>(
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
     let mut spans: Vec<Span> = Vec::new();
-    for triangle in &geometry.triangles[extent.triangles.clone()] {
-        let shader = &shaders[triangle.instance as usize];
-        let corners_px = triangle.corners_px();
-        if !extent.scissor.may_meet(corners_px) {
+    for place in extent.triangles.clone() {
+        if !extent.scissor.may_meet_box(geometry.triangles.box_of(place)) {
             continue;
         }
+        let triangle = &geometry.triangles[place];
+        let shader = &shaders[triangle.instance as usize];
+        let corners_px = triangle.corners_px();
         let Some(edges) = Triangle::<N>::new(corners_px, settings.fill_rule) else { continue };
         spans.clear();
         let area = (frame.grid, extent.scissor);
-        let visited = cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans);
+        let visited = match &geometry.partial {
+            Some(samples) if place + 1 == geometry.triangles.len() => partial::within(samples, area, &mut spans),
+            _ => cover_samples(settings.rasterizer, &edges, corners_px, area, &mut spans),
+        };
         samples::draw((triangle, &edges), &spans, shader, (comparison, until), frame, observer);
         observer.visited(visited);
     }
+}
+
+/// Draws some samples of the triangle at a place of the list, as [`draw`] draws all of them.
+pub fn draw_samples(
+    scene: &Scene,
+    geometry: &Geometry,
+    settings: &Settings,
+    (place, samples): (usize, &[Span]),
+    frame: &mut Framebuffer,
+) {
+    let triangle = &geometry.triangles[place];
+    let instance = triangle.instance as usize;
+    let shader = Shader::new(settings, &scene.library, &scene.instances[instance], &geometry.plans[instance]);
+    with_arithmetic!(settings.arithmetic, N => {
+        if let Some(edges) = Triangle::<N>::new(triangle.corners_px(), settings.fill_rule) {
+            let how = (Comparison::of(settings), Until::Shade);
+            samples::draw((triangle, &edges), samples, &shader, how, frame, &mut ());
+        }
+    });
 }

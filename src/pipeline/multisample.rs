@@ -81,8 +81,9 @@ impl<'a> Job<'a> {
 
     /// The triangles that may have samples here, in drawing order.
     fn triangles(&self) -> impl Iterator<Item = (&ScreenTriangle, &Shader<'a>)> {
-        let triangles = self.geometry.triangles[self.extent.triangles.clone()].iter();
-        let near = triangles.filter(|triangle| self.extent.scissor.may_meet(triangle.corners_px()));
+        let all = &self.geometry.triangles;
+        let near = self.extent.triangles.clone().filter(|place| self.extent.scissor.may_meet_box(all.box_of(*place)));
+        let near = near.map(|place| &all[place]);
         near.map(|triangle| (triangle, &self.shaders[triangle.instance as usize]))
     }
 

@@ -12,11 +12,14 @@ use eframe::egui::{
 
 use super::command::Command;
 use super::engine::{Shown, View};
+use super::fates::overlay::{SelectionLayer, badge};
 use super::fault_bar;
 use super::format;
 use super::navigate::navigate;
 use super::session::Session;
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
+use super::watch;
+use super::what_if;
 use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
@@ -64,6 +67,7 @@ pub struct Canvas {
     pub zoom: Zoom,
     /// The pixel under the pointer.
     pub hovered: Option<(u32, u32)>,
+    selection: SelectionLayer,
 }
 
 impl Canvas {
@@ -92,7 +96,7 @@ impl Canvas {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Rendered picture"));
         ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);
-        let Some(view) = &session.view else {
+        let Some(view) = what_if::seen(ui, session) else {
             ui.painter().text(
                 rect.center(),
                 Align2::CENTER_CENTER,
@@ -108,6 +112,7 @@ impl Canvas {
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
+        badge(ui, rect, session, commands);
         if session.shown != Shown::Buffer(Buffer::Color) {
             let frame = legend(ui, rect, view);
             let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
@@ -135,12 +140,14 @@ impl Canvas {
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
+        self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
         let value = |x, y| match view.request.shown {
             Shown::Stage(_) => Value::Color(view.picture.at(x, y)),
             Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
         };
         numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), value);
+        watch::markers(&painter, placement, session, (width, height), tokens(ui));
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }

@@ -6,9 +6,11 @@
 
 use std::sync::Arc;
 
-use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer, run};
+use super::scrub::reel::{Reel, timeline_of};
+use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::{Buffer, Buffers, capture};
+use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::{self, Range};
 use crate::inspect::{PixelReport, Stage, Survey, explain, stages};
 use crate::measure::stages::{StageTimer, StageTimes};
@@ -41,6 +43,8 @@ pub struct Request {
     pub shown: Shown,
     /// Only the first so many rasterized triangles, to see the frame come about.
     pub triangle_limit: Option<usize>,
+    /// Of the last of these triangles only the first so many fragments.
+    pub fragment_limit: Option<usize>,
     /// The questioned pixel.
     pub pick: Option<(u32, u32)>,
 }
@@ -52,11 +56,20 @@ impl Request {
     }
 
     fn same_frame(&self, other: &Self) -> bool {
+        self.same_complete_frame(other) && self.moment() == other.moment()
+    }
+
+    /// The moment of the frame that is asked for; none if it is the last.
+    pub fn moment(&self) -> Option<Moment> {
+        self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
+    }
+
+    /// Whether the frames of both, with all of their triangles, are the same.
+    pub fn same_complete_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && self.camera == other.camera
             && self.recipe == other.recipe
             && self.viewport == other.viewport
-            && self.triangle_limit == other.triangle_limit
     }
 }
 
@@ -77,11 +90,20 @@ pub struct View {
     pub range: Option<Range>,
     /// The story of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
+    /// The moments around the one that is shown, if it is not the last or a pixel is picked.
+    pub timeline: Option<Arc<Timeline>>,
     /// Whether the frame was drawn for this answer, rather than kept from the last one.
     pub fresh: bool,
 }
 
 impl View {
+    /// Whether its frame has all triangles of the one of which `request` asks for a moment.
+    fn is_whole_for(&self, request: &Request) -> bool {
+        request.triangle_limit.is_some()
+            && self.request.triangle_limit.is_none()
+            && self.request.same_complete_frame(request)
+    }
+
     /// Whether the same request again would be answered by a better frame.
     pub fn wants_another(&self) -> bool {
         self.request.triangle_limit.is_none() && self.frame.wants_another(&self.request.recipe)
@@ -95,12 +117,15 @@ pub struct Engine {
     renderer: Renderer,
     /// What the geometry stages of the last frame dropped, if a pixel of it was questioned.
     survey: Option<Survey>,
+    reel: Option<Reel>,
 }
 
 impl Engine {
     /// Answers a request, reusing what the last answer has in common.
     pub fn answer(&mut self, request: Request) -> View {
         let mut last = self.last.take();
+        self.reel.take_if(|reel| !reel.is_of(&request));
+        let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
         let stale = |view: &mut View| !view.request.same_frame(&request) || view.wants_another();
         if let Some(view) = last.take_if(stale) {
             // Whoever still shows it keeps it.
@@ -115,7 +140,7 @@ impl Engine {
                 (view.frame, view.rasterized, view.buffers, same_picture)
             }
             None => {
-                let (frame, rasterized) = render(&request, &mut self.renderer);
+                let (frame, rasterized) = render(&request, &mut self.renderer, (&mut self.reel, whole));
                 (Arc::new(frame), rasterized, None, None)
             }
         };
@@ -130,9 +155,19 @@ impl Engine {
             let survey = self.survey.get_or_insert_with(|| Survey::of(&request.scene, &request.recipe, &frame));
             explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
         });
-        let view = View { request, frame, rasterized, picture, buffers, range, report, fresh };
+        let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
+        let view = View { request, frame, rasterized, picture, buffers, range, report, timeline, fresh };
         self.last = Some(view.clone());
         view
+    }
+
+    /// The moments around the one that is asked for, if anybody looks at them.
+    fn timeline(&mut self, request: &Request, frame: &Frame, report: Option<&PixelReport>) -> Option<Timeline> {
+        let pixel = report.map(|report| report.drawn_at.into());
+        match (request.moment(), &mut self.reel) {
+            (Some(moment), Some(reel)) => Some(reel.timeline(moment, pixel)),
+            _ => pixel.map(|pixel| timeline_of(request, frame, Some(pixel))),
+        }
     }
 }
 
@@ -150,18 +185,19 @@ fn needed_buffers(request: &Request, frame: &Frame, kept: Option<Arc<Buffers>>) 
 }
 
 /// A frame, and how many triangles it would have without a limit.
-fn render(request: &Request, renderer: &mut Renderer) -> (Frame, usize) {
-    let Request { scene, camera, recipe, viewport, triangle_limit, .. } = request;
-    let Some(limit) = triangle_limit else {
+fn render(
+    request: &Request,
+    renderer: &mut Renderer,
+    (reel, whole): (&mut Option<Reel>, Option<Arc<Frame>>),
+) -> (Frame, usize) {
+    let Request { scene, camera, recipe, viewport, .. } = request;
+    let Some(moment) = request.moment() else {
         let frame = renderer.render(scene, camera, recipe, *viewport, KeepDepth::Yes);
         let rasterized = frame.rasterized();
         return (frame, rasterized);
     };
-    let mut frame = run(scene, camera, recipe, *viewport, &mut ());
-    let rasterized = frame.geometry.triangles.len();
-    frame.geometry.triangles.truncate(*limit);
-    frame.redraw(scene, recipe);
-    (frame, rasterized)
+    let reel = Reel::load(reel, request, whole);
+    (reel.frame(moment), reel.triangles())
 }
 
 /// What happened in each stage of a frame, and how long it took. Found out after the frame is on screen, by drawing it a

@@ -12,6 +12,10 @@ pub mod headless;
 
 pub mod task;
 
+pub mod fates;
+
+pub mod scrub;
+
 pub mod theme;
 
 pub mod format;
@@ -38,6 +42,12 @@ pub mod session;
 
 pub mod checks;
 
+pub mod place;
+
+pub mod what_if;
+
+pub mod watch;
+
 pub mod fault_bar;
 
 pub mod zoom;
@@ -48,8 +58,12 @@ pub mod canvas;
 
 pub mod panels;
 
+pub mod palette;
+
+pub mod key_sheet;
+
 pub mod app;
 
 mod start;
 
-pub use start::{ScreenshotRequest, Theme, WindowStart, run_window, screenshot};
+pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, run_window, screenshot};

@@ -13,14 +13,20 @@ use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
 use super::compare::{Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
+use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
+use super::place::{Bookmark, Places};
+use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::watch::Watch;
+use super::what_if::WhatIf;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
-use crate::inspect::{Buffer, Stage};
+use crate::inspect::scrub::{Moment, Unit};
+use crate::inspect::{Buffer, Stage, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::report::stability::column::Column;
@@ -141,6 +147,10 @@ pub struct Preferences {
     pub light_theme: bool,
     /// Interface scale; 0 means 1.
     pub scale: f32,
+    /// Places that were kept.
+    pub bookmarks: Vec<Bookmark>,
+    /// Pixels that are watched.
+    pub watched: Vec<(u32, u32)>,
 }
 
 /// The state of the window.
@@ -158,6 +168,8 @@ pub struct Session {
     pub shown: Shown,
     /// Only the first so many triangles.
     pub triangle_limit: Option<usize>,
+    /// How somebody goes through the frame.
+    pub scrub: Scrub,
     /// The questioned pixel.
     pub pick: Option<(u32, u32)>,
     /// What the pointer does.
@@ -188,6 +200,16 @@ pub struct Session {
     pub lab: Lab,
     /// What is checked of frames, and what was found.
     pub checks: Checks,
+    /// The triangles that are singled out in the picture, in tables and on meshes.
+    pub selection: TriangleSelection,
+    /// Where triangles and fragments went.
+    pub fates: FatesView,
+    /// Places that are kept, and the way back.
+    pub places: Places,
+    /// What the last change of the settings did.
+    pub what_if: WhatIf,
+    /// Pixels that are watched.
+    pub watch: Watch,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -228,6 +250,7 @@ impl Session {
             state,
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
+            scrub: Scrub::default(),
             pick: None,
             pointer_mode: PointerMode::Inspect,
             canvas_px: (0, 0),
@@ -243,6 +266,11 @@ impl Session {
             growth: Growth::default(),
             lab: Lab::default(),
             checks: Checks::default(),
+            selection: TriangleSelection::default(),
+            fates: FatesView::default(),
+            places: Places::default(),
+            what_if: WhatIf::default(),
+            watch: Watch::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -273,6 +301,7 @@ impl Session {
             viewport: self.viewport(),
             shown: self.shown,
             triangle_limit: self.triangle_limit,
+            fragment_limit: self.scrub.fragment_limit(self.triangle_limit),
             pick: self.pick,
         }
     }
@@ -307,6 +336,8 @@ impl Session {
             hint_closed: self.hint_closed,
             light_theme,
             scale,
+            bookmarks: self.places.bookmarks.clone(),
+            watched: self.watch.pixels.clone(),
         }
     }
 
@@ -333,11 +364,13 @@ impl Session {
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
-        self.triangle_limit = None;
+        (self.triangle_limit, self.scrub.playing) = (None, 0);
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
+        (self.selection, self.fates) = Default::default();
         self.timings.clear();
         self.error = None;
+        self.arrive();
         // Undo never leads back into another scene's view.
         self.undo.clear();
         self.redo.clear();
@@ -347,6 +380,7 @@ impl Session {
     /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
     /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
     pub fn settle(&mut self, now: f64) {
+        self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
         if self.state == self.settled {
             return;
@@ -363,6 +397,7 @@ impl Session {
             self.undo.push(self.settled.clone());
         }
         self.redo.clear();
+        self.what_if.settled(&self.settled.recipe, &self.state.recipe);
         self.settled = self.state.clone();
     }
 
@@ -401,6 +436,9 @@ impl Session {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
+            Command::Place(change) => return self.change_places(change),
+            Command::WhatIf(change) => return self.change_what_if(change),
+            Command::Watch(change) => self.change_watch(change),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
@@ -427,11 +465,13 @@ impl Session {
             Command::NudgePick(dx, dy) => self.nudge(dx, dy),
             Command::Show(shown) => self.shown = shown,
             Command::StepStage(step) => self.step_stage(step),
-            Command::LimitTriangles(limit) => self.limit_triangles(limit),
-            Command::StepTriangle(step) => {
-                let shown = self.triangle_limit.unwrap_or(self.triangle_count()) as i64;
-                self.limit_triangles(Some((shown + step).max(0) as usize));
+            Command::LimitTriangles(limit) => {
+                self.scrub(scrub::Change::Go(Moment::after(limit.unwrap_or(self.triangle_count()))));
             }
+            Command::StepTriangle(step) => {
+                self.scrub(scrub::Change::Step(Unit::Triangle, step > 0));
+            }
+            Command::Scrub(change) => return self.scrub(change).and_then(|command| self.apply(command)),
             Command::SetPointerMode(mode) => self.pointer_mode = mode,
             Command::TogglePointerMode => self.pointer_mode = self.pointer_mode.other(),
             Command::Undo => self.travel(true),
@@ -443,6 +483,8 @@ impl Session {
                 }
             }
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
+            Command::Fates(change) => self.fates.apply(change, &mut self.selection),
+            Command::Select(selection) => self.fates.give_way(selection, &mut self.selection),
             Command::ShowStability(view) => self.stability.view = view,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
@@ -524,15 +566,11 @@ impl Session {
         self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
     }
 
-    fn limit_triangles(&mut self, limit: Option<usize>) {
-        let all = self.triangle_count();
-        self.triangle_limit = limit.filter(|limit| *limit < all);
-    }
-
     fn travel(&mut self, back: bool) {
         let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         if let Some(state) = from.pop() {
             to.push(std::mem::replace(&mut self.state, state));
+            self.what_if.settled(&self.settled.recipe, &self.state.recipe);
             self.settled = self.state.clone();
             self.camera_moved_at = f64::NEG_INFINITY;
         }

@@ -156,6 +156,7 @@ impl Timings {
             shown: request.shown,
             pick: None,
             triangle_limit: None,
+            fragment_limit: None,
             ..r.clone()
         };
         self.measured_of.as_ref().is_some_and(|measured| plain(measured).same_view(&plain(request)))
@@ -196,6 +197,7 @@ mod tests {
             viewport: Viewport { width: 8, height: 6 },
             shown: Shown::Buffer(Buffer::Color),
             triangle_limit: None,
+            fragment_limit: None,
             pick: None,
         }
     }

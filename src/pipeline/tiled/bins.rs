@@ -115,7 +115,7 @@ impl Binning<'_> {
     /// Fills `chunks`, whose memory is used again.
     pub(super) fn run(&self, lanes: Lanes, chunks: &mut Vec<Chunk>) {
         self.share_out(chunks);
-        chunks.par_iter_mut().enumerate().for_each(|(number, chunk)| {
+        chunks.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, chunk)| {
             for part in 0..chunk.parts.len() {
                 let (draw, first, end) = chunk.parts[part];
                 on_lanes!(lanes, simd => self.cull(simd, &self.draws[draw], first..end, number, chunk));
@@ -263,7 +263,7 @@ impl Binning<'_> {
         let mut out = Geometry { depth_scale: self.scale, ..Geometry::default() };
         finish_draw(&one, self.settings, self.viewport, &mut out, &mut ());
         chunk.rasterized += out.triangles.len();
-        for piece in out.triangles {
+        for piece in out.triangles.into_vec() {
             let axis = |values: [i32; 3], axis: usize, size: u32| {
                 let [a, b, c] = values.map(|v| v as f32);
                 let [first, last] = self.lattice.range(axis, a.min(b).min(c), a.max(b).max(c));

@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::Frame;
 use super::geometry::lambert_lanes;
-use super::lattice::{BLOCK, TILE};
+use super::lattice::{BLOCK, Lattice, TILE};
 use super::record::{Record, Source, edge_values};
 use super::setup::Edges;
 use super::shader::{DrawShader, Light, Plan};
@@ -102,6 +102,18 @@ pub(super) fn shade_uniform<S: Simd>(
         || {
             let shader = frame.shader(record.draw);
             let lattice = &frame.lattice;
+            if shader.on_lanes && record.fits_i32 {
+                let edges = IntegerRows::new(simd, lattice, record, patch);
+                return shade_rows(
+                    simd,
+                    frame,
+                    record,
+                    patch,
+                    (queue, band),
+                    #[inline(always)]
+                    |row| edges.at(row),
+                );
+            }
             let Edges { a, b, c, .. } = record.edges;
             let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
             let along = each!(i in [0, 1, 2] => columns * a[i]);
@@ -116,22 +128,74 @@ pub(super) fn shade_uniform<S: Simd>(
                 }
                 return;
             }
-            let rows = make_room(simd, frame, frame.shader_of_draw[record.draw], patch.end - patch.first, queue, band);
-            let relative_inv_w = record.relative_inv_w(simd);
-            let plan = shader.plan;
-            let mut start = band.start(patch, patch.first);
-            for (i, row) in rows.iter_mut().enumerate() {
-                let e = each!(edge in [0, 1, 2] => narrow(simd, along[edge] + down[edge][i]));
-                let weights = corner_weights(simd, e, relative_inv_w);
-                (row.start, row.count, row.mine) = (start, patch.count, patch.mine);
-                start += band.width;
-                match plan {
-                    Plan::COMMON => interpolate_row(simd, shader, Plan::COMMON, record, weights, row),
-                    plan => interpolate_row(simd, shader, plan, record, weights, row),
-                }
-            }
+            shade_rows(
+                simd,
+                frame,
+                record,
+                patch,
+                (queue, band),
+                #[inline(always)]
+                |row| each!(edge in [0, 1, 2] => narrow(simd, along[edge] + down[edge][row])),
+            );
         },
     );
+}
+
+/// Rows of samples that belong to one triangle, by its edge values in each of the rows.
+#[inline(always)]
+fn shade_rows<S: Simd>(
+    simd: S,
+    frame: &Frame<'_>,
+    record: &Record,
+    patch: &Patch,
+    (queue, band): (&mut Queue, &mut Band<'_>),
+    edges: impl Fn(usize) -> [F32<S>; 3],
+) {
+    let shader = frame.shader(record.draw);
+    let rows = make_room(simd, frame, frame.shader_of_draw[record.draw], patch.end - patch.first, queue, band);
+    let relative_inv_w = record.relative_inv_w(simd);
+    let plan = shader.plan;
+    let mut start = band.start(patch, patch.first);
+    for (i, row) in rows.iter_mut().enumerate() {
+        let weights = corner_weights(simd, edges(i), relative_inv_w);
+        (row.start, row.count, row.mine) = (start, patch.count, patch.mine);
+        start += band.width;
+        match plan {
+            Plan::COMMON => interpolate_row(simd, shader, Plan::COMMON, record, weights, row),
+            plan => interpolate_row(simd, shader, plan, record, weights, row),
+        }
+    }
+}
+
+/// Edge values of up to eight rows of a triangle that [`Record::fits_i32`]: sums that wrap around, and are right where the
+/// triangle covers the sample.
+struct IntegerRows<S: Simd> {
+    /// Of the eight samples of a row, from its start.
+    along: [i32x8<S>; 2],
+    /// Of the starts of the rows.
+    down: [[i32; LANES]; 2],
+    doubled_area: i32,
+}
+
+impl<S: Simd> IntegerRows<S> {
+    #[inline(always)]
+    fn new(simd: S, lattice: &Lattice, record: &Record, patch: &Patch) -> Self {
+        let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
+        let columns: i32x8<S> = narrow(simd, columns).to_int();
+        let y = F64::load_array(simd, lattice.rows) + patch.first as f64 * lattice.row_step;
+        let y: i32x8<S> = narrow(simd, y).to_int();
+        let shift: i32x8<S> = narrow(simd, F64::load_array(simd, lattice.shifts(patch.first))).to_int();
+        let ([a0, b0, c0], [a1, b1, c1], doubled_area) = record.integer_edges();
+        let down = each!((a, b, c) in [(a0, b0, c0), (a1, b1, c1)] => (y * b + shift * a + c).to_array());
+        Self { along: [columns * a0, columns * a1], down, doubled_area }
+    }
+
+    #[inline(always)]
+    fn at(&self, row: usize) -> [F32<S>; 3] {
+        let [first, second] = each!(edge in [0, 1] => self.along[edge] + self.down[edge][row]);
+        let third = i32x8::splat(first.simd, self.doubled_area) - first - second;
+        each!(e in [first, second, third] => e.to_float::<F32<S>>())
+    }
 }
 
 /// Places in the queue for some rows that a shader is for.

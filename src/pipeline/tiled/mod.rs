@@ -254,7 +254,7 @@ pub fn draw(
         Some(depth) => depth.pixels_mut().chunks_mut(band.max(1)).map(Some).collect(),
         None => (0..tile_counts.1).map(|_| None).collect(),
     };
-    color.pixels_mut().par_chunks_mut(band.max(1)).zip(depth_bands.par_iter_mut()).enumerate().for_each(
+    color.pixels_mut().par_chunks_mut(band.max(1)).zip(depth_bands.par_iter_mut()).enumerate().with_max_len(1).for_each(
         |(row, (colors, depths))| {
             let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
             let mut workspace = taken.unwrap_or_else(Workspace::new);

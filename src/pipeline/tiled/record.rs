@@ -40,6 +40,7 @@ impl Record {
     const QUADS: usize = 11;
 
     /// Becomes that of a triangle of a tile at `origin`, in place, as it is large. Without area it stays as it is, which is said.
+    #[inline(always)]
     fn fill(&mut self, frame: &Frame<'_>, key: Key, draw: usize, origin: [f64; 2]) -> bool {
         let corners = frame.corners(key, draw);
         let Some(edges) = Edges::new(&corners, origin) else { return false };
@@ -76,12 +77,26 @@ impl Record {
     }
 }
 
-/// The low 32 bits of a whole number.
+impl Record {
+    /// a, b and c of the first two edges, and the doubled area: low 32 bits.
+    #[inline(always)]
+    pub(super) fn integer_edges(&self) -> ([i32; 3], [i32; 3], i32) {
+        let [a0, b0, c0, area] = self.quads[Self::FIRST_EDGE].map(|bits| bits.to_bits() as i32);
+        let [a1, b1, c1, _] = self.quads[Self::SECOND_EDGE].map(|bits| bits.to_bits() as i32);
+        ([a0, b0, c0], [a1, b1, c1], area)
+    }
+}
+
+/// The low 32 bits of a whole number between ±2⁵¹. Corners keep to ±2²⁴ steps of each other, so all terms of edges are.
+#[inline(always)]
 fn low_bits(number: f64) -> f32 {
-    f32::from_bits(number as i64 as u32)
+    /// Added to such a number, it leaves it in the low bits of the sum.
+    const SHIFT: f64 = ((1_u64 << 52) + (1_u64 << 51)) as f64;
+    f32::from_bits((number + SHIFT).to_bits() as u32)
 }
 
 /// As [`crate::pipeline::viewport::relative_inv_w`].
+#[inline(always)]
 fn relative_inv_w(corners: &[Corner; 3]) -> [f32; 3] {
     let inv_w = corners.map(|corner| corner.inv_w);
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
@@ -237,14 +252,25 @@ impl Entrants {
 
     /// Makes sure that a triangle's record is there, and says where. Triangles without area get none, and are never seen.
     #[inline(always)]
-    pub(super) fn make_record(&mut self, frame: &Frame<'_>, slot: Slot, origin: [f64; 2]) -> Option<u32> {
+    pub(super) fn make_record<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame<'_>,
+        slot: Slot,
+        origin: [f64; 2],
+    ) -> Option<u32> {
         let entrant = &mut self.list[slot.0 as usize];
         if entrant.record == Self::NO_RECORD {
             if self.records.len() == self.used {
                 self.records.push(Record::default());
             }
             let record = &mut self.records[self.used];
-            if !record.fill(frame, entrant.key, entrant.draw as usize, origin) {
+            let Entrant { key, draw, .. } = *entrant;
+            let is_filled = simd.vectorize(
+                #[inline(always)]
+                || record.fill(frame, key, draw as usize, origin),
+            );
+            if !is_filled {
                 return None;
             }
             entrant.record = self.used as u32;

@@ -99,7 +99,7 @@ impl Job<'_> {
             for row in patch.first..patch.end {
                 self.band.row(patch, row).fill(self.frame.background);
             }
-        } else if let Some(position) = self.entrants.make_record(self.frame, slot, self.origin) {
+        } else if let Some(position) = self.entrants.make_record(simd, self.frame, slot, self.origin) {
             let record = self.entrants.record(position);
             self.shaded.add(self.frame.shader(record.draw), patch.count * (patch.end - patch.first));
             shade_uniform(simd, self.frame, record, patch, self.queue, &mut self.band);
@@ -119,7 +119,7 @@ impl Job<'_> {
             } else if lane > 0 && slots[lane] == slots[lane - 1] {
                 positions[lane] = positions[lane - 1];
                 open |= (open & 1 << (lane - 1)) << 1;
-            } else if let Some(position) = entrants.make_record(frame, Slot(slots[lane]), *origin) {
+            } else if let Some(position) = entrants.make_record(simd, frame, Slot(slots[lane]), *origin) {
                 positions[lane] = position;
                 open |= 1 << lane;
             }

@@ -22,6 +22,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Panel, ScrollArea, Ui, Vec2};
 
 use super::command::Command;
+use super::scrub;
 use super::theme::{self, ROW_HEIGHT, space};
 use crate::image::{Image, Rgba8, file};
 use crate::lab::recording::{Comparison, Recording, time_of};
@@ -141,12 +142,14 @@ impl Lab {
             Command::StepTriangle(step) | Command::NudgePick(step, 0) => Change::StepBy(step),
             Command::LimitTriangles(Some(0)) => Change::Go(0),
             Command::LimitTriangles(None) => Change::Go(usize::MAX),
+            Command::Scrub(scrub::Change::Play(_)) => Change::TogglePlay,
             Command::ZoomFit => Change::View(None),
             Command::SavePicture => Change::Save("png"),
             Command::Escape => Change::Play(0),
             Command::NudgePick(..)
             | Command::ChooseUpscaler(_)
             | Command::StepStage(_)
+            | Command::Scrub(_)
             | Command::StepFault(_)
             | Command::TogglePointerMode
             | Command::ResetCamera

@@ -5,7 +5,9 @@ use eframe::egui::{ScrollArea, Ui};
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::checks;
 use crate::ui::command::Command;
+use crate::ui::fates::tab as fates;
 use crate::ui::session::Session;
+use crate::ui::watch;
 
 /// A tab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,6 +19,8 @@ pub enum Tab {
     ErrorTime,
     /// What a pixel of the picture is made of.
     Xray,
+    /// Where triangles and fragments went.
+    Fates,
     /// What the scene needs and what is left out.
     Plan,
     /// How cost grows.
@@ -25,11 +29,14 @@ pub enum Tab {
     Stability,
     /// What holds for every fragment.
     Checks,
+    /// What all buffers hold at watched pixels.
+    Watch,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 8] = [
+/// All tabs, with name and explanation.
+pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -37,6 +44,7 @@ const TABS: [(Tab, &str, &str); 8] = [
         "X-ray",
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
+    (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
     (
@@ -45,6 +53,7 @@ const TABS: [(Tab, &str, &str); 8] = [
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
     (Tab::Checks, "Assertions", "What should hold for every fragment of a frame: checked on demand"),
+    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -52,7 +61,7 @@ const TABS: [(Tab, &str, &str); 8] = [
 pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         for (value, name, help) in TABS {
-            ui.selectable_value(tab, value, name).on_hover_text(help);
+            ui.selectable_value(tab, *value, *name).on_hover_text(*help);
         }
         match tab {
             Tab::FrameTime => {
@@ -79,6 +88,14 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 checks::panel::controls(ui, session, commands);
             }
+            Tab::Fates => {
+                ui.separator();
+                fates::controls(ui, session);
+            }
+            Tab::Watch => {
+                ui.separator();
+                watch::panel::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -87,7 +104,9 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
+        Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
+        Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Checks => checks::panel::ui(ui, session, commands),
         Tab::Plan => {

@@ -1,15 +1,15 @@
-//! Around the canvas: which stage or buffer is shown and how large, and how many triangles are drawn.
+//! Over the canvas: which stage or buffer is shown, how large, and what the pointer does.
 
-use eframe::egui::{self, Button, RichText, Slider, Ui, WidgetInfo};
+use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
 
 use crate::inspect::{Buffer, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
-use crate::ui::format;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
 /// Draws the bar over the canvas: what is shown, how large, and what the pointer does. `scale` is the enlargement on
@@ -25,11 +25,6 @@ pub fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mu
     });
 }
 
-/// Draws the bar under the canvas: how many triangles are drawn.
-pub fn scrubber(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    ui.horizontal_centered(|ui| triangles(ui, session, commands));
-}
-
 fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::ChevronLeft, "Show the stage before  ([)").clicked() {
         commands.push(Command::StepStage(-1));
@@ -39,7 +34,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 288.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 316.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -62,40 +57,9 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
     }
-}
-
-fn triangles(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    /// Width of the two buttons and the figures to the right of the slider, in points.
-    const REST_POINTS: f32 = 220.0;
-    /// The row has no room for its name if it is narrower, in points.
-    const NAME_FROM_POINTS: f32 = 360.0;
-    let all = session.triangle_count();
-    if ui.available_width() >= NAME_FROM_POINTS {
-        ui.label(RichText::new("Triangles").color(tokens(ui).text_weak));
+    if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
+        commands.push(Command::WhatIf(what_if::Change::Toggle));
     }
-    if icon_button(ui, Icon::ChevronFirst, "Before the first triangle  (Home)").clicked() {
-        commands.push(Command::LimitTriangles(Some(0)));
-    }
-    if icon_button(ui, Icon::StepBack, "One triangle fewer  (,)").clicked() {
-        commands.push(Command::StepTriangle(-1));
-    }
-    let mut limit = session.triangle_limit.unwrap_or(all);
-    ui.spacing_mut().slider_width = (ui.available_width() - REST_POINTS).max(60.0);
-    let slider = ui
-        .add_enabled(all > 0, Slider::new(&mut limit, 0..=all).show_value(false))
-        .on_hover_text("Draw only the first triangles, in the order in which they are rasterized");
-    slider.widget_info(|| WidgetInfo::slider(true, limit as f64, "Triangles drawn"));
-    if slider.changed() {
-        commands.push(Command::LimitTriangles(Some(limit)));
-    }
-    if icon_button(ui, Icon::StepForward, "One triangle more  (.)").clicked() {
-        commands.push(Command::StepTriangle(1));
-    }
-    if icon_button(ui, Icon::ChevronLast, "After the last triangle  (End)").clicked() {
-        commands.push(Command::LimitTriangles(None));
-    }
-    let text = format!("{} / {}", format::count(limit as u64), format::count(all as u64));
-    ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Triangles drawn / rasterized");
 }
 
 fn pointer_mode(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {

@@ -1,0 +1,104 @@
+//! `rasterscope fates`: how every triangle and every fragment of a frame ended, in all and per object.
+
+use clap::Args;
+use rasterscope::inspect::Fates;
+use rasterscope::inspect::fates::{Account, FragmentCounts, FragmentFate, ObjectFates, TriangleCounts, TriangleFate};
+use rasterscope::pipeline::settings::Choice;
+use rasterscope::pipeline::viewport::Viewport;
+use serde::Serialize;
+
+use super::failure::Failure;
+use super::output;
+use super::scene_args::{Drawn, FrameArgs};
+
+/// What `fates` takes.
+#[derive(Args, Debug)]
+pub(crate) struct FatesArgs {
+    #[command(flatten)]
+    frame: FrameArgs,
+
+    /// Print JSON instead of text
+    #[arg(long)]
+    json: bool,
+}
+
+/// The fates of a frame, as JSON.
+#[derive(Serialize)]
+struct Told<'a> {
+    scene: &'a str,
+    size: [u32; 2],
+    triangles: TriangleCounts,
+    fragments: FragmentCounts<u64>,
+    objects: &'a [ObjectFates],
+    balanced: bool,
+    account: &'a Account,
+}
+
+/// Draws, counts, and prints where everything went.
+pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
+    let fates = Fates::of(&scene, &recipe, &frame);
+    let Viewport { width, height } = frame.viewport;
+    if args.json {
+        let told = Told {
+            scene: &scene.name,
+            size: [width, height],
+            triangles: fates.triangle_counts(),
+            fragments: fates.fragment_counts(),
+            objects: &fates.objects,
+            balanced: fates.account.is_balanced(),
+            account: &fates.account,
+        };
+        let json = serde_json::to_string_pretty(&told).map_err(|e| Failure::Output(e.into()))?;
+        return output::print(&(json + "\n"));
+    }
+    output::print(&(format!("{}, {width} × {height} px\n", scene.name) + &text(&fates)))
+}
+
+fn text(fates: &Fates) -> String {
+    let (triangles, fragments) = (fates.triangle_counts(), fates.fragment_counts());
+    let mut text = funnel::<TriangleFate>("triangles", triangles.sum(), |fate| triangles.of(fate));
+    text += &funnel::<FragmentFate>("fragments", fragments.sum(), |fate| fragments.of(fate));
+    text += &objects(&fates.objects, &triangles);
+    text.push('\n');
+    match fates.account.complaints() {
+        none if none.is_empty() => text += "All sums match: every triangle and every fragment ended exactly once.\n",
+        complaints => complaints.iter().for_each(|complaint| text += &format!("DOES NOT ADD UP: {complaint}.\n")),
+    }
+    text
+}
+
+/// All bins with something in them.
+fn funnel<C: Choice>(what: &str, all: u64, count: impl Fn(C) -> u64) -> String {
+    /// Longest bar, in characters.
+    const BAR: f64 = 40.0;
+    let mut text = format!("\n{what:18} {all:12}\n");
+    for fate in C::ALL.iter().filter(|fate| count(**fate) > 0) {
+        let share = count(*fate) as f64 / all.max(1) as f64;
+        let bar = "█".repeat((share * BAR).ceil() as usize);
+        text += &format!("  {:16} {:12} {:6.2} %  {bar}\n", fate.name().to_lowercase(), count(*fate), share * 100.0);
+    }
+    text
+}
+
+/// A row for each object, with a column for each end that any triangle met.
+fn objects(objects: &[ObjectFates], all: &TriangleCounts) -> String {
+    let bins: Vec<_> = TriangleFate::ALL.iter().copied().filter(|fate| all.of(*fate) > 0).collect();
+    let heading = |fate: &TriangleFate| format!("  {:>12}", fate.id());
+    let mut text = format!("\n{:20} {:>10}{}\n", "object", "triangles", bins.iter().map(heading).collect::<String>());
+    for ObjectFates { name, triangles, .. } in objects {
+        let cells: String = bins.iter().map(|fate| format!("  {:12}", triangles.of(*fate))).collect();
+        text += &format!("{:20} {:10}{cells}\n", shortened(name), triangles.sum());
+    }
+    text
+}
+
+/// As much of a name as its column holds.
+fn shortened(name: &str) -> String {
+    const COLUMN: usize = 20;
+    if name.chars().count() <= COLUMN {
+        name.to_owned()
+    } else {
+        name.chars().take(COLUMN - 1).chain(['…']).collect()
+    }
+}

@@ -1,0 +1,71 @@
+//! Whether everything that came in is found again, once.
+
+use serde::Serialize;
+
+use super::tally::{Rejections, Tally};
+use crate::pipeline::Geometry;
+use crate::scene::TriangleId;
+
+/// Both sides of the books. They are kept apart: what comes in is counted where it comes in, not summed up from the bins.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Account {
+    /// Triangles that went into the pipeline.
+    pub triangles_in: u64,
+    /// Triangles that were rejected by the geometry stages or handed to the rasterizer.
+    pub triangles_out: u64,
+    /// Triangles that did neither.
+    pub without_fate: Vec<TriangleId>,
+    /// Triangles that were rejected twice, or rejected and rasterized.
+    pub with_two_fates: Vec<TriangleId>,
+    /// Fragments that the rasterizer generated.
+    pub fragments_in: u64,
+    /// Fragments that ended in some way.
+    pub fragments_out: u64,
+}
+
+impl Account {
+    pub(super) fn of(geometry: &Geometry, rejections: &Rejections, tally: &Tally<'_>) -> Self {
+        let mut rasterized = vec![false; rejections.fates.len()];
+        geometry.triangles.iter().for_each(|triangle| rasterized[triangle.id.0 as usize] = true);
+        let both = || rejections.fates.iter().zip(&rasterized).zip(0..).map(|(fates, id)| (fates, TriangleId(id)));
+        let twice = both().filter(|((fate, rasterized), _)| fate.is_some() && **rasterized).map(|(_, id)| id);
+        let never = both().filter(|((fate, rasterized), _)| fate.is_none() && !**rasterized).map(|(_, id)| id);
+        let rejected = rejections.fates.iter().flatten().count() + rejections.again.len();
+        Self {
+            triangles_in: geometry.triangles_in as u64,
+            triangles_out: (rejected + rasterized.iter().filter(|r| **r).count()) as u64,
+            with_two_fates: twice.chain(rejections.again.iter().copied()).collect(),
+            without_fate: never.collect(),
+            fragments_in: tally.generated,
+            fragments_out: super::sum(&tally.fragments).sum(),
+        }
+    }
+
+    /// Whether all sums match.
+    pub fn is_balanced(&self) -> bool {
+        self.complaints().is_empty()
+    }
+
+    /// What does not match, one sentence each.
+    pub fn complaints(&self) -> Vec<String> {
+        let Self { triangles_in, triangles_out, fragments_in, fragments_out, .. } = self;
+        let mut complaints = Vec::new();
+        if triangles_in != triangles_out {
+            complaints.push(format!("{triangles_in} triangles came in, but {triangles_out} ended"));
+        }
+        if let Some(first) = self.without_fate.first() {
+            complaints.push(format!("{} triangles have no fate, triangle {} first", self.without_fate.len(), first.0));
+        }
+        if let Some(first) = self.with_two_fates.first() {
+            complaints.push(format!(
+                "{} triangles have two fates, triangle {} first",
+                self.with_two_fates.len(),
+                first.0
+            ));
+        }
+        if fragments_in != fragments_out {
+            complaints.push(format!("{fragments_in} fragments were generated, but {fragments_out} ended"));
+        }
+        complaints
+    }
+}

@@ -1,0 +1,170 @@
+//! Where in the picture triangles are, seen or not.
+
+use super::Fates;
+use crate::image::Image;
+use crate::inspect::selection::TriangleSelection;
+use crate::pipeline::Geometry;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::raster::{Scissor, Span, cover_within};
+use crate::pipeline::settings::Arithmetic;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::scene::TriangleId;
+use crate::upscale::Sampling;
+
+/// A triangle on the screen, or a piece of one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    id: TriangleId,
+    /// Before snapping.
+    corners_px: [[f32; 2]; 3],
+    /// Of the corners as the arithmetic sees them: snapped in fixed point.
+    area_px: f64,
+}
+
+impl Shape {
+    fn new(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> Self {
+        let decisive = match arithmetic {
+            Arithmetic::Fixed => triangle.snapped_px(),
+            Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
+        };
+        let [a, b, c] = decisive.map(|corner| corner.map(f64::from));
+        let area_px = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs() / 2.0;
+        Self { id: triangle.id, corners_px: triangle.corners_px(), area_px }
+    }
+
+    fn centre_px(&self) -> [f64; 2] {
+        let [a, b, c] = self.corners_px.map(|corner| corner.map(f64::from));
+        [0, 1].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0)
+    }
+}
+
+/// The shapes of all triangles on the screen, in the order of the scene.
+pub(super) fn shapes(geometry: &Geometry, arithmetic: Arithmetic) -> Vec<Shape> {
+    let mut shapes: Vec<_> = geometry.triangles.iter().map(|triangle| Shape::new(triangle, arithmetic)).collect();
+    shapes.sort_by_key(|shape| shape.id);
+    shapes
+}
+
+/// What a pixel has of the selected triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Nothing.
+    None,
+    /// One lies there, unseen or not drawn at all.
+    Hidden,
+    /// One is on top.
+    Shown,
+}
+
+impl Fates {
+    /// Area on the screen in px², summed over the pieces of a cut triangle; `None` if nothing of it came to the screen.
+    pub fn area_px(&self, triangle: TriangleId) -> Option<f64> {
+        let shapes = self.shapes_of(triangle);
+        (!shapes.is_empty()).then(|| shapes.iter().map(|shape| shape.area_px).sum())
+    }
+
+    /// A pixel of the picture to go to for a triangle: of those where it is on top, or else of those that it covers, the one
+    /// nearest to their middle; where it covers none, the one that its middle lies in. `None` if it is not in the picture.
+    pub fn place_of(&self, triangle: TriangleId) -> Option<(u32, u32)> {
+        let width = self.shown.width();
+        let on_top = self.shown.pixels().iter().zip(0..).filter(|(shown, _)| **shown == triangle);
+        let on_top: Vec<_> = on_top.map(|(_, place)| (place % width, place / width)).collect();
+        let samples = if on_top.is_empty() { self.covered_by(self.shapes_of(triangle)) } else { on_top };
+        let middle = middle(&samples).or_else(|| self.sample_at_middle(self.shapes_of(triangle).first()?));
+        middle.map(|(column, row)| self.full_pixel(column, row))
+    }
+
+    /// For every pixel of the full picture, what it has of a selection. A triangle that covers no sample marks the pixel that
+    /// its middle lies in.
+    pub fn marks(&self, selection: &TriangleSelection) -> Image<Mark> {
+        let (width, height) = self.shown.size();
+        let mut marks = Image::filled(width, height, Mark::None);
+        let selected: Vec<_> = self.shapes.iter().filter(|shape| selection.contains(shape.id)).collect();
+        for shape in selected {
+            let mut samples = self.covered_by(std::slice::from_ref(shape));
+            if samples.is_empty() {
+                samples.extend(self.sample_at_middle(shape));
+            }
+            samples.iter().for_each(|(column, row)| marks.set(*column, *row, Mark::Hidden));
+        }
+        for (mark, shown) in marks.pixels_mut().iter_mut().zip(self.shown.pixels()) {
+            if *shown != TriangleId::NONE && selection.contains(*shown) {
+                *mark = Mark::Shown;
+            }
+        }
+        let sample = |x, y| nearest_sample(self.sampling, self.raster, (x, y));
+        Image::from_fn(self.viewport.width, self.viewport.height, |x, y| {
+            let (column, row) = sample(x, y);
+            marks.at(column.min(width - 1), row.min(height - 1))
+        })
+    }
+
+    fn shapes_of(&self, triangle: TriangleId) -> &[Shape] {
+        let first = self.shapes.partition_point(|shape| shape.id < triangle);
+        let count = self.shapes[first..].partition_point(|shape| shape.id == triangle);
+        &self.shapes[first..first + count]
+    }
+
+    /// Packed samples that shapes cover, without a depth test.
+    fn covered_by(&self, shapes: &[Shape]) -> Vec<(u32, u32)> {
+        let settings = &self.recipe.pipeline;
+        let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
+        let area = (self.sampling.grid(), Scissor::full(self.raster.width, self.raster.height));
+        let mut spans: Vec<Span> = Vec::new();
+        shapes.iter().for_each(|shape| cover_within(how, shape.corners_px, area, &mut spans));
+        spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))).collect()
+    }
+
+    /// The packed sample nearest to the middle of a shape, if that lies in the picture.
+    fn sample_at_middle(&self, shape: &Shape) -> Option<(u32, u32)> {
+        let [x, y] = shape.centre_px();
+        let Viewport { width, height } = self.raster;
+        let inside = (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
+        inside.then(|| nearest_of_grid(self.sampling.grid(), self.raster, (x as u32, y as u32)))
+    }
+
+    /// The pixel of the full picture that a packed sample stands for.
+    fn full_pixel(&self, column: u32, row: u32) -> (u32, u32) {
+        match self.sampling {
+            Sampling::Grid(grid) => grid.pixel(column, row),
+            Sampling::Lattice(_) => {
+                let scale = |at: u32, from: u32, to: u32| {
+                    ((f64::from(at) + 0.5) * f64::from(to) / f64::from(from)).min(f64::from(to) - 1.0) as u32
+                };
+                (
+                    scale(column, self.raster.width, self.viewport.width),
+                    scale(row, self.raster.height, self.viewport.height),
+                )
+            }
+        }
+    }
+}
+
+/// The sample nearest to the middle of some.
+fn middle(samples: &[(u32, u32)]) -> Option<(u32, u32)> {
+    let count = samples.len() as u64;
+    let sum = samples.iter().fold((0, 0), |(x, y), s| (x + u64::from(s.0), y + u64::from(s.1)));
+    let mean = ((sum.0.checked_div(count)?) as u32, (sum.1.checked_div(count)?) as u32);
+    let distance = |s: &(u32, u32)| u64::from(s.0.abs_diff(mean.0)).pow(2) + u64::from(s.1.abs_diff(mean.1)).pow(2);
+    samples.iter().min_by_key(|sample| distance(sample)).copied()
+}
+
+/// The packed sample that stands for a pixel of the full picture, or the nearest one.
+fn nearest_sample(sampling: Sampling, raster: Viewport, (x, y): (u32, u32)) -> (u32, u32) {
+    match sampling {
+        Sampling::Grid(grid) => nearest_of_grid(grid, raster, (x, y)),
+        Sampling::Lattice(lattice) => (lattice.nearest(x, raster.width), lattice.nearest(y, raster.height)),
+    }
+}
+
+fn nearest_of_grid(grid: SampleGrid, raster: Viewport, (x, y): (u32, u32)) -> (u32, u32) {
+    match grid {
+        SampleGrid::Block { step } => (x / step, y / step),
+        SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => {
+            // Squares of two by two alternate: two columns on, or back, there is one that is drawn.
+            let beside = [x.checked_sub(1), Some(x + 1), x.checked_sub(2), Some(x + 2)];
+            let drawn = |x: u32| (x < raster.width).then(|| grid.sample_at(x, y)).flatten();
+            drawn(x).or_else(|| beside.into_iter().flatten().find_map(drawn)).unwrap_or((0, y))
+        }
+    }
+}

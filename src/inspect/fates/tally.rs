@@ -1,0 +1,142 @@
+//! Observers that write down how triangles and fragments end.
+
+use super::{FragmentCounts, FragmentFate, TriangleFate};
+use crate::chain::Recipe;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::Geometry;
+use crate::pipeline::interpolate::Fragment;
+use crate::pipeline::observe::{DepthOutcome, Fate, Observer};
+use crate::pipeline::raster::Sample;
+use crate::pipeline::shade::Shader;
+use crate::pipeline::viewport::ScreenTriangle;
+use crate::scene::{Scene, Transparency, TriangleId};
+
+/// The triangles that the geometry stages rejected.
+#[derive(Debug)]
+pub(super) struct Rejections {
+    /// For each triangle of the scene.
+    pub(super) fates: Vec<Option<TriangleFate>>,
+    /// Triangles that were rejected more than once.
+    pub(super) again: Vec<TriangleId>,
+    /// Triangles that crossed a plane of the view and were cut.
+    pub(super) cut: Vec<TriangleId>,
+}
+
+impl Rejections {
+    pub(super) fn new(triangles: usize) -> Self {
+        Self { fates: vec![None; triangles], again: Vec::new(), cut: Vec::new() }
+    }
+}
+
+impl Observer for Rejections {
+    fn rejected(&mut self, id: TriangleId, fate: Fate) {
+        if self.fates[id.0 as usize].replace(fate.into()).is_some() {
+            self.again.push(id);
+        }
+    }
+
+    fn clipped(&mut self, id: TriangleId, _pieces: usize) {
+        self.cut.push(id);
+    }
+}
+
+/// Stands for "no layer" in lists of layers.
+const NO_LAYER: u32 = u32::MAX;
+
+/// A written fragment that is seen through what was blended over it.
+#[derive(Debug)]
+struct Layer {
+    triangle: TriangleId,
+    /// Place of the next one below.
+    below: u32,
+}
+
+/// The fragments of each triangle by how they end, and what every sample shows.
+pub(super) struct Tally<'a> {
+    shaders: Vec<Shader<'a>>,
+    /// For each triangle of the scene. What is on top of a sample counts only at the end.
+    pub(super) fragments: Vec<FragmentCounts>,
+    /// Fragments that the rasterizer generated, counted apart from how they end.
+    pub(super) generated: u64,
+    /// The triangle that was written last into each sample.
+    pub(super) shown: Image<TriangleId>,
+    /// Place of the first layer below it.
+    below: Image<u32>,
+    layers: Vec<Layer>,
+}
+
+impl<'a> Tally<'a> {
+    /// For a packed picture of this size.
+    pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, geometry: &Geometry, (width, height): (u32, u32)) -> Self {
+        let shaders = scene.instances.iter().zip(&geometry.plans);
+        Self {
+            shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
+            fragments: vec![FragmentCounts::default(); scene.triangle_count()],
+            generated: 0,
+            shown: Image::filled(width, height, TriangleId::NONE),
+            below: Image::filled(width, height, NO_LAYER),
+            layers: Vec::new(),
+        }
+    }
+
+    /// Counts what every sample shows in the end.
+    pub(super) fn finish(&mut self) {
+        for place in 0..self.shown.pixels().len() {
+            let top = self.shown.pixels()[place];
+            if top != TriangleId::NONE {
+                self.end(top, FragmentFate::Visible);
+                self.end_layers(place, FragmentFate::SeenThrough);
+            }
+        }
+    }
+
+    fn end(&mut self, triangle: TriangleId, fate: FragmentFate) {
+        self.fragments[triangle.0 as usize].0[fate as usize] += 1;
+    }
+
+    fn end_layers(&mut self, place: usize, fate: FragmentFate) {
+        let mut next = std::mem::replace(&mut self.below.pixels_mut()[place], NO_LAYER);
+        while let Some(&Layer { triangle, below }) = self.layers.get(next as usize) {
+            self.end(triangle, fate);
+            next = below;
+        }
+    }
+
+    fn covers_all(&self, triangle: &ScreenTriangle, fragment: &Fragment) -> bool {
+        let shader = &self.shaders[triangle.instance as usize];
+        shader.transparency() != Transparency::Blended || shader.alpha(fragment) >= 1.0
+    }
+}
+
+impl Observer for Tally<'_> {
+    fn covered(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {
+        self.generated += 1;
+    }
+
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+        if !outcome.passed {
+            self.end(triangle.id, FragmentFate::LostDepth);
+        }
+    }
+
+    fn cut_out(&mut self, triangle: &ScreenTriangle, _fragment: &Fragment) {
+        self.end(triangle.id, FragmentFate::CutOut);
+    }
+
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let Sample { column, row, .. } = fragment.sample;
+        let place = row as usize * self.shown.width() as usize + column as usize;
+        let under = std::mem::replace(&mut self.shown.pixels_mut()[place], triangle.id);
+        if under == TriangleId::NONE {
+            return;
+        }
+        if self.covers_all(triangle, fragment) {
+            self.end(under, FragmentFate::Overwritten);
+            self.end_layers(place, FragmentFate::Overwritten);
+        } else {
+            let below = self.below.pixels()[place];
+            self.below.pixels_mut()[place] = self.layers.len() as u32;
+            self.layers.push(Layer { triangle: under, below });
+        }
+    }
+}

@@ -1,0 +1,206 @@
+use glam::{Mat4, Vec3};
+use rayon::prelude::*;
+
+use super::*;
+use crate::chain::run;
+use crate::inspect::selection::TriangleSelection;
+use crate::inspect::{Outcome, inspect};
+use crate::pipeline::settings::{Arithmetic, DepthTest, FillRule, Rasterizer};
+use crate::scene::{Camera, Library, Material, Mesh, MeshData, builtin};
+use crate::upscale::Upscaling;
+
+const SIZE: Viewport = Viewport { width: 45, height: 31 };
+
+/// A recipe for each alternative of a setting, the others at their default.
+fn each<C: Choice>(set: fn(&mut Recipe, C)) -> impl Iterator<Item = Recipe> {
+    C::ALL.iter().map(move |choice| {
+        let mut recipe = Recipe::default();
+        set(&mut recipe, *choice);
+        recipe
+    })
+}
+
+fn recipes() -> Vec<Recipe> {
+    let mut methods: Vec<Upscaling> = Upscaling::every().collect();
+    methods.dedup_by_key(|upscaling| upscaling.method());
+    each::<Culling>(|r, c| r.pipeline.culling = c)
+        .chain(each::<FillRule>(|r, c| (r.pipeline.fill_rule, r.pipeline.culling) = (c, Culling::None)))
+        .chain(each::<DepthTest>(|r, c| (r.pipeline.depth_test, r.pipeline.culling) = (c, Culling::None)))
+        .chain(each::<Arithmetic>(|r, c| r.pipeline.arithmetic = c))
+        .chain(each::<Rasterizer>(|r, c| r.pipeline.rasterizer = c))
+        .chain(methods.into_iter().map(|upscaler| Recipe { upscaler, ..Recipe::default() }))
+        .collect()
+}
+
+/// A camera that comes so close that much is cut and much is left behind.
+fn inside(scene: &Scene) -> Camera {
+    let mut camera = scene.home;
+    camera.dolly(0.15);
+    camera
+}
+
+#[test]
+fn every_sum_matches_in_every_scene_by_every_setting() {
+    let scenes: Vec<_> = builtin::ALL.iter().map(builtin::Builtin::build).collect();
+    let cases: Vec<_> = scenes.iter().flat_map(|scene| recipes().into_iter().map(move |r| (scene, r))).collect();
+    cases.par_iter().for_each(|(scene, recipe)| {
+        for camera in [scene.home, inside(scene)] {
+            let frame = run(scene, &camera, recipe, SIZE, &mut ());
+            let fates = Fates::of(scene, recipe, &frame);
+            let told = format!("{} {recipe:?}", scene.name);
+            assert_eq!(fates.account.complaints(), [""; 0], "{told}");
+            assert_eq!(fates.triangle_counts().sum(), scene.triangle_count() as u64, "{told}");
+            assert_eq!(fates.triangle_counts().of(TriangleFate::Unaccounted), 0, "{told}");
+            let of_objects = |sum: fn(&ObjectFates) -> u64| fates.objects.iter().map(sum).sum::<u64>();
+            assert_eq!(of_objects(|o| o.triangles.sum()), scene.triangle_count() as u64, "{told}");
+            assert_eq!(of_objects(|o| o.fragments.sum()), fates.fragment_counts().sum(), "{told}");
+            // Every sample that shows a triangle shows it by one fragment.
+            let shown = fates.shown.pixels().iter().filter(|id| **id != TriangleId::NONE).count() as u64;
+            assert_eq!(fates.fragment_counts().of(FragmentFate::Visible), shown, "{told}");
+        }
+    });
+}
+
+/// What the replays of all pixels tell, one by one.
+#[test]
+fn fragments_end_as_the_replay_of_their_pixels_tells() {
+    for id in ["stained-glass", "cubes", "near-plane", "interpenetrating"] {
+        let scene = builtin::by_id(id).unwrap().build();
+        let recipe = Recipe::default();
+        let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+        let mut expected = FragmentCounts::<u64>::default();
+        for (x, y) in (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y))) {
+            for fragment in inspect(&scene, &recipe, &frame, x, y).unwrap().fragments {
+                let fate = match fragment.outcome {
+                    Outcome::Visible => FragmentFate::Visible,
+                    Outcome::Overwritten => FragmentFate::Overwritten,
+                    Outcome::BlendedOver => FragmentFate::SeenThrough,
+                    Outcome::DepthRejected => FragmentFate::LostDepth,
+                    Outcome::CutOut => FragmentFate::CutOut,
+                };
+                expected.0[fate as usize] += 1;
+            }
+        }
+        assert_eq!(Fates::of(&scene, &recipe, &frame).fragment_counts(), expected, "{id}");
+    }
+}
+
+/// Squares before a camera without perspective that sees the square from −1 to 1, and what must become of each.
+fn stage(objects: &[(&str, [Vec3; 3], f32)]) -> Scene {
+    let mut library = Library::default();
+    let instances = objects.iter().map(|(name, corners, opacity)| {
+        let (positions, normals) = (corners.to_vec(), vec![Vec3::Z; 3]);
+        let data = MeshData { positions, normals, triangles: vec![[0, 1, 2]], ..MeshData::default() };
+        let mesh = library.add_mesh(Mesh::new(data).unwrap());
+        let material = Material { opacity: *opacity, ..Material::plain("plain", Vec3::ONE) };
+        let material = library.add_material(material);
+        Instance { name: (*name).to_owned(), mesh, material, world_from_model: Mat4::IDENTITY, tint: Vec3::ONE }
+    });
+    let instances = instances.collect();
+    let home = Camera::look_at(Vec3::new(0.0, 0.0, 5.0), Vec3::ZERO).with_orthographic(true);
+    Scene { name: "stage".into(), library, instances, background: [0; 3], home }
+}
+
+/// A triangle around a point, of this half width, at this height above the stage.
+fn around(x: f32, y: f32, half: f32, z: f32) -> [Vec3; 3] {
+    [[-half, -half], [half, -half], [0.0, half]].map(|[dx, dy]| Vec3::new(x + dx, y + dy, z))
+}
+
+#[test]
+fn each_triangle_of_a_stage_ends_as_it_was_placed() {
+    let back = |[a, b, c]: [Vec3; 3]| [a, c, b];
+    let cast = [
+        ("visible", around(0.0, 0.0, 0.5, 0.0), 1.0, TriangleFate::Visible),
+        ("behind it", around(0.0, 0.0, 0.2, -1.0), 1.0, TriangleFate::LostDepth),
+        ("turned", back(around(0.8, 0.0, 0.4, 0.0)), 1.0, TriangleFate::BackFacing),
+        ("a line", [Vec3::ZERO, Vec3::X * 0.3, Vec3::X * 0.6], 1.0, TriangleFate::ZeroArea),
+        ("far off", around(900.0, 0.0, 0.5, 0.0), 1.0, TriangleFate::Outside),
+        ("behind the eye", around(0.0, 0.0, 0.5, 50.0), 1.0, TriangleFate::Outside),
+        ("a speck", around(0.9, 0.9, 1e-3, 0.0), 1.0, TriangleFate::NoCentre),
+        ("drawn first", around(-0.9, -0.6, 0.2, 0.0), 1.0, TriangleFate::Overwritten),
+        ("drawn over it", around(-0.9, -0.6, 0.4, 1.0), 1.0, TriangleFate::Visible),
+        ("under glass", around(-0.9, 0.8, 0.2, 0.0), 1.0, TriangleFate::SeenThrough),
+        ("glass", around(-0.9, 0.8, 0.4, 1.0), 0.5, TriangleFate::Visible),
+    ];
+    let scene = stage(&cast.map(|(name, corners, opacity, _)| (name, corners, opacity)));
+    let recipe = Recipe::default();
+    let size = Viewport { width: 200, height: 160 };
+    let frame = run(&scene, &scene.home, &recipe, size, &mut ());
+    let fates = Fates::of(&scene, &recipe, &frame);
+    let told: Vec<_> = cast.iter().zip(&fates.triangles).map(|((name, ..), fate)| (*name, *fate)).collect();
+    assert_eq!(told, cast.map(|(name, _, _, fate)| (name, fate)));
+    assert!(fates.account.is_balanced());
+
+    // Where to go for each: a pixel that shows it, or that it lies in.
+    let places: Vec<_> = (0..cast.len() as u32).map(|id| fates.place_of(TriangleId(id))).collect();
+    for (id, (name, _, _, fate)) in cast.iter().enumerate() {
+        match fate {
+            TriangleFate::Outside | TriangleFate::ZeroArea => assert_eq!(places[id], None, "{name}"),
+            TriangleFate::Visible => {
+                let (x, y) = places[id].expect(name);
+                let report = inspect(&scene, &recipe, &frame, x, y).unwrap();
+                assert_eq!(report.visible().map(|f| f.triangle), Some(TriangleId(id as u32)), "{name}");
+            }
+            _ => assert!(places[id].is_some(), "{name}"),
+        }
+    }
+    // Marks of one that is seen, and of one that lies behind it.
+    for (id, mark) in [(0, Mark::Shown), (1, Mark::Hidden), (2, Mark::Hidden), (6, Mark::Hidden)] {
+        let marks = fates.marks(&TriangleSelection::new("one", [TriangleId(id)]));
+        let (x, y) = places[id as usize].unwrap();
+        assert_eq!(marks.at(x, y), mark, "{}", cast[id as usize].0);
+    }
+    // A filter by number, by area, by name.
+    let found = |bin, text: &str| -> Vec<u32> {
+        fates.members(bin, None, &Filter::parse(text)).iter().map(|id| id.0).collect()
+    };
+    assert_eq!(found(None, "tri 3"), [3]);
+    assert_eq!(found(None, "#4"), [4]);
+    assert_eq!(found(None, "area<1"), [6]);
+    assert_eq!(found(None, "behind"), [1, 5]);
+    assert_eq!(found(None, "PLAIN").len(), cast.len(), "their material is called so");
+    assert_eq!(found(Some(Bin::Triangles(TriangleFate::Outside)), "the eye"), [5]);
+    assert_eq!(found(Some(Bin::Fragments(FragmentFate::Overwritten)), ""), [7]);
+    assert_eq!(fates.members(None, Some(8), &Filter::default()), [TriangleId(8)]);
+}
+
+#[test]
+fn clipped_pieces_of_one_triangle_are_one_triangle() {
+    let scene = builtin::by_id("near-plane").unwrap().build();
+    let recipe = Recipe::default();
+    let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+    let pieces = frame.geometry.triangles.len();
+    let fates = Fates::of(&scene, &recipe, &frame);
+    let rasterized = fates.triangles.iter().filter(|fate| **fate as usize >= TriangleFate::NoCentre as usize).count();
+    assert!(rasterized < pieces, "{rasterized} triangles, {pieces} pieces: nothing was cut");
+    let several = |id: &TriangleId| frame.geometry.triangles.iter().filter(|piece| piece.id == *id).count() > 1;
+    let cut = fates.members(None, None, &Filter::parse("is:cut"));
+    assert!((0..fates.triangles.len() as u32).map(TriangleId).filter(several).all(|id| cut.contains(&id)));
+    assert!(!cut.is_empty() && cut.len() == fates.cut.len());
+    assert!(fates.account.is_balanced());
+}
+
+#[test]
+fn what_does_not_add_up_is_told() {
+    let scene = builtin::by_id("cubes").unwrap().build();
+    let recipe = Recipe::default();
+    let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+    let mut rejections = Rejections::new(scene.triangle_count());
+    let mut geometry = prepare_again(&scene, &recipe, &frame, &mut rejections);
+    let mut tally = Tally::new(&scene, &recipe, &geometry, (SIZE.width, SIZE.height));
+    assert!(Account::of(&geometry, &rejections, &tally).is_balanced());
+    tally.generated = 1;
+    let lost = geometry.triangles.last().unwrap().id;
+    geometry.triangles.truncate(geometry.triangles.len() - 1);
+    let again = geometry.triangles[0].id;
+    rejections.fates[again.0 as usize] = Some(TriangleFate::Outside);
+    let account = Account::of(&geometry, &rejections, &tally);
+    assert_eq!(
+        (account.without_fate.as_slice(), account.with_two_fates.as_slice()),
+        ([lost].as_slice(), [again].as_slice())
+    );
+    let complaints = account.complaints().join("; ");
+    for words in ["1 triangles have no fate", "1 triangles have two fates", "1 fragments were generated, but 0 ended"] {
+        assert!(complaints.contains(words), "{complaints}");
+    }
+}

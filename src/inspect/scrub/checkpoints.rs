@@ -1,0 +1,87 @@
+//! Copies of the framebuffer along the way.
+
+use crate::image::Image;
+use crate::pipeline::Geometry;
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+
+/// Most copies: with more, the way from one to the next is already shorter than copying takes.
+const MOST: usize = 64;
+
+/// What a triangle costs beside its pixels, in pixels.
+const TRIANGLE_COST_PX: f64 = 60.0;
+
+/// Where copies are made, and those that were.
+#[derive(Debug)]
+pub(super) struct Checkpoints {
+    /// After how many triangles, ascending, the first of them none; and the copy once it was made.
+    copies: Vec<(usize, Option<Framebuffer>)>,
+}
+
+impl Checkpoints {
+    /// Spread so that the work between any two is about the same. `cleared` is the copy before all triangles.
+    pub(super) fn new(geometry: &Geometry, raster: Viewport, cleared: &Framebuffer, budget: usize) -> Self {
+        let count = (budget / bytes(cleared).max(1)).clamp(2, MOST);
+        let costs = || geometry.triangles.iter().map(|triangle| cost(triangle, raster));
+        let share = costs().sum::<f64>() / count as f64;
+        let mut copies = vec![(0, Some(cleared.clone()))];
+        let mut sum = 0.0;
+        for (place, cost) in costs().enumerate() {
+            sum += cost;
+            if sum >= share * copies.len() as f64 && copies.len() < count {
+                copies.push((place + 1, None));
+            }
+        }
+        Self { copies }
+    }
+
+    /// Puts the last copy before `triangles` into `frame` and returns after how many triangles it was made, if that is nearer
+    /// than what `frame` holds, which is after `at` triangles.
+    pub(super) fn restore_before(&self, triangles: usize, at: usize, frame: &mut Framebuffer) -> Option<usize> {
+        let before = &self.copies[..self.copies.partition_point(|(place, _)| *place <= triangles)];
+        let (place, copy) = before.iter().rev().find_map(|(place, copy)| Some((*place, copy.as_ref()?)))?;
+        if at <= triangles && place <= at {
+            return None;
+        }
+        // Into memory that is there already.
+        frame.color.pixels_mut().copy_from_slice(copy.color.pixels());
+        if let (Some(depth), Some(copy)) = (&mut frame.depth, &copy.depth) {
+            depth.pixels_mut().copy_from_slice(copy.pixels());
+        }
+        Some(place)
+    }
+
+    /// After how many triangles the next copy is due.
+    pub(super) fn next_after(&self, at: usize) -> usize {
+        let next = self.copies.partition_point(|(place, _)| *place <= at);
+        self.copies.get(next).map_or(usize::MAX, |(place, _)| *place)
+    }
+
+    /// Copies `frame` if a copy is due after `at` triangles and there is none.
+    pub(super) fn keep(&mut self, at: usize, frame: &Framebuffer) {
+        if let Ok(found) = self.copies.binary_search_by_key(&at, |(place, _)| *place) {
+            self.copies[found].1.get_or_insert_with(|| frame.clone());
+        }
+    }
+
+    /// How many copies were made, and their bytes.
+    pub(super) fn memory(&self) -> (usize, usize) {
+        let made = self.copies.iter().filter_map(|(_, copy)| copy.as_ref());
+        made.fold((0, 0), |(count, sum), copy| (count + 1, sum + bytes(copy)))
+    }
+}
+
+fn bytes(frame: &Framebuffer) -> usize {
+    frame.color.bytes() + frame.depth.as_ref().map_or(0, Image::bytes)
+}
+
+/// About what a triangle costs, in pixels: half the box around it within the picture, and something for itself.
+fn cost(triangle: &ScreenTriangle, Viewport { width, height }: Viewport) -> f64 {
+    let corners = triangle.corners_px();
+    let side = |axis: usize, length: u32| {
+        let inside = corners.map(|corner| f64::from(corner[axis]).clamp(0.0, f64::from(length)));
+        inside.iter().fold(0.0_f64, |most, at| most.max(*at))
+            - inside.iter().fold(f64::from(length), |least, at| least.min(*at))
+    };
+    TRIANGLE_COST_PX + side(0, width) * side(1, height) / 2.0
+}

@@ -1,0 +1,124 @@
+//! The moments of a frame in order, and the way from one to the next.
+
+use super::{Moment, Touch};
+use crate::pipeline::Geometry;
+use crate::pipeline::settings::{Choice, choice};
+
+choice! {
+    /// How far a step goes.
+    Unit {
+        Stage = "stage", "Stage", "To the next stage of the pipeline; the moment stays.";
+        Draw = "draw", "Draw", "To the next object.";
+        Triangle = "triangle", "Triangle", "To the next triangle.";
+        Fragment = "fragment", "Fragment", "To the next fragment, in the order in which the rasterizer finds them.";
+    }
+}
+
+/// What is known at one moment of a frame about the moments around it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Timeline {
+    /// Triangles in all.
+    pub triangles: usize,
+    /// Where the triangles of each draw begin, ascending, and its instance.
+    pub draws: Vec<(usize, u32)>,
+    /// Fragments of the last triangle that is drawn, in part or whole, and of the one after it.
+    pub fragments: [usize; 2],
+    /// The fragments at the picked pixel, in drawing order.
+    pub touches: Vec<Touch>,
+}
+
+impl Timeline {
+    /// Of a frame with all of its triangles; without fragments and touches.
+    pub fn new(geometry: &Geometry) -> Self {
+        let mut draws: Vec<(usize, u32)> = Vec::new();
+        for (place, triangle) in geometry.triangles.iter().enumerate() {
+            if draws.last().is_none_or(|(_, instance)| *instance != triangle.instance) {
+                draws.push((place, triangle.instance));
+            }
+        }
+        Self { triangles: geometry.triangles.len(), draws, ..Self::default() }
+    }
+
+    /// The instance that the last triangle of a moment belongs to.
+    pub fn instance_at(&self, moment: Moment) -> Option<u32> {
+        let place = moment.triangles.checked_sub(1)?;
+        let after = self.draws.partition_point(|(start, _)| *start <= place);
+        self.draws[..after].last().map(|(_, instance)| *instance)
+    }
+
+    /// The moment one step on, or back: of `touching` alone those that touch the picked pixel. Stages are no moments.
+    pub fn step(&self, now: Moment, unit: Unit, forwards: bool, touching: bool) -> Moment {
+        let now = if now.triangles > self.triangles { Moment::after(self.triangles) } else { now };
+        match unit {
+            Unit::Stage => now,
+            Unit::Draw => self.by_draw(now, forwards),
+            Unit::Triangle | Unit::Fragment if touching => self.by_touch(now, unit, forwards),
+            Unit::Triangle if forwards && now.fragments.is_some() => Moment::after(now.triangles),
+            Unit::Triangle if forwards => Moment::after((now.triangles + 1).min(self.triangles)),
+            Unit::Triangle => Moment::after(now.triangles.saturating_sub(1)),
+            Unit::Fragment if forwards => self.next_fragment(now),
+            Unit::Fragment => self.fragment_before(now),
+        }
+    }
+
+    /// So many steps on, or back; fewer where the way ends or more would have to be known of the frame.
+    pub fn steps(&self, now: Moment, unit: Unit, steps: i64, touching: bool) -> Moment {
+        let forwards = steps > 0;
+        if unit == Unit::Triangle && !touching && now.fragments.is_none() {
+            let wanted = now.triangles as i64 + steps;
+            return Moment::after(wanted.clamp(0, self.triangles as i64) as usize);
+        }
+        let mut moment = now;
+        for _ in 0..steps.unsigned_abs() {
+            let next = self.step(moment, unit, forwards, touching);
+            if next == moment || (unit == Unit::Fragment && !touching && next.triangles != now.triangles) {
+                return next;
+            }
+            moment = next;
+        }
+        moment
+    }
+
+    fn by_draw(&self, now: Moment, forwards: bool) -> Moment {
+        // A triangle drawn in part counts as one that is not there yet.
+        let whole = now.triangles - usize::from(now.fragments.is_some());
+        let starts = || self.draws.iter().map(|(start, _)| *start);
+        Moment::after(if forwards {
+            starts().find(|start| *start > whole).unwrap_or(self.triangles)
+        } else {
+            let before = now.triangles - usize::from(now.fragments.is_none() && now.triangles > 0);
+            starts().take_while(|start| *start <= before).filter(|start| *start < now.triangles).last().unwrap_or(0)
+        })
+    }
+
+    fn by_touch(&self, now: Moment, unit: Unit, forwards: bool) -> Moment {
+        let moment = |touch: &Touch| match unit {
+            Unit::Fragment => touch.moment,
+            _ => Moment::after(touch.moment.triangles),
+        };
+        let mut moments = self.touches.iter().map(moment);
+        if forwards {
+            moments.find(|moment| moment.key() > now.key()).unwrap_or(Moment::after(self.triangles))
+        } else {
+            moments.take_while(|moment| moment.key() < now.key()).last().unwrap_or(Moment::after(0))
+        }
+    }
+
+    fn next_fragment(&self, Moment { triangles, fragments }: Moment) -> Moment {
+        let [own, next] = self.fragments;
+        match fragments {
+            Some(drawn) if drawn + 1 < own => Moment { triangles, fragments: Some(drawn + 1) },
+            Some(_) => Moment::after(triangles),
+            None if triangles >= self.triangles => Moment::after(self.triangles),
+            None => Moment { triangles: triangles + 1, fragments: (next > 1).then_some(1) },
+        }
+    }
+
+    fn fragment_before(&self, Moment { triangles, fragments }: Moment) -> Moment {
+        match fragments.unwrap_or(self.fragments[0]) {
+            _ if triangles == 0 => Moment::after(0),
+            0 | 1 => Moment::after(triangles.saturating_sub(1)),
+            drawn => Moment { triangles, fragments: Some(drawn - 1) },
+        }
+    }
+}

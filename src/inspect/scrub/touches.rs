@@ -1,0 +1,83 @@
+//! When a pixel was touched: the moments of a frame that concern it.
+
+use super::Moment;
+use crate::chain::Recipe;
+use crate::image::Rgba8;
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::interpolate::Fragment;
+use crate::pipeline::observe::Observer;
+use crate::pipeline::raster::{Sample, Scissor};
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::{Extent, Geometry, Until, draw, partial};
+use crate::scene::{Scene, TriangleId};
+
+/// How far fragments are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Count {
+    /// Not at all: of a touch only the triangle is known.
+    Triangles,
+    /// As long as the triangles so far have no more than [`MOST_FRAGMENTS`] together.
+    Fragments,
+}
+
+/// Fragments that are gone through to count those before a touch: a fraction of a second.
+pub const MOST_FRAGMENTS: usize = 8_000_000;
+
+/// A fragment that touched a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Touch {
+    /// Its triangle.
+    pub triangle: TriangleId,
+    /// Right after it.
+    pub moment: Moment,
+    /// Whether it was written.
+    pub written: bool,
+}
+
+/// Every fragment at a drawn pixel, in drawing order; none if the pixel is not drawn.
+pub fn touches(
+    scene: &Scene,
+    recipe: &Recipe,
+    geometry: &Geometry,
+    (grid, raster): (SampleGrid, Viewport),
+    (x, y): (u32, u32),
+    count: Count,
+) -> Vec<Touch> {
+    let Some(sample) = grid.sample_at(x, y) else { return Vec::new() };
+    let settings = &recipe.pipeline;
+    let mut one = Framebuffer::one_sample(grid, sample, scene.background, settings);
+    let extent = Extent { triangles: 0..geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
+    let mut watch = Watch { geometry, touches: Vec::new() };
+    draw(scene, geometry, settings, &extent, Until::Shade, &mut one, &mut watch);
+    let mut touches = watch.touches;
+    let mut counted = 0;
+    for touch in &mut touches {
+        let Some(triangle) = geometry.triangles.get(touch.moment.triangles - 1) else { continue };
+        if count == Count::Triangles || counted > MOST_FRAGMENTS {
+            break;
+        }
+        let samples = partial::samples_of(triangle, settings, (grid, raster));
+        counted += partial::count(&samples);
+        touch.moment.fragments = partial::place_of(&samples, sample).map(|place| place + 1);
+    }
+    touches
+}
+
+struct Watch<'a> {
+    geometry: &'a Geometry,
+    touches: Vec<Touch>,
+}
+
+impl Observer for Watch<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, _sample: &Sample) {
+        let moment = Moment::after(self.geometry.place_of(triangle) + 1);
+        self.touches.push(Touch { triangle: triangle.id, moment, written: false });
+    }
+
+    fn shaded(&mut self, _triangle: &ScreenTriangle, _fragment: &Fragment, _color: Rgba8) {
+        if let Some(last) = self.touches.last_mut() {
+            last.written = true;
+        }
+    }
+}

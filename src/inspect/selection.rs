@@ -1,0 +1,77 @@
+//! Triangles that a person singled out, whatever by: a bin of the fates, a row of a table, a click on a mesh.
+
+use crate::scene::TriangleId;
+
+/// A set of triangles of one scene, with the words for what they have in common. The default is the empty set.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TriangleSelection {
+    label: String,
+    /// One bit for each triangle, the lowest for the first; ends with the last member.
+    bits: Vec<u64>,
+    len: usize,
+}
+
+impl TriangleSelection {
+    /// The set of some triangles, in any order; the same one may come twice.
+    pub fn new(label: impl Into<String>, members: impl IntoIterator<Item = TriangleId>) -> Self {
+        let mut set = Self { label: label.into(), ..Self::default() };
+        for TriangleId(id) in members {
+            let (word, bit) = (id as usize / 64, 1 << (id % 64));
+            if word >= set.bits.len() {
+                set.bits.resize(word + 1, 0);
+            }
+            set.len += usize::from(set.bits[word] & bit == 0);
+            set.bits[word] |= bit;
+        }
+        set
+    }
+
+    /// What the members have in common, in words.
+    pub fn label(&self) -> &str {
+        &self.label
+    }
+
+    /// How many triangles there are.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Whether a triangle is one of them.
+    pub fn contains(&self, TriangleId(id): TriangleId) -> bool {
+        self.bits.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
+    }
+
+    /// The members, in the order of the scene.
+    pub fn iter(&self) -> impl Iterator<Item = TriangleId> + '_ {
+        let words = self.bits.iter().zip((0..).step_by(64));
+        words.flat_map(|(word, first)| {
+            (0..64).filter(move |bit| word >> bit & 1 == 1).map(move |bit| TriangleId(first + bit))
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_set_holds_each_member_once_and_in_order() {
+        let ids = [130, 0, 64, 63, 130, 5].map(TriangleId);
+        let set = TriangleSelection::new("some", ids);
+        assert_eq!((set.len(), set.label()), (5, "some"));
+        assert_eq!(set.iter().collect::<Vec<_>>(), [0, 5, 63, 64, 130].map(TriangleId));
+        assert!(ids.iter().all(|id| set.contains(*id)));
+        assert!([1, 65, 131, 5000].iter().all(|id| !set.contains(TriangleId(*id))) && !set.contains(TriangleId::NONE));
+    }
+
+    #[test]
+    fn the_default_holds_nothing() {
+        let set = TriangleSelection::default();
+        assert!(set.is_empty() && set.iter().next().is_none() && !set.contains(TriangleId(0)));
+    }
+}

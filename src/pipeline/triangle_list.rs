@@ -1,0 +1,131 @@
+//! A list of triangles that many may hold, whole or only its first, and that knows where each of them is: drawing a single
+//! pixel passes over nearly all, and reads nothing of those but their boxes.
+
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
+
+use super::viewport::ScreenTriangle;
+
+/// Triangles on the screen, read as a slice. A copy costs nothing, and neither does one that ends earlier: all of them share
+/// the memory.
+#[derive(Clone, Debug, Default)]
+pub struct TriangleList {
+    all: Arc<Vec<ScreenTriangle>>,
+    /// How many of them are in this list.
+    len: usize,
+    /// The box around each, if they were looked for.
+    boxes: Option<Arc<[PixelBox]>>,
+}
+
+/// Least and greatest x, least and greatest y of a triangle, px, before snapping.
+pub type PixelBox = [f32; 4];
+
+/// The box around the corners of a triangle.
+pub fn box_around([a, b, c]: [[f32; 2]; 3]) -> PixelBox {
+    let least = |axis: usize| a[axis].min(b[axis]).min(c[axis]);
+    let greatest = |axis: usize| a[axis].max(b[axis]).max(c[axis]);
+    [least(0), greatest(0), least(1), greatest(1)]
+}
+
+impl TriangleList {
+    /// Keeps the first `len` alone, if there are more.
+    pub fn truncate(&mut self, len: usize) {
+        self.len = self.len.min(len);
+    }
+
+    /// Keeps none.
+    pub fn clear(&mut self) {
+        self.truncate(0);
+    }
+
+    /// Finds the boxes.
+    pub fn find_boxes(&mut self) {
+        self.boxes = Some(self.iter().map(|triangle| box_around(triangle.corners_px())).collect());
+    }
+
+    /// The box around the triangle at a place of the list.
+    pub fn box_of(&self, place: usize) -> PixelBox {
+        let found = self.boxes.as_ref().map(|boxes| boxes[place]);
+        found.unwrap_or_else(|| box_around(self[place].corners_px()))
+    }
+
+    /// The triangles, in memory of their own if others hold them too.
+    pub fn into_vec(self) -> Vec<ScreenTriangle> {
+        let mut all = Arc::unwrap_or_clone(self.all);
+        all.truncate(self.len);
+        all
+    }
+}
+
+impl From<Vec<ScreenTriangle>> for TriangleList {
+    fn from(all: Vec<ScreenTriangle>) -> Self {
+        Self { len: all.len(), all: Arc::new(all), boxes: None }
+    }
+}
+
+impl Deref for TriangleList {
+    type Target = [ScreenTriangle];
+
+    fn deref(&self) -> &[ScreenTriangle] {
+        &self.all[..self.len]
+    }
+}
+
+/// Changes are made in memory of its own, and boxes are forgotten.
+impl DerefMut for TriangleList {
+    fn deref_mut(&mut self) -> &mut [ScreenTriangle] {
+        self.boxes = None;
+        &mut Arc::make_mut(&mut self.all)[..self.len]
+    }
+}
+
+impl<'a> IntoIterator for &'a mut TriangleList {
+    type Item = &'a mut ScreenTriangle;
+    type IntoIter = std::slice::IterMut<'a, ScreenTriangle>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter_mut()
+    }
+}
+
+impl<'a> IntoIterator for &'a TriangleList {
+    type Item = &'a ScreenTriangle;
+    type IntoIter = std::slice::Iter<'a, ScreenTriangle>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.iter()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::depth::DepthScale;
+    use crate::pipeline::vertex::Varyings;
+    use crate::pipeline::viewport::ScreenVertex;
+    use crate::scene::TriangleId;
+
+    fn triangle(id: u32) -> ScreenTriangle {
+        let corners = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]];
+        let corners = corners.map(|corner| ScreenVertex::at(corner, 0.5, 1.0, Varyings::default()));
+        ScreenTriangle::new((TriangleId(id), 0), corners, 16.0, &DepthScale::default(), false)
+    }
+
+    #[test]
+    fn the_first_share_memory_with_all_until_they_are_changed() {
+        let mut all = TriangleList::from(vec![triangle(0), triangle(1), triangle(2)]);
+        all.find_boxes();
+        let mut first = all.clone();
+        first.truncate(2);
+        assert_eq!((all.len(), first.len(), first.as_ptr()), (3, 2, all.as_ptr()));
+        first[0].id = TriangleId(7);
+        assert_eq!((all[0].id, first[0].id), (TriangleId(0), TriangleId(7)));
+        let moved = [[1.0, 2.0], [3.0, 0.5], [-1.0, 1.5]].map(|at| ScreenVertex::at(at, 0.5, 1.0, Varyings::default()));
+        first[1].vertices = moved;
+        assert_eq!((first.box_of(1), all.box_of(1)), ([-1.0, 3.0, 0.5, 2.0], [0.0, 4.0, 0.0, 4.0]));
+        first.find_boxes();
+        assert_eq!(first.box_of(1), [-1.0, 3.0, 0.5, 2.0]);
+        first.truncate(9);
+        assert_eq!(first.into_vec().iter().map(|t| t.id.0).collect::<Vec<_>>(), [7, 1]);
+    }
+}

@@ -1,0 +1,111 @@
+//! The funnel: a bar for each bin with its number and share, first what comes in, last what is seen.
+
+use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+
+use super::Change;
+use crate::inspect::fates::{Bin, FragmentFate, TriangleFate};
+use crate::pipeline::settings::Choice;
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::theme::{RADIUS, Tokens, font_size, space, tokens};
+
+/// Height of a bar with its words, in points.
+const ROW: f32 = 19.0;
+
+/// Width of the share, in points.
+const SHARE: f32 = 58.0;
+
+/// What a bin means for those in it: its bar has the colour of that.
+pub trait Ending: Choice {
+    /// The bin as a person chooses it.
+    fn bin(self) -> Bin;
+
+    /// The colour of its bar.
+    fn color(self, tokens: &Tokens) -> Color32;
+}
+
+impl Ending for TriangleFate {
+    fn bin(self) -> Bin {
+        Bin::Triangles(self)
+    }
+
+    fn color(self, tokens: &Tokens) -> Color32 {
+        match self {
+            Self::Visible | Self::SeenThrough => tokens.passed,
+            Self::Overwritten => tokens.warning,
+            Self::NotFinite | Self::Unaccounted => tokens.error,
+            Self::LostDepth | Self::CutOut | Self::NoCentre => tokens.rejected,
+            Self::Outside | Self::ClippedAway | Self::ZeroArea | Self::BackFacing | Self::FrontFacing => {
+                tokens.text_weak
+            }
+        }
+    }
+}
+
+impl Ending for FragmentFate {
+    fn bin(self) -> Bin {
+        Bin::Fragments(self)
+    }
+
+    fn color(self, tokens: &Tokens) -> Color32 {
+        match self {
+            Self::Visible | Self::SeenThrough => tokens.passed,
+            Self::Overwritten => tokens.warning,
+            Self::LostDepth | Self::CutOut => tokens.rejected,
+        }
+    }
+}
+
+/// Draws the bars of all bins that anything is in, under what they sum up to.
+pub fn ui<E: Ending>(
+    ui: &mut Ui,
+    (what, help): (&str, &str),
+    chosen: Option<Bin>,
+    count: impl Fn(E) -> u64,
+    commands: &mut Vec<Command>,
+) {
+    let sum: u64 = E::ALL.iter().map(|ending| count(*ending)).sum();
+    let weak = tokens(ui).text_weak;
+    let (head, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
+    let small = FontId::proportional(font_size::SMALL);
+    ui.painter().text(head.left_center(), Align2::LEFT_CENTER, what, small, weak);
+    let total = format::count(sum);
+    ui.painter().text(head.right_center(), Align2::RIGHT_CENTER, &total, FontId::monospace(font_size::SMALL), weak);
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, format!("{what} {total}")));
+    response.on_hover_text(help);
+    for ending in E::ALL.iter().copied().filter(|ending| count(*ending) > 0) {
+        if bar(ui, ending, (count(ending), sum), chosen == Some(ending.bin())) {
+            commands.push(Command::Fates(Change::Bin(ending.bin())));
+        }
+    }
+}
+
+/// One bar behind its words; true when clicked.
+fn bar<E: Ending>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool) -> bool {
+    let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    let share = count as f64 / sum.max(1) as f64;
+    let name = ending.name();
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, format!("{name}: {count}")));
+    let fill = match (chosen, response.hovered()) {
+        (true, _) => tokens(ui).accent_fill,
+        (false, true) => tokens(ui).raised,
+        (false, false) => Color32::TRANSPARENT,
+    };
+    let painter = ui.painter_at(row);
+    painter.rect_filled(row, RADIUS, fill);
+    // Whatever is in a bin is seen.
+    const LEAST_POINTS: f32 = 2.0;
+    const OPACITY: f32 = 0.42;
+    let width = (row.width() * share as f32).max(LEAST_POINTS);
+    let bar = Rect::from_min_size(row.min, vec2(width, row.height())).shrink2(vec2(0.0, 1.0));
+    painter.rect_filled(bar, 2.0, ending.color(tokens(ui)).gamma_multiply(OPACITY));
+    let text = tokens(ui).text_strong;
+    let body = FontId::proportional(font_size::BODY);
+    painter.text(row.left_center() + vec2(space::XS, 0.0), Align2::LEFT_CENTER, name, body, text);
+    let mono = FontId::monospace(font_size::SMALL);
+    let at = |from_right: f32| row.right_center() - vec2(from_right, 0.0);
+    painter.text(at(space::XS), Align2::RIGHT_CENTER, format::percent(share), mono.clone(), tokens(ui).text);
+    painter.text(at(SHARE), Align2::RIGHT_CENTER, format::count(count), mono, text);
+    let click = if chosen { "Click to select them no longer." } else { "Click to select them in the picture." };
+    response.on_hover_text(format!("{} {click}", ending.help())).clicked()
+}

@@ -1,0 +1,86 @@
+//! The tab: the funnels, the objects, and the triangles that are asked for.
+
+use std::sync::Arc;
+
+use eframe::egui::text::{LayoutJob, TextWrapping};
+use eframe::egui::{Align, Color32, FontId, Galley, Layout, RichText, ScrollArea, Ui, vec2};
+
+use super::{funnel, list, objects};
+use crate::inspect::fates::{FragmentFate, TriangleFate};
+use crate::ui::command::Command;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, space, tokens};
+use crate::ui::widgets::{Status, chip, empty_state};
+
+/// Shares of the tab's width: both funnels, and the objects; the rest is for the list.
+const SHARES: [f32; 3] = [0.18, 0.16, 0.31];
+
+/// Draws whether all sums match, beside the tabs.
+pub fn controls(ui: &mut Ui, session: &Session) {
+    let Some(fates) = &session.fates.fates else { return };
+    let complaints = fates.account.complaints();
+    if complaints.is_empty() {
+        let help = "Every triangle that came in and every fragment that was generated is in exactly one bin";
+        chip(ui, Status::Passed, "all sums match", help);
+    }
+    for complaint in complaints {
+        chip(ui, Status::Error, &complaint, "This must never be: it is a fault of the program");
+    }
+    if !session.state.recipe.antialias.is_off() {
+        let text = "one sample for each pixel, at its centre";
+        ui.label(RichText::new(text).color(tokens(ui).text_weak))
+            .on_hover_text("The further samples of an anti-aliased pixel are not counted");
+    }
+}
+
+/// Draws the tab.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let view = &session.fates;
+    let Some(fates) = &view.fates else {
+        let how = "They are counted by drawing the frame once more, watched.";
+        empty_state(ui, Icon::ListChecks, "Counting where triangles and fragments went …", how);
+        return;
+    };
+    let report = session.view.as_ref().and_then(|view| view.report.as_ref());
+    let picked = report.and_then(|report| report.visible()).map(|fragment| fragment.triangle);
+    let size = ui.available_size();
+    ui.horizontal_top(|ui| {
+        ui.spacing_mut().item_spacing.x = space::M;
+        let column = |ui: &mut Ui, share: f32, content: &mut dyn FnMut(&mut Ui)| {
+            let width = (size.x - SHARES.len() as f32 * space::M) * share;
+            ui.allocate_ui_with_layout(vec2(width, size.y), Layout::top_down_justified(Align::Min), |ui| {
+                ui.set_max_width(width);
+                content(ui);
+            });
+        };
+        let funnel = |ui: &mut Ui, what: &str, content: &mut dyn FnMut(&mut Ui)| {
+            ScrollArea::vertical().id_salt(what).auto_shrink(false).show(ui, |ui| {
+                ui.spacing_mut().item_spacing.y = 0.0;
+                content(ui);
+            });
+        };
+        column(ui, SHARES[0], &mut |ui| {
+            funnel(ui, "triangles", &mut |ui| {
+                let counts = fates.triangle_counts();
+                let head = ("Triangles", "Every triangle of the scene is in exactly one of these bins");
+                funnel::ui::<TriangleFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
+            });
+        });
+        column(ui, SHARES[1], &mut |ui| {
+            funnel(ui, "fragments", &mut |ui| {
+                let counts = fates.fragment_counts();
+                let head = ("Fragments", "Every sample that a triangle covers is in exactly one of these bins");
+                funnel::ui::<FragmentFate>(ui, head, view.bin, |fate| counts.of(fate), commands);
+            });
+        });
+        column(ui, SHARES[2], &mut |ui| objects::ui(ui, &fates.objects, view.object, commands));
+        column(ui, 1.0 - SHARES.iter().sum::<f32>(), &mut |ui| list::ui(ui, view, fates, picked, commands));
+    });
+}
+
+/// A line of text that ends in `…` where it has to.
+pub(super) fn elided(ui: &Ui, text: &str, font: FontId, color: Color32, width: f32) -> Arc<Galley> {
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), font, color);
+    job.wrap = TextWrapping::truncate_at_width(width.max(0.0));
+    ui.painter().layout_job(job)
+}

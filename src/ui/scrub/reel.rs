@@ -1,0 +1,82 @@
+//! Frames at moments: what the renderer keeps while somebody scrubs through one frame.
+
+use std::sync::Arc;
+
+use crate::chain::{Frame, run};
+use crate::inspect::scrub::{BUDGET, Count, Moment, Scrubber, Timeline, touches};
+use crate::pipeline::partial;
+use crate::ui::engine::Request;
+
+/// One frame, from its first triangle to its last.
+#[derive(Debug)]
+pub struct Reel {
+    of: Request,
+    whole: Arc<Frame>,
+    scrubber: Scrubber,
+    /// Without fragments, which concern a single moment.
+    timeline: Timeline,
+    /// The pixel whose touches the timeline has.
+    touched: Option<(u32, u32)>,
+}
+
+impl Reel {
+    /// Puts the reel of a request into `slot` unless it is there already. `whole` is the frame with all of its triangles, if
+    /// it was just drawn.
+    pub fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
+        slot.take_if(|reel| !reel.is_of(request));
+        slot.get_or_insert_with(|| Self::new(request, whole))
+    }
+
+    /// Whether a request asks for a moment of its frame, or for all of it.
+    pub fn is_of(&self, request: &Request) -> bool {
+        self.of.same_complete_frame(request)
+    }
+
+    fn new(request: &Request, whole: Option<Arc<Frame>>) -> Self {
+        let Request { scene, camera, recipe, viewport, .. } = request;
+        // What an upscaler remembers of earlier frames would show triangles that are not there yet.
+        let whole = whole.filter(|frame| frame.past.is_none());
+        let whole = whole.unwrap_or_else(|| Arc::new(run(scene, camera, recipe, *viewport, &mut ())));
+        let scrubber = Scrubber::new(scene, recipe, &whole, BUDGET);
+        let timeline = Timeline::new(scrubber.geometry());
+        Self { of: request.clone(), whole, scrubber, timeline, touched: None }
+    }
+
+    /// Triangles of the whole frame.
+    pub fn triangles(&self) -> usize {
+        self.timeline.triangles
+    }
+
+    /// The frame at a moment.
+    pub fn frame(&mut self, moment: Moment) -> Frame {
+        let drawn = self.scrubber.go(moment);
+        self.whole.at_moment(&self.of.recipe, drawn, self.scrubber.geometry_at(moment))
+    }
+
+    /// What lies around a moment, with all touches of a drawn pixel.
+    pub fn timeline(&mut self, moment: Moment, pixel: Option<(u32, u32)>) -> Timeline {
+        let Self { of, whole, scrubber, timeline, touched } = self;
+        if *touched != pixel {
+            let area = (whole.sampling.grid(), whole.raster);
+            let of_pixel = |pixel| touches(&of.scene, &of.recipe, scrubber.geometry(), area, pixel, Count::Fragments);
+            (*touched, timeline.touches) = (pixel, pixel.map_or_else(Vec::new, of_pixel));
+        }
+        let fragments = |place: Option<usize>| place.map_or(0, |place| scrubber.fragments_of(place));
+        let fragments = [fragments(moment.triangles.checked_sub(1)), fragments(Some(moment.triangles))];
+        Timeline { fragments, ..timeline.clone() }
+    }
+}
+
+/// What lies around the last moment of a whole frame, with the triangles that touch a drawn pixel.
+pub fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
+    let Request { scene, recipe, .. } = request;
+    let area = (frame.sampling.grid(), frame.raster);
+    let last = frame.geometry.triangles.last();
+    let samples = last.map_or_else(Vec::new, |triangle| partial::samples_of(triangle, &recipe.pipeline, area));
+    Timeline {
+        fragments: [partial::count(&samples), 0],
+        touches: pixel
+            .map_or_else(Vec::new, |pixel| touches(scene, recipe, &frame.geometry, area, pixel, Count::Triangles)),
+        ..Timeline::new(&frame.geometry)
+    }
+}

@@ -1,0 +1,156 @@
+use super::*;
+use crate::antialias::settings::Method;
+use crate::chain::Recipe;
+use crate::inspect::inspect;
+use crate::scene::SceneSource;
+use crate::ui::engine::{Engine, View};
+use crate::ui::session::PictureSize;
+use crate::upscale::Upscaling;
+
+/// A session whose requests are answered at once.
+struct Desk {
+    session: Session,
+    engine: Engine,
+}
+
+impl Desk {
+    fn new(scene: &str, recipe: Recipe) -> Self {
+        let source = SceneSource::named(scene.into());
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        let mut session = Session::new(Arc::new(scene), source, recipe, home);
+        session.state.size = PictureSize::Fixed(48, 32);
+        let mut desk = Self { session, engine: Engine::default() };
+        desk.show();
+        desk
+    }
+
+    fn show(&mut self) {
+        let request = self.session.request();
+        self.session.view = Some(self.engine.answer(request));
+    }
+
+    fn give(&mut self, change: Change) -> Moment {
+        assert_eq!(self.session.apply(Command::Scrub(change)), None);
+        self.show();
+        self.session.moment()
+    }
+
+    fn view(&self) -> &View {
+        self.session.view.as_ref().unwrap()
+    }
+}
+
+#[test]
+fn a_step_back_and_one_on_lead_to_the_same_picture() {
+    let mut desk = Desk::new("cubes", Recipe::default());
+    let whole = desk.view().frame.image().clone();
+    let all = desk.session.triangle_count();
+    for unit in [Unit::Draw, Unit::Triangle, Unit::Fragment] {
+        let before = desk.give(Change::Step(unit, false));
+        assert!(before.key() < Moment::after(all).key(), "{unit:?}");
+        assert_eq!(desk.view().request.moment(), Some(before));
+        assert_eq!(desk.give(Change::Step(unit, true)), Moment::after(all), "{unit:?}");
+        assert_eq!((desk.session.triangle_limit, desk.session.request().moment()), (None, None));
+        assert_eq!(*desk.view().frame.image(), whole, "{unit:?}");
+    }
+    let by_object = desk.give(Change::Step(Unit::Draw, false));
+    let last = desk.view().frame.geometry.triangles.last().unwrap().instance;
+    assert_eq!(desk.session.timeline().unwrap().instance_at(by_object), Some(last));
+    assert!(desk.session.timeline().unwrap().draws.iter().any(|(start, _)| *start == by_object.triangles));
+}
+
+#[test]
+fn a_limit_of_triangles_drops_that_of_fragments() {
+    let mut desk = Desk::new("interpenetrating", Recipe::default());
+    let partial = desk.give(Change::Go(Moment { triangles: 1, fragments: Some(3) }));
+    assert_eq!(partial.fragments, Some(3));
+    assert_eq!(
+        desk.view().frame.geometry.partial.as_ref().map(|samples| crate::pipeline::partial::count(samples)),
+        Some(3)
+    );
+    desk.session.apply(Command::LimitTriangles(Some(2)));
+    desk.show();
+    assert_eq!(desk.session.moment(), Moment::after(2));
+    assert_eq!(desk.view().frame.geometry.partial, None);
+    // So does whoever sets it without a word to the transport.
+    desk.give(Change::Go(Moment { triangles: 1, fragments: Some(3) }));
+    desk.session.triangle_limit = Some(3);
+    assert_eq!(desk.session.moment(), Moment::after(3));
+}
+
+#[test]
+fn steps_of_the_picked_pixel_bring_one_fragment_each() {
+    let mut desk = Desk::new("stained-glass", Recipe::default());
+    desk.session.pick = Some((24, 16));
+    desk.show();
+    let all = desk.view().report.as_ref().unwrap().fragments.len();
+    assert!(all > 1);
+    desk.give(Change::Touching(Some(true)));
+    for unit in [Unit::Triangle, Unit::Fragment] {
+        desk.give(Change::Go(Moment::after(0)));
+        assert_eq!(desk.view().timeline.as_ref().unwrap().touches.len(), all, "ticks are those of the whole frame");
+        for fragments in 1..=all {
+            desk.give(Change::Step(unit, true));
+            assert_eq!(desk.view().report.as_ref().unwrap().fragments.len(), fragments, "{unit:?}");
+        }
+        for fragments in (0..all).rev() {
+            desk.give(Change::Step(unit, false));
+            assert_eq!(desk.view().report.as_ref().unwrap().fragments.len(), fragments, "{unit:?}");
+        }
+    }
+}
+
+#[test]
+fn playing_ends_at_the_end_and_begins_anew_there() {
+    let mut desk = Desk::new("interpenetrating", Recipe::default());
+    let all = desk.session.triangle_count();
+    desk.give(Change::Speed(2.0));
+    desk.give(Change::Play(true));
+    assert_eq!(desk.session.moment(), Moment::after(0), "from the end it begins anew");
+    let mut seen = vec![0];
+    for _ in 0..100 {
+        desk.give(Change::Tick(0.25));
+        seen.push(desk.session.moment().triangles);
+    }
+    seen.dedup();
+    assert_eq!(seen, (0..=all).collect::<Vec<_>>(), "each triangle was shown");
+    assert_eq!(desk.session.scrub.playing, 0);
+    desk.give(Change::Play(false));
+    desk.give(Change::Tick(0.5));
+    assert_eq!(desk.session.moment(), Moment::after(all - 1));
+    desk.give(Change::Play(false));
+    assert_eq!(desk.session.scrub.playing, 0, "a second time it stops");
+}
+
+#[test]
+fn time_waits_for_the_picture() {
+    let mut desk = Desk::new("interpenetrating", Recipe::default());
+    desk.give(Change::Play(true));
+    desk.session.scrub(Change::Tick(1.0 / 60.0));
+    let asked = desk.session.moment();
+    desk.session.scrub(Change::Tick(9.0));
+    assert_eq!(desk.session.moment(), asked, "it is not on screen yet");
+}
+
+#[test]
+fn smooth_and_enlarged_frames_are_gone_through_too() {
+    let mut smooth = Recipe::default();
+    smooth.antialias.method = Method::RotatedGrid;
+    let of = |method, scale| Recipe { upscaler: Upscaling::new(method, scale).unwrap(), ..Recipe::default() };
+    for recipe in
+        [smooth, of("bilinear", 2), of("checkerboard", 1), of("checkerboard-temporal", 1), of("accumulation", 2)]
+    {
+        let mut desk = Desk::new("cubes", recipe);
+        let all = desk.session.triangle_count();
+        for triangles in [all / 2, all - 1, 0] {
+            desk.give(Change::Go(Moment::after(triangles)));
+            let view = desk.view();
+            assert_eq!(view.frame.geometry.triangles.len(), triangles);
+            for pixel in [(24, 16), (10, 20), (33, 9)] {
+                let report = inspect(&view.request.scene, &recipe, &view.frame, pixel.0, pixel.1).unwrap();
+                assert_eq!(report.color, view.frame.image().at(pixel.0, pixel.1), "{triangles} {recipe:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! The bar under the canvas: where in the making of the frame the picture stands, and the way through it.
+
+use std::sync::Arc;
+
+use eframe::egui::{
+    self, Align, Button, Color32, Layout, Rect, Response, RichText, Slider, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
+
+use super::{Change, SPEEDS, Scrub};
+use crate::inspect::scrub::{Moment, Timeline, Unit};
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
+use crate::ui::widgets::{combo, icon_button};
+
+/// Height of the bar, in points.
+pub const HEIGHT: f32 = 2.0 * theme::ROW_HEIGHT + 16.0;
+
+/// Share of the bar's width that the slider of triangles gets; that of fragments gets the rest.
+const TRIANGLES_SHARE: f32 = 0.66;
+
+/// Most ticks on the slider: more would be one band.
+const MOST_TICKS: usize = 400;
+
+/// Draws the bar.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let before = commands.len();
+    let known = session.view.as_ref().and_then(|view| view.timeline.clone());
+    ui.spacing_mut().item_spacing.y = space::XS;
+    ui.horizontal(|ui| {
+        ui.set_height(CONTROL_HEIGHT);
+        buttons(ui, session, commands);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| figures(ui, session, known.as_deref()));
+    });
+    ui.horizontal(|ui| {
+        ui.set_height(CONTROL_HEIGHT);
+        ui.spacing_mut().item_spacing.x = space::M;
+        let width = ui.available_width() - space::M;
+        triangles(ui, session, known.as_ref(), width * TRIANGLES_SHARE, commands);
+        fragments(ui, session, known.as_deref(), width * (1.0 - TRIANGLES_SHARE), commands);
+    });
+    let is_untouched = commands.len() == before;
+    if session.scrub.playing != 0 && is_untouched {
+        commands.push(Command::Scrub(Change::Tick(ui.input(|i| i.stable_dt))));
+        ui.request_repaint();
+    }
+}
+
+fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let Scrub { unit, playing, .. } = session.scrub;
+    if icon_button(ui, Icon::ChevronFirst, "Before the first triangle  (Home)").clicked() {
+        commands.push(Command::LimitTriangles(Some(0)));
+    }
+    let (less, more) = match unit {
+        Unit::Stage => ("Show the stage before  ([)", "Show the stage after  (])"),
+        Unit::Draw => ("One object fewer  (Ctrl+,)", "One object more  (Ctrl+.)"),
+        Unit::Triangle => ("One triangle fewer  (,)", "One triangle more  (.)"),
+        Unit::Fragment => ("One fragment fewer  (Shift+,)", "One fragment more  (Shift+.)"),
+    };
+    if icon_button(ui, Icon::StepBack, less).clicked() {
+        commands.push(Command::Scrub(Change::StepUnit(false)));
+    }
+    let (icon, name) = match playing {
+        0 => (Icon::Play, "Play  (Space; Shift+Space backwards)"),
+        _ => (Icon::Pause, "Pause  (Space)"),
+    };
+    if icon_button(ui, icon, name).clicked() {
+        commands.push(Command::Scrub(Change::Play(playing >= 0)));
+    }
+    if icon_button(ui, Icon::StepForward, more).clicked() {
+        commands.push(Command::Scrub(Change::StepUnit(true)));
+    }
+    if icon_button(ui, Icon::ChevronLast, "After the last triangle  (End)").clicked() {
+        commands.push(Command::LimitTriangles(None));
+    }
+    choices(ui, session.scrub, commands);
+    touching(ui, session, commands);
+}
+
+/// How far a step goes, and how many of them there are in a second.
+fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut Vec<Command>) {
+    let (unit_before, speed_before) = (unit, speed);
+    let by_unit = combo("scrub-unit", unit.name(), 84.0).show_ui(ui, |ui| {
+        for choice in Unit::ALL {
+            ui.selectable_value(&mut unit, *choice, choice.name()).on_hover_text(choice.help());
+        }
+    });
+    by_unit.response.on_hover_text("How far the buttons step, and what follows each other while playing");
+    let name = |speed: f32| format!("{} /s", format::count(speed as u64));
+    let by_speed = combo("scrub-speed", &name(speed), 82.0).show_ui(ui, |ui| {
+        for choice in SPEEDS {
+            ui.selectable_value(&mut speed, choice, name(choice));
+        }
+    });
+    by_speed
+        .response
+        .on_hover_text("Steps per second while playing, as far as the picture keeps up: else it skips some");
+    if unit != unit_before {
+        commands.push(Command::Scrub(Change::Unit(unit)));
+    }
+    if speed != speed_before {
+        commands.push(Command::Scrub(Change::Speed(speed)));
+    }
+}
+
+fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let button = Button::new(theme::icon(Icon::Crosshair)).selected(session.scrub.touching);
+    let name = "Only what touches the picked pixel";
+    let response =
+        ui.add_enabled(session.pick.is_some(), button).on_disabled_hover_text("Pick a pixel first").on_hover_text(
+            format!("{name}: steps and playing go from one triangle or fragment at the picked pixel to the next  (X)"),
+        );
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.scrub.touching, name));
+    if response.clicked() {
+        commands.push(Command::Scrub(Change::Touching(None)));
+    }
+}
+
+/// How much is drawn, from the right end.
+fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
+    /// Room for the triangles, and for the name of their object too, in points.
+    const ROOM: [f32; 2] = [150.0, 300.0];
+    let (moment, all) = (session.moment(), session.triangle_count());
+    let room = ui.available_width();
+    if room >= ROOM[0] {
+        let text = format!("{} / {}", format::count(moment.triangles as u64), format::count(all as u64));
+        ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text("Triangles drawn / rasterized");
+    }
+    if session.triangle_limit.is_some() && !session.state.recipe.antialias.is_off() {
+        let note = RichText::new("1 sample").color(tokens(ui).text_weak);
+        ui.label(note).on_hover_text(
+            "Before the last triangle each pixel shows the sample at its centre alone, not the mean of several",
+        );
+    }
+    let instance = known.and_then(|known| known.instance_at(moment)).filter(|_| room >= ROOM[1]);
+    if let Some(object) = instance.and_then(|instance| session.scene.instances.get(instance as usize)) {
+        let name = RichText::new(&object.name).color(tokens(ui).text_weak);
+        ui.add(egui::Label::new(name).truncate()).on_hover_text("The object that the last of them belongs to");
+    }
+}
+
+fn triangles(ui: &mut Ui, session: &Session, known: Option<&Arc<Timeline>>, width: f32, commands: &mut Vec<Command>) {
+    let all = session.triangle_count();
+    let mut drawn = session.moment().triangles.min(all);
+    ui.spacing_mut().slider_width = width;
+    let slider = ui
+        .add_enabled(all > 0, Slider::new(&mut drawn, 0..=all).show_value(false))
+        .on_hover_text("Triangles drawn, in the order in which they are rasterized. Ticks are those at the picked pixel: green were written, red rejected");
+    slider.widget_info(|| WidgetInfo::slider(true, drawn as f64, "Triangles drawn"));
+    if slider.changed() {
+        commands.push(Command::Scrub(Change::Go(Moment::after(drawn))));
+    }
+    if let Some(known) = known {
+        ticks(ui, &slider, known);
+    }
+}
+
+fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f32, commands: &mut Vec<Command>) {
+    let moment = session.moment();
+    let all = known.map_or(0, |known| known.fragments[0]);
+    let mut drawn = moment.fragments.unwrap_or(all).min(all);
+    let text = format!("{} / {}", format::count(drawn as u64), format::count(all as u64));
+    /// Room for the numbers, in points.
+    const NUMBERS: f32 = 104.0;
+    ui.spacing_mut().slider_width = (width - NUMBERS).max(40.0);
+    let is_known = all > 0 && moment.triangles > 0;
+    let slider = ui
+        .add_enabled(is_known, Slider::new(&mut drawn, 0..=all.max(1)).show_value(false))
+        .on_hover_text("Fragments drawn of the last triangle, in the order in which the rasterizer finds them")
+        .on_disabled_hover_text(
+            "Move the slider of triangles first: this one goes through the fragments of the last triangle drawn",
+        );
+    slider.widget_info(|| WidgetInfo::slider(is_known, drawn as f64, "Fragments drawn"));
+    if slider.changed() {
+        let fragments = (drawn < all).then_some(drawn);
+        commands.push(Command::Scrub(Change::Go(Moment { fragments, ..moment })));
+    }
+    let color = if is_known { tokens(ui).text } else { tokens(ui).text_weak };
+    let text = if is_known { text } else { "–".to_owned() };
+    ui.label(RichText::new(text).monospace().color(color)).on_hover_text("Fragments of the last triangle drawn / all");
+}
+
+/// A tick for each fragment at the picked pixel.
+fn ticks(ui: &Ui, slider: &Response, timeline: &Timeline) {
+    /// As far as the toolkit keeps the middle of a round handle from the ends.
+    const HANDLE_RADIUS: f32 = 1.0 / 2.5;
+    const LENGTH: f32 = 5.0;
+    let rect = slider.rect;
+    let range = rect.x_range().shrink(rect.height() * HANDLE_RADIUS);
+    let all = timeline.triangles.max(1) as f32;
+    let each = timeline.touches.len().div_ceil(MOST_TICKS).max(1);
+    for touch in timeline.touches.iter().step_by(each) {
+        let x = range.min + range.span() * touch.moment.triangles as f32 / all;
+        let color: Color32 = if touch.written { tokens(ui).passed } else { tokens(ui).rejected };
+        // What was written rises, what was rejected hangs: colour alone says nothing.
+        let (from, to) =
+            if touch.written { (rect.top(), rect.top() + LENGTH) } else { (rect.bottom() - LENGTH, rect.bottom()) };
+        let tick = Rect::from_min_max(pos2(x, from), pos2(x, to)).expand2(vec2(0.75, 0.0));
+        ui.painter().rect_filled(tick, 0.0, color);
+        ui.painter().line_segment([pos2(x, from), pos2(x, to)], Stroke::new(1.0, color));
+    }
+}
