@@ -264,6 +264,8 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             theme: Theme::Light,
             selected: None,
             measure: false,
+            probe: false,
+            mesh: None,
             compare: None,
             tab: None,
             moment: None,

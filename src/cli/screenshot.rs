@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::mesh_view::MeshStyle;
 use rasterscope::inspect::scrub::Moment;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
@@ -81,6 +82,13 @@ pub(crate) struct Look {
     /// What is open over the workbench
     #[arg(long)]
     pub(crate) open: Option<Open>,
+    /// Probe how firmly the picture stands, with the default probe, and show it
+    #[arg(long)]
+    pub(crate) probe: bool,
+
+    /// Show the scene from outside beside the picture, its triangles drawn so; by their fate if nothing is said
+    #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
+    pub(crate) mesh: Option<MeshStyle>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -105,6 +113,8 @@ impl Default for Look {
             fate: None,
             watch: false,
             open: None,
+            probe: false,
+            mesh: None,
             lab: None,
             lab_step: None,
         }
@@ -169,6 +179,10 @@ pub(crate) enum Tab {
     Assertions,
     /// What all buffers hold at watched pixels
     Watch,
+    /// The vertices of the picked triangle at every stage
+    Vertices,
+    /// How firmly the picture stands
+    Probe,
     /// Messages
     Log,
 }

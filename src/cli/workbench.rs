@@ -50,6 +50,8 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         tab: look.tab.map(tab),
         moment: look.moment,
         fate: look.fate,
+        probe: look.probe,
+        mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against
             .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
@@ -94,6 +96,8 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::Stability => bottom::Tab::Stability,
         Tab::Assertions => bottom::Tab::Checks,
         Tab::Watch => bottom::Tab::Watch,
+        Tab::Vertices => bottom::Tab::Vertices,
+        Tab::Probe => bottom::Tab::Probe,
         Tab::Log => bottom::Tab::Log,
     }
 }

@@ -24,6 +24,8 @@ pub mod hits;
 
 pub mod lesson;
 
+pub mod mesh_view;
+
 pub mod outline;
 
 pub mod pixel;
@@ -31,11 +33,14 @@ pub mod pixel;
 pub mod scrub;
 
 pub mod place;
+pub mod probe;
 pub mod selection;
 
 pub mod stages;
 
 mod verdict;
+
+pub mod vertices;
 
 pub mod view;
 

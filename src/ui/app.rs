@@ -20,6 +20,7 @@ use super::fates;
 use super::fates::finder::Finder;
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
+use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
 use super::palette::Palette;
 use super::panels::bottom::Tab;
@@ -28,6 +29,7 @@ use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
+use super::probe;
 use super::scrub;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
@@ -84,6 +86,7 @@ pub struct Workbench {
     case_view: CaseView,
     saving: Option<Receiver<Result<PathBuf, String>>>,
     canvas: Canvas,
+    mesh: MeshPane,
     tiles: TilesView,
     asked_to_compare: Option<CompareRequest>,
     asked_to_watch: Vec<(u32, u32)>,
@@ -117,6 +120,7 @@ impl Workbench {
             saving: None,
             asked_at: None,
             canvas: Canvas::default(),
+            mesh: MeshPane::default(),
             tiles: TilesView::default(),
             asked_to_compare: None,
             asked_to_watch: Vec::new(),
@@ -229,6 +233,17 @@ impl Workbench {
         if asks {
             Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, &self.session, commands));
         }
+        if self.session.mesh_view.open && self.session.case.is_none() {
+            let half = ui.available_width() / 2.0;
+            Panel::right("mesh")
+                .frame(theme::canvas_frame(ui))
+                .resizable(true)
+                .default_size(half)
+                .min_size(200.0)
+                .show(ui, |ui| self.mesh.ui(ui, &self.session, self.waits, commands));
+        } else {
+            self.mesh.hovered = false;
+        }
         CentralPanel::no_frame().show(ui, |ui| {
             let canvas = ui.max_rect();
             let size = if compares { TilesView::picture_size(canvas, &self.session) } else { ui.available_size() };
@@ -272,7 +287,7 @@ impl Workbench {
             return;
         }
         // In camera mode the letters that fly are no commands.
-        let flies = self.session.pointer_mode == PointerMode::Camera;
+        let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
             if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
@@ -428,6 +443,7 @@ impl Workbench {
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             Command::SaveCase => self.save_case(),
             Command::RunStability => self.judge(ui),
+            Command::Probe(change) => self.probe(ui, change),
             Command::MeasurePlan => self.measure_plan(ui),
             Command::CancelPlan => {
                 if let Some(task) = &self.measuring_savings {
@@ -510,6 +526,9 @@ impl Workbench {
         if self.session.pick.take().is_some() {
             return;
         }
+        if self.session.probing.hide() {
+            return;
+        }
         if self.session.comparison.is_on() {
             self.session.apply(Command::Compare(Change::Mode(Mode::Off)));
         } else {
@@ -576,6 +595,7 @@ impl Workbench {
 
     /// Takes what long measurements have said.
     fn hear_tasks(&mut self) {
+        probe::listen(&mut self.session);
         let session = &mut self.session;
         let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
             session.stability.report = Some(Arc::from(report));
@@ -598,6 +618,15 @@ impl Workbench {
         }
     }
 
+    /// Changes what is known of how firmly the picture stands.
+    fn probe(&mut self, ui: &Ui, change: probe::Change) {
+        match probe::apply(&mut self.session, ui.ctx(), change) {
+            probe::Rest::Nothing => {}
+            probe::Rest::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
+            probe::Rest::Write(case) => self.write_case(&case),
+        }
+    }
+
     /// Writes the triangle that the picked pixel shows as a case into the current folder.
     fn save_case(&mut self) {
         let Some(view) = &self.session.view else { return };
@@ -610,11 +639,14 @@ impl Workbench {
         let settings = &view.request.recipe.pipeline;
         let triangle = &view.frame.geometry.triangles[submission];
         let minimal = MinimalCase::new(triangle, (x, y), view.frame.viewport, settings, &view.request.scene.name);
+        self.write_case(&minimal);
+    }
+
+    fn write_case(&mut self, minimal: &MinimalCase) {
         let path = free_name(&self.session.folder, &minimal.id, "json");
         match std::fs::write(&path, minimal.to_json()) {
             Ok(()) => {
-                self.session
-                    .report(Level::Info, format!("Saved triangle {} as the case {}", triangle.id.0, path.display()));
+                self.session.report(Level::Info, format!("Saved {} as the case {}", minimal.id, path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),

@@ -16,8 +16,10 @@ use super::fates::overlay::{SelectionLayer, badge};
 use super::fault_bar;
 use super::format;
 use super::navigate::navigate;
+use super::probe;
 use super::session::Session;
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
+use super::vertices;
 use super::watch;
 use super::what_if;
 use super::zoom::{Placement, Zoom};
@@ -113,7 +115,9 @@ impl Canvas {
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
         badge(ui, rect, session, commands);
-        if session.shown != Shown::Buffer(Buffer::Color) {
+        if session.probing.picture(view).is_some() {
+            probe::legend(ui, rect, &session.probing);
+        } else if session.shown != Shown::Buffer(Buffer::Color) {
             let frame = legend(ui, rect, view);
             let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
             if let Some(hits) = hits.filter(|_| view.request.shown == Shown::Buffer(Buffer::Hits)) {
@@ -136,21 +140,25 @@ impl Canvas {
 
     fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &View) {
         let (width, height) = view.picture.size();
-        let texture = self.texture.show(ui, &view.picture);
+        let heat = session.probing.picture(view);
+        let shown = heat.unwrap_or(&view.picture);
+        let texture = self.texture.show(ui, shown);
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
         self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
         let value = |x, y| match view.request.shown {
+            _ if heat.is_some() => Value::Count(session.probing.count((x, y)).unwrap_or(0).into()),
             Shown::Stage(_) => Value::Color(view.picture.at(x, y)),
             Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
         };
-        numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), value);
+        numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
         watch::markers(&painter, placement, session, (width, height), tokens(ui));
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }
+        vertices::mark(ui, &painter, placement, session);
     }
 }
 

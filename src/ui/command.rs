@@ -13,11 +13,14 @@ use super::engine::Shown;
 use super::fates;
 use super::judging::StabilityView;
 use super::lab;
+use super::mesh_view;
 use super::panels::bottom::Tab;
 use super::place;
+use super::probe;
 use super::scrub;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
+use super::vertices;
 use super::watch;
 use super::what_if;
 use crate::chain::Recipe;
@@ -56,6 +59,12 @@ pub enum Command {
     MeasurePlan,
     /// Stop measuring that.
     CancelPlan,
+    /// Change what is known of how firmly the picture stands.
+    Probe(probe::Change),
+    /// Change what of the vertices is shown.
+    Vertices(vertices::Change),
+    /// Change how the scene is seen from outside.
+    MeshView(mesh_view::Change),
     /// Measure how cost grows with triangles, pixels, layers and threads.
     MeasureGrowth,
     /// Stop measuring that.
@@ -276,6 +285,7 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::R, || Command::Compare(Change::ToggleRegion), "Comparing: drag a rectangle to measure"),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
+    bind(Modifiers::NONE, Key::M, || Command::MeshView(mesh_view::Change::Toggle), "The scene from outside, and back"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::Change::AddPick), "Watch the picked pixel"),

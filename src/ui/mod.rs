@@ -30,6 +30,8 @@ pub mod worker;
 
 pub mod lab;
 
+pub mod probe;
+
 pub mod command;
 
 pub mod timings;
@@ -52,9 +54,13 @@ pub mod fault_bar;
 
 pub mod zoom;
 
+pub mod vertices;
+
 pub mod navigate;
 
 pub mod canvas;
+
+pub mod mesh_view;
 
 pub mod panels;
 

@@ -16,10 +16,13 @@ use super::engine::{Request, Shown, StageFigures, View};
 use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
+use super::mesh_view::{self, MeshView};
 use super::open_case::{self, OpenCase};
 use super::place::{Bookmark, Places};
+use super::probe::Probing;
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::vertices::Vertices;
 use super::watch::Watch;
 use super::what_if::WhatIf;
 use crate::case::Case;
@@ -196,6 +199,12 @@ pub struct Session {
     pub savings: PlanSavings,
     /// How cost grows.
     pub growth: Growth,
+    /// How firmly the picture stands.
+    pub probing: Probing,
+    /// What of the vertices is shown.
+    pub vertices: Vertices,
+    /// How the scene is seen from outside.
+    pub mesh_view: MeshView,
     /// The 2D lab.
     pub lab: Lab,
     /// What is checked of frames, and what was found.
@@ -264,6 +273,9 @@ impl Session {
             stability: Stability::default(),
             savings: PlanSavings::default(),
             growth: Growth::default(),
+            probing: Probing::default(),
+            vertices: Vertices::default(),
+            mesh_view: MeshView::default(),
             lab: Lab::default(),
             checks: Checks::default(),
             selection: TriangleSelection::default(),
@@ -365,6 +377,8 @@ impl Session {
         self.source = source;
         self.mirrored = false;
         (self.triangle_limit, self.scrub.playing) = (None, 0);
+        self.vertices.selected = None;
+        self.mesh_view.leave_scene();
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         (self.selection, self.fates) = Default::default();
@@ -452,6 +466,8 @@ impl Session {
                 self.comparison.apply(change, tiles, recipe);
             }
             Command::Checks(change) => self.checks.apply(change),
+            Command::Vertices(change) => self.vertices.apply(change),
+            Command::MeshView(change) => mesh_view::apply(self, change),
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,

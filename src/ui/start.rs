@@ -21,6 +21,7 @@ use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::inspect::fates::{Bin, TriangleFate};
+use crate::inspect::mesh_view::MeshStyle;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
@@ -93,6 +94,10 @@ pub struct ScreenshotRequest {
     pub theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
     pub measure: bool,
+    /// Whether it is probed first how firmly the picture stands.
+    pub probe: bool,
+    /// Whether the scene is shown from outside, too, and how.
+    pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
     /// The tab that is open, if not the first.
@@ -200,6 +205,10 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     if request.tab == Some(Tab::Checks) {
         app.session_mut().checks.apply(checks::Change::Run);
     }
+    if let Some(style) = request.mesh {
+        let mesh = &mut app.session_mut().mesh_view;
+        (mesh.open, mesh.style) = (true, style);
+    }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
     }
@@ -226,6 +235,10 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let picture = app.session().viewport();
     if request.selected.is_some_and(|(x, y)| x >= picture.width || y >= picture.height) {
         return Err(picture);
+    }
+    if request.probe {
+        super::probe::probe_now(app.session_mut());
+        headless.pass(Vec::new(), |ui| app.show(ui));
     }
     if request.measure {
         app.measure();

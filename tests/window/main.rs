@@ -11,6 +11,7 @@ mod growth;
 mod history;
 mod lab;
 mod measuring;
+mod outside;
 mod picking;
 mod places;
 mod scrubbing;

@@ -6,7 +6,9 @@ use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
+use crate::ui::probe;
 use crate::ui::session::Session;
+use crate::ui::vertices;
 use crate::ui::watch;
 
 /// A tab.
@@ -31,6 +33,10 @@ pub enum Tab {
     Checks,
     /// What all buffers hold at watched pixels.
     Watch,
+    /// The vertices of the picked triangle at every stage.
+    Vertices,
+    /// How firmly the picture stands.
+    Probe,
     /// Messages.
     Log,
 }
@@ -54,6 +60,12 @@ pub const TABS: &[(Tab, &str, &str)] = &[
     ),
     (Tab::Checks, "Assertions", "What should hold for every fragment of a frame: checked on demand"),
     (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
+    (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
+    (
+        Tab::Probe,
+        "Probe",
+        "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
+    ),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -96,6 +108,14 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 watch::panel::controls(ui, session, commands);
             }
+            Tab::Vertices => {
+                ui.separator();
+                vertices::controls(ui, session, commands);
+            }
+            Tab::Probe => {
+                ui.separator();
+                probe::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -109,6 +129,8 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Checks => checks::panel::ui(ui, session, commands),
+        Tab::Vertices => vertices::ui(ui, session, commands),
+        Tab::Probe => probe::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
         }

@@ -7,6 +7,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::mesh_view;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::what_if;
@@ -59,6 +60,9 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
         commands.push(Command::WhatIf(what_if::Change::Toggle));
+    }
+    if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
+        commands.push(Command::MeshView(mesh_view::Change::Toggle));
     }
 }
 
