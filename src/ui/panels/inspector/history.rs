@@ -5,8 +5,9 @@ use eframe::egui::{self, Align, Button, Color32, Label, Layout, RichText, Sense,
 
 use super::{codes, to_color};
 use crate::inspect::history::{Absent, Kind, SampleState};
-use crate::inspect::{FragmentRecord, Outcome, PixelReport};
+use crate::inspect::{FragmentRecord, Outcome, PixelReport, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
+use crate::scene::TriangleId;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
@@ -56,8 +57,8 @@ impl History {
         });
         self.filters(ui, report);
         state_row(ui, "clear", "What the pixel's centre held before the first triangle", report.clear);
-        self.fragments(ui, report, commands);
-        self.absent(ui, report, commands);
+        self.fragments(ui, session, report, commands);
+        self.absent(ui, session, report, commands);
         state_row(ui, "final", "What the pixel's centre holds in the end", report.last());
     }
 
@@ -83,7 +84,7 @@ impl History {
         Kind::ALL.iter().zip(self.listed).any(|(other, listed)| *other == kind && listed)
     }
 
-    fn fragments(&mut self, ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+    fn fragments(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
         let count = report.fragments.len();
         for (index, fragment) in report.fragments.iter().enumerate() {
             if count > 2 * LISTED_AT_AN_END && (LISTED_AT_AN_END..count - LISTED_AT_AN_END).contains(&index) {
@@ -98,18 +99,18 @@ impl History {
             }
             let this = Chosen::Fragment(index);
             let chosen = self.chosen.map_or(fragment.outcome == Outcome::Visible, |chosen| chosen == this);
-            if row(ui, chosen, &Row::of_fragment(fragment), commands) {
+            if row(ui, chosen, &Row::of_fragment(fragment, session), commands) {
                 self.chosen = Some(this);
             }
         }
     }
 
-    fn absent(&mut self, ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+    fn absent(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
         let all = report.absent.iter().enumerate();
         let listed: Vec<_> = all.filter(|(_, absent)| self.lists(absent.cause.kind())).collect();
         for (index, absent) in listed.iter().take(LISTED_ABSENT) {
             let this = Chosen::Absent(*index);
-            if row(ui, self.chosen == Some(this), &Row::of_absent(absent), commands) {
+            if row(ui, self.chosen == Some(this), &Row::of_absent(absent, session), commands) {
                 self.chosen = Some(this);
             }
         }
@@ -151,6 +152,10 @@ struct Row<'a> {
     change: Option<[SampleState; 2]>,
     /// Its place in the list of rasterized triangles.
     submission: Option<usize>,
+    /// Its triangle.
+    triangle: TriangleId,
+    /// Whether that alone is selected in the picture.
+    is_selected: bool,
     /// Whether there is more to be shown of it.
     can_be_chosen: bool,
     /// What it is called where it is not seen.
@@ -158,7 +163,7 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    fn of_fragment(fragment: &'a FragmentRecord) -> Self {
+    fn of_fragment(fragment: &'a FragmentRecord, session: &Session) -> Self {
         let (status, word) = match fragment.outcome {
             Outcome::Visible => (Status::Passed, "visible"),
             Outcome::Overwritten => (Status::Neutral, "overwritten"),
@@ -173,12 +178,14 @@ impl<'a> Row<'a> {
             reason: &fragment.reason,
             change: fragment.outcome.is_written().then_some([fragment.before, fragment.after]),
             submission: Some(fragment.submission),
+            triangle: fragment.triangle,
+            is_selected: is_selected(session, fragment.triangle),
             can_be_chosen: true,
             name: format!("Fragment of triangle {}", fragment.triangle.0),
         }
     }
 
-    fn of_absent(absent: &'a Absent) -> Self {
+    fn of_absent(absent: &'a Absent, session: &Session) -> Self {
         Self {
             status: if absent.cause.kind() == Kind::Missed { Status::Neutral } else { Status::Rejected },
             word: absent.cause.name(),
@@ -186,6 +193,8 @@ impl<'a> Row<'a> {
             reason: &absent.reason,
             change: None,
             submission: absent.submission,
+            triangle: absent.triangle,
+            is_selected: is_selected(session, absent.triangle),
             can_be_chosen: absent.corners_px.is_some(),
             name: format!("Triangle {} without a fragment", absent.triangle.0),
         }
@@ -218,6 +227,7 @@ fn row_content(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
         chip(ui, row.status, row.word, "");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             jump_button(ui, row, commands);
+            select_button(ui, row, commands);
             change(ui, row);
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add(Label::new(RichText::new(&row.title).strong()).truncate());
@@ -234,6 +244,24 @@ fn jump_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::SkipForward, help).clicked() {
         commands.push(Command::LimitTriangles(Some(submission + 1)));
     }
+}
+
+/// Selects the triangle, wherever it lies, or no triangle if it is selected.
+fn select_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
+    let (icon, help) = if row.is_selected {
+        (Icon::ScanEye, "Select this triangle no more")
+    } else {
+        (Icon::Scan, "Select this triangle: all else is dimmed in the picture, and the view from outside marks it  (M)")
+    };
+    if icon_button(ui, icon, help).clicked() {
+        let members = (!row.is_selected).then_some(row.triangle);
+        let label = members.map_or(String::new(), |id| format!("triangle {}", id.0));
+        commands.push(Command::Select(TriangleSelection::new(label, members)));
+    }
+}
+
+fn is_selected(session: &Session, triangle: TriangleId) -> bool {
+    session.selection.len() == 1 && session.selection.contains(triangle)
 }
 
 /// Colours before and after, from right to left.
