@@ -7,7 +7,9 @@ use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::inspect::mesh_view::MeshStyle;
+use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::scrub::Moment;
+use rasterscope::inspect::{Buffer, Intermediate};
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -38,7 +40,7 @@ pub(crate) struct ScreenshotArgs {
 }
 
 /// How the workbench looks.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Look {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse::size)]
@@ -68,9 +70,29 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
+    /// Show this number on the way from triangle to colour, all over the picture
+    #[arg(long, value_name = "NUMBER", value_parser = parse::choice::<Intermediate>())]
+    pub(crate) number: Option<Intermediate>,
+
     /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
     #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
     pub(crate) moment: Option<Moment>,
+
+    /// The quantity on the canvas
+    #[arg(long, value_parser = parse::choice::<Buffer>())]
+    pub(crate) buffer: Option<Buffer>,
+
+    /// Show its range and histogram on the picture
+    #[arg(long)]
+    pub(crate) range: bool,
+
+    /// Lay this over the picture; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY", value_parser = parse::choice::<Overlay>())]
+    pub(crate) overlay: Vec<Overlay>,
+
+    /// Show the list of overlays
+    #[arg(long)]
+    pub(crate) overlays: bool,
 
     /// Select the triangles that ended so, and open the tab of fates
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
@@ -109,7 +131,12 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            number: None,
             moment: None,
+            buffer: None,
+            range: false,
+            overlay: Vec::new(),
+            overlays: false,
             fate: None,
             watch: false,
             open: None,
@@ -165,8 +192,12 @@ pub(crate) enum Tab {
     FrameTime,
     /// What each upscaler costs and how wrong it is
     ErrorTime,
+    /// Every step of the arithmetic of the picked pixel
+    Arithmetic,
     /// What the picked pixel is made of
     Xray,
+    /// How often each value of what is shown is there
+    Histogram,
     /// Where triangles and fragments went
     Fates,
     /// What the scene needs and what is left out

@@ -6,9 +6,13 @@
 
 pub mod assertions;
 
+pub mod bad_fragments;
+
 pub mod buffers;
 
 pub mod depth;
+
+pub mod display;
 
 pub mod fates;
 
@@ -18,17 +22,29 @@ pub mod fields;
 
 pub mod find;
 
+pub mod histogram;
+
 pub mod history;
 
 pub mod hits;
 
+pub mod intermediate;
+
 pub mod lesson;
+
+pub mod measured;
 
 pub mod mesh_view;
 
 pub mod outline;
 
+pub mod overlays;
+
 pub mod pixel;
+
+pub mod planes;
+
+pub mod range;
 
 pub mod scrub;
 
@@ -37,6 +53,10 @@ pub mod probe;
 pub mod selection;
 
 pub mod stages;
+
+pub mod statistics;
+
+pub mod trace;
 
 mod verdict;
 
@@ -53,7 +73,9 @@ pub use depth::DepthRecord;
 pub use fates::Fates;
 pub use history::{Survey, explain};
 pub use hits::{Fault, FaultKind, Hits};
+pub use intermediate::Intermediate;
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
 pub use place::Place;
 pub use selection::TriangleSelection;
 pub use stages::Stage;
+pub use trace::Trace;

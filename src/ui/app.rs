@@ -22,6 +22,7 @@ use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
 use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
+use super::overlays;
 use super::palette::Palette;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
@@ -30,6 +31,7 @@ use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
 use super::probe;
+use super::range;
 use super::scrub;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
@@ -164,7 +166,11 @@ impl Workbench {
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
         for command in commands {
+            let nudges = matches!(command, Command::NudgePick(..));
             self.run(ui, command);
+            if let Some(pixel) = self.session.pick.filter(|_| nudges) {
+                self.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
+            }
         }
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));
@@ -200,8 +206,8 @@ impl Workbench {
     fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
         // In a narrow window the canvas still has the largest share.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
-        let (left, right) = (share(292.0), share(316.0));
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(90.0).show(ui, |ui| {
+        let (left, right, least) = (share(292.0), share(316.0), self.tab.least_height());
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(least).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
         Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
@@ -474,14 +480,17 @@ impl Workbench {
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
+            Command::Trace(_) => self.tab = Tab::Arithmetic,
             Command::WhatIf(what_if::Change::Step(step)) => {
                 if let Some(pixel) = self.session.change_beside_pick(step > 0) {
                     self.session.pick = Some(pixel);
                     self.canvas.bring_into_view(pixel, self.session.canvas_px);
                 }
             }
+            Command::Overlays(overlays::Change::SaveTotals) => self.save(ui, overlays::save::totals(&self.session)),
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
+            Command::SaveData => self.save(ui, range::save::data(&self.session)),
             Command::SavePicture => self.save_picture(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),
@@ -494,6 +503,10 @@ impl Workbench {
             Command::OpenTab(tab) => self.tab = tab,
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
+                let center = (x as f32 + 0.5, y as f32 + 0.5);
+                self.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
+            }
             Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
             Command::Place(place::Change::Copy) => {
                 ui.ctx().copy_text(self.session.command_line());
@@ -507,7 +520,7 @@ impl Workbench {
 
     /// Picks the fault after or before the picked pixel and brings it into view; shows the hit count first if it is not shown.
     fn step_fault(&mut self, forwards: bool) {
-        if self.session.shown != Shown::Buffer(Buffer::Hits) {
+        if self.session.shown != Shown::Buffer(Buffer::Hits) && self.session.overlays.stepped().is_none() {
             self.session.shown = Shown::Buffer(Buffer::Hits);
         } else if let Some((x, y)) = self.session.fault_beside_pick(forwards) {
             self.session.pick = Some((x, y));
@@ -760,7 +773,7 @@ impl Workbench {
     fn saved(&mut self, outcome: Result<PathBuf, String>) {
         match outcome {
             Ok(path) => {
-                self.session.report(Level::Info, format!("Saved the picture as {}", path.display()));
+                self.session.report(Level::Info, format!("Saved {}", path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, error),
@@ -795,7 +808,7 @@ fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {
 }
 
 /// `stem.extension`, or the first free `stem-2.extension`, `stem-3.extension` … in `folder`.
-fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
+pub(super) fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
     let first = folder.join(format!("{stem}.{extension}"));
     if !first.exists() {
         return first;

@@ -6,15 +6,19 @@
 
 use std::sync::Arc;
 
+use super::look::{self, Look, Looked, Source};
 use super::scrub::reel::{Reel, timeline_of};
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
+use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
+use crate::inspect::intermediate::{self, Captured};
 use crate::inspect::scrub::{Moment, Timeline};
-use crate::inspect::view::{self, Range};
-use crate::inspect::{PixelReport, Stage, Survey, explain, stages};
+use crate::inspect::view::Range;
+use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
+use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Until, prepare};
 use crate::scene::{Camera, Scene};
@@ -26,6 +30,28 @@ pub enum Shown {
     Buffer(Buffer),
     /// The picture after a stage.
     Stage(Stage),
+    /// A number on the way from triangle to colour.
+    Intermediate(Intermediate),
+}
+
+impl Shown {
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Buffer(buffer) => buffer.name(),
+            Self::Stage(stage) => stage.name(),
+            Self::Intermediate(intermediate) => intermediate.name(),
+        }
+    }
+
+    /// One sentence: what is seen.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Buffer(buffer) => buffer.help(),
+            Self::Stage(stage) => stage.help(),
+            Self::Intermediate(intermediate) => intermediate.help(),
+        }
+    }
 }
 
 /// Everything that decides what the window shows.
@@ -47,15 +73,23 @@ pub struct Request {
     pub fragment_limit: Option<usize>,
     /// The questioned pixel.
     pub pick: Option<(u32, u32)>,
+    /// By which colours it is shown, and what is laid over it.
+    pub look: Look,
 }
 
 impl Request {
     /// Whether the answer to both is the same.
     pub fn same_view(&self, other: &Self) -> bool {
-        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick
+        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
-    fn same_frame(&self, other: &Self) -> bool {
+    /// Whether the canvas shows the same for both, whichever pixel is questioned.
+    pub fn same_picture(&self, other: &Self) -> bool {
+        self.same_frame(other) && self.shown == other.shown && self.look == other.look
+    }
+
+    /// Whether the frames of both are the same.
+    pub fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
     }
 
@@ -86,8 +120,12 @@ pub struct View {
     pub picture: Arc<Image<Rgba8>>,
     /// Quantities of the frame, if a buffer that needs them is shown.
     pub buffers: Option<Arc<Buffers>>,
+    /// The number of every sample that is shown, if one is.
+    pub captured: Option<Arc<Captured>>,
     /// Ends of the colour map, if one is used.
     pub range: Option<Range>,
+    /// What the picture was made from, and its figures.
+    pub looked: Looked,
     /// The story of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
     /// The moments around the one that is shown, if it is not the last or a pixel is picked.
@@ -134,29 +172,28 @@ impl Engine {
             }
         }
         let fresh = last.is_none();
-        let (frame, rasterized, kept_buffers, kept_picture) = match last {
-            Some(view) => {
-                let same_picture = (view.request.shown == request.shown).then_some(view.picture);
-                (view.frame, view.rasterized, view.buffers, same_picture)
-            }
+        let (frame, rasterized, kept_buffers, kept_captured, kept) = match last {
+            Some(view) => (view.frame, view.rasterized, view.buffers, view.captured, Some((view.request, view.looked))),
             None => {
                 let (frame, rasterized) = render(&request, &mut self.renderer, (&mut self.reel, whole));
-                (Arc::new(frame), rasterized, None, None)
+                (Arc::new(frame), rasterized, None, None, None)
             }
         };
+        let captured = needed_capture(&request, &frame, kept_captured);
         let buffers = needed_buffers(&request, &frame, kept_buffers);
-        let range = match request.shown {
-            Shown::Buffer(buffer) => view::range(buffer, &frame, buffers.as_deref()),
-            Shown::Stage(_) => None,
+        let looked = {
+            let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
+            look::look(&request, Source { frame: &frame, buffers, captured, stage: None }, kept)
         };
-        let picture = kept_picture.unwrap_or_else(|| Arc::new(picture(&request, &frame, buffers.as_deref(), range)));
         self.survey.take_if(|_| fresh);
         let report = request.pick.and_then(|pick| {
             let survey = self.survey.get_or_insert_with(|| Survey::of(&request.scene, &request.recipe, &frame));
             explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
         });
+        let (picture, range) = (looked.picture.clone(), looked.range);
         let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
-        let view = View { request, frame, rasterized, picture, buffers, range, report, timeline, fresh };
+        let view =
+            View { request, frame, rasterized, picture, buffers, captured, range, looked, report, timeline, fresh };
         self.last = Some(view.clone());
         view
     }
@@ -184,6 +221,13 @@ fn needed_buffers(request: &Request, frame: &Frame, kept: Option<Arc<Buffers>>) 
     }
 }
 
+/// The number of every sample that is shown, if one is: that of the last answer if it is the same.
+fn needed_capture(request: &Request, frame: &Frame, kept: Option<Arc<Captured>>) -> Option<Arc<Captured>> {
+    let Shown::Intermediate(which) = request.shown else { return None };
+    let again = || Arc::new(intermediate::capture(&request.scene, &request.recipe, frame, which));
+    Some(kept.filter(|kept| kept.which == which).unwrap_or_else(again))
+}
+
 /// A frame, and how many triangles it would have without a limit.
 fn render(
     request: &Request,
@@ -208,6 +252,8 @@ pub struct StageFigures {
     pub times: StageTimes,
     /// Counts.
     pub counters: Counters,
+    /// Fragments whose depth or weights are NaN or infinite.
+    pub bad: u64,
 }
 
 /// Finds out the figures of a view piece by piece, each at most as long as a frame.
@@ -232,23 +278,18 @@ impl Figuring {
     pub fn step(&mut self) -> Option<StageFigures> {
         let View { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
-        Some(StageFigures { times, counters: count(request, frame) })
+        let BadFragments { counters, bad, .. } = count(request, frame);
+        Some(StageFigures { times, counters, bad })
     }
 }
 
 /// Counts without shading: as many fragments are shaded as pass.
-fn count(request: &Request, frame: &Frame) -> Counters {
+fn count(request: &Request, frame: &Frame) -> BadFragments {
     let Request { scene, camera, recipe, .. } = request;
-    let mut counters = Counters::default();
-    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counters);
-    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counters);
+    let mut counting = BadFragments::new(recipe.pipeline);
+    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counting);
+    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counting);
+    let counters = &mut counting.counters;
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
-    counters
-}
-
-fn picture(request: &Request, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
-    match request.shown {
-        Shown::Buffer(buffer) => view::picture(buffer, frame, buffers, range),
-        Shown::Stage(stage) => stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage),
-    }
+    counting
 }

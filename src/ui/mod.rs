@@ -22,13 +22,21 @@ pub mod format;
 
 pub mod widgets;
 
+pub mod look;
+
 pub mod engine;
+
+pub mod range;
+
+pub mod overlays;
 
 pub mod compare;
 
 pub mod worker;
 
 pub mod lab;
+
+pub mod trace;
 
 pub mod probe;
 

@@ -11,17 +11,21 @@ use serde::{Deserialize, Serialize};
 use super::checks::Checks;
 use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
-use super::compare::{Comparison, Mode, Tiles};
+use super::compare::{Change, Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
 use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
+use super::look::Look;
 use super::mesh_view::{self, MeshView};
 use super::open_case::{self, OpenCase};
+use super::overlays::Overlays;
 use super::place::{Bookmark, Places};
 use super::probe::Probing;
+use super::range::{self, RangeControl};
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::trace::TraceView;
 use super::vertices::Vertices;
 use super::watch::Watch;
 use super::what_if::WhatIf;
@@ -209,6 +213,12 @@ pub struct Session {
     pub lab: Lab,
     /// What is checked of frames, and what was found.
     pub checks: Checks,
+    /// The arithmetic of the picked pixel.
+    pub trace: TraceView,
+    /// Ranges and colours of what is shown.
+    pub range: RangeControl,
+    /// What is laid over the picture.
+    pub overlays: Overlays,
     /// The triangles that are singled out in the picture, in tables and on meshes.
     pub selection: TriangleSelection,
     /// Where triangles and fragments went.
@@ -278,6 +288,9 @@ impl Session {
             mesh_view: MeshView::default(),
             lab: Lab::default(),
             checks: Checks::default(),
+            trace: TraceView::default(),
+            range: RangeControl::default(),
+            overlays: Overlays::default(),
             selection: TriangleSelection::default(),
             fates: FatesView::default(),
             places: Places::default(),
@@ -315,6 +328,12 @@ impl Session {
             triangle_limit: self.triangle_limit,
             fragment_limit: self.scrub.fragment_limit(self.triangle_limit),
             pick: self.pick,
+            look: Look {
+                display: self.range.setting(self.shown).display,
+                measures: self.range.measures(self.shown),
+                layers: self.overlays.layers.clone(),
+                vectors: self.overlays.vectors,
+            },
         }
     }
 
@@ -450,6 +469,7 @@ impl Session {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
+            Command::Trace(change) => return self.trace.apply(change, self.view.as_ref()).map(Command::Trace),
             Command::Place(change) => return self.change_places(change),
             Command::WhatIf(change) => return self.change_what_if(change),
             Command::Watch(change) => self.change_watch(change),
@@ -460,6 +480,11 @@ impl Session {
                 if let Some(upscaler) = method.and_then(|id| chosen.with_method(id)) {
                     self.state.recipe.upscaler = upscaler;
                 }
+            }
+            Command::Overlays(change) => return self.overlays.apply(change).map(Command::Overlays),
+            Command::Range(change) => self.range.apply(change, self.shown, self.view.as_ref()),
+            Command::Compare(Change::ToggleRegion) if !self.comparison.is_on() => {
+                self.range.apply(range::Change::Reset, self.shown, None);
             }
             Command::Compare(change) => {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
@@ -520,6 +545,9 @@ impl Session {
     /// The crack or double hit after or before the picked pixel, in reading order and round the end; the first or the last if
     /// none is picked, none if the frame on screen has none or its hits were not counted.
     pub fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
+        if self.overlays.stepped().is_some() {
+            return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
+        }
         let hits = self.view.as_ref()?.buffers.as_ref()?.hits.as_ref()?;
         hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
     }
@@ -577,7 +605,7 @@ impl Session {
         let last = Stage::ALL.len() as i64 - 1;
         let now = match self.shown {
             Shown::Stage(stage) => Stage::ALL.iter().position(|s| *s == stage).map_or(last, |i| i as i64),
-            Shown::Buffer(_) => last,
+            Shown::Buffer(_) | Shown::Intermediate(_) => last,
         };
         self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
     }

@@ -55,8 +55,8 @@ pub struct Seen {
     pub pixel: Option<(u32, u32)>,
     /// A buffer or the picture after a stage.
     pub shown: Option<Shown>,
-    /// Only the first so many rasterized triangles.
-    pub triangles: Option<usize>,
+    /// An earlier moment of the frame than its last.
+    pub moment: Option<Moment>,
     /// Size of the picture.
     pub picture: Option<Viewport>,
 }
@@ -65,7 +65,9 @@ impl Seen {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
-        session.triangle_limit = self.triangles;
+        if let Some(moment) = self.moment {
+            session.begin_at(moment);
+        }
         if let Some(Viewport { width, height }) = self.picture {
             session.state.size = PictureSize::Fixed(width, height);
         }
@@ -100,8 +102,12 @@ pub struct ScreenshotRequest {
     pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
+    /// What else is changed before the picture is taken.
+    pub changes: Vec<Command>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
+    /// What the canvas shows, if not the colours.
+    pub shown: Option<Shown>,
     /// How much of the frame is drawn, if not all.
     pub moment: Option<Moment>,
     /// The triangles that are selected, by how they ended; the tab of fates is open then.
@@ -209,8 +215,14 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
         let mesh = &mut app.session_mut().mesh_view;
         (mesh.open, mesh.style) = (true, style);
     }
+    for command in request.changes.iter().cloned() {
+        app.session_mut().apply(command);
+    }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
+    }
+    if let Some(shown) = request.shown {
+        app.session_mut().shown = shown;
     }
     if let Some(moment) = request.moment {
         app.session_mut().begin_at(moment);

@@ -1,6 +1,7 @@
 //! Drives the window through its accessibility tree, without a display.
 
 mod appearance;
+mod arithmetic;
 mod bench;
 mod camera;
 mod cases;
@@ -12,8 +13,10 @@ mod history;
 mod lab;
 mod measuring;
 mod outside;
+mod overlays;
 mod picking;
 mod places;
+mod ranges;
 mod scrubbing;
 mod settings;
 mod stepping;

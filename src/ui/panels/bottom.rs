@@ -7,7 +7,9 @@ use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
 use crate::ui::probe;
+use crate::ui::range::panel;
 use crate::ui::session::Session;
+use crate::ui::trace::panel as trace;
 use crate::ui::vertices;
 use crate::ui::watch;
 
@@ -19,8 +21,12 @@ pub enum Tab {
     FrameTime,
     /// What each upscaler costs and how wrong it is.
     ErrorTime,
+    /// Every step of the arithmetic of a pixel.
+    Arithmetic,
     /// What a pixel of the picture is made of.
     Xray,
+    /// How often each value is there.
+    Histogram,
     /// Where triangles and fragments went.
     Fates,
     /// What the scene needs and what is left out.
@@ -41,15 +47,32 @@ pub enum Tab {
     Log,
 }
 
+impl Tab {
+    /// What it needs to be of use, in points.
+    pub fn least_height(self) -> f32 {
+        match self {
+            // Some rows of the table under the current line.
+            Self::Arithmetic => 250.0,
+            _ => 90.0,
+        }
+    }
+}
+
 /// All tabs, with name and explanation.
 pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
+        Tab::Arithmetic,
+        "Arithmetic",
+        "Every step from the corners of a triangle to the picked pixel, with the numbers and what each step rounded",
+    ),
+    (
         Tab::Xray,
         "X-ray",
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
+    (Tab::Histogram, "Histogram", "How often each value of what is shown is there, and the figures of it"),
     (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
@@ -100,6 +123,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 checks::panel::controls(ui, session, commands);
             }
+            Tab::Histogram => {
+                ui.separator();
+                panel::controls(ui, session, commands);
+            }
             Tab::Fates => {
                 ui.separator();
                 fates::controls(ui, session);
@@ -116,13 +143,16 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 probe::controls(ui, session, commands);
             }
-            Tab::Xray | Tab::Log => {}
+            Tab::Arithmetic | Tab::Xray | Tab::Log => {}
         }
     });
     ui.add_space(4.0);
+    panel::tell(*tab == Tab::Histogram, session, commands);
     match tab {
+        Tab::Histogram => panel::ui(ui, session, commands),
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
+        Tab::Arithmetic => trace::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),

@@ -13,15 +13,16 @@ use self::diagram::{Place, triangle_diagram, weights};
 use self::history::{Chosen, History};
 use self::numbers::{absent_numbers, numbers};
 use crate::image::Rgba8;
-use crate::inspect::PixelReport;
-use crate::inspect::view::{Value, value};
+use crate::inspect::view::Value;
+use crate::inspect::{FragmentRecord, PixelReport};
 use crate::ui::checks;
 use crate::ui::command::Command;
-use crate::ui::engine::Shown;
 use crate::ui::format;
+use crate::ui::overlays;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::trace;
 use crate::ui::watch;
 use crate::ui::what_if;
 use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value_row};
@@ -37,6 +38,7 @@ impl Inspector {
     /// Draws the panel.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
         hover_line(ui, session, hovered);
+        overlays::readout::ui(ui, session, hovered);
         ui.separator();
         let report = session.view.as_ref().and_then(|view| view.report.as_deref());
         let Some(report) = report else {
@@ -67,6 +69,9 @@ impl Inspector {
                 triangle_diagram(ui, corners_px, if is_outside { Place::Outside } else { Place::Inside }, report);
             }
             self.history.ui(ui, session, report, commands);
+            if let Some(fragment) = fragment {
+                arithmetic_button(ui, report, fragment, commands);
+            }
             samples(ui, report);
             sources(ui, report, commands);
             if let Some(absent) = absent {
@@ -84,6 +89,15 @@ impl Inspector {
     }
 }
 
+/// A button that writes out the arithmetic of a fragment.
+fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecord, commands: &mut Vec<Command>) {
+    let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
+    let help = "Every step from the corners of the triangle to the pixel, with the numbers and what each step rounded";
+    if ui.button("Write out its arithmetic").on_hover_text(help).clicked() {
+        commands.push(Command::Trace(trace::Change::Fragment(index)));
+    }
+}
+
 /// The fragment that violates an assertion, if that is why the pixel is picked.
 fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
     let (found, frame) = session.checks.found.as_ref()?;
@@ -98,11 +112,7 @@ fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     let here = hovered.and_then(|(x, y)| {
         let view = what_if::seen(ui, session)?;
         let color = view.picture.get(x, y)?;
-        let value = match view.request.shown {
-            Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
-            Shown::Stage(_) => Value::Color(color),
-        };
-        Some((x, y, color, value))
+        Some((x, y, color, view.value(x, y)))
     });
     ui.horizontal(|ui| {
         ui.set_height(theme::CONTROL_HEIGHT);
