@@ -30,6 +30,14 @@ pub(crate) struct RenderArgs {
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     stage: Option<Stage>,
 
+    /// Draw only the first so many of the rasterized triangles
+    #[arg(long, value_name = "N")]
+    triangles: Option<usize>,
+
+    /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
+    #[arg(long, value_name = "X,Y", hide = true)]
+    at: Option<String>,
+
     /// Also print the time of each stage, each the median of this many frames
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
     times: Option<u32>,
@@ -41,7 +49,7 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw()?;
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw(args.triangles)?;
     let mut faults = None;
     let image = match args.stage {
         Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),

@@ -12,6 +12,7 @@ use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::SceneArgs;
+use super::seen_args::SeenArgs;
 use super::{output, parse, workbench};
 
 /// What `screenshot` takes.
@@ -22,6 +23,13 @@ pub(crate) struct ScreenshotArgs {
 
     #[command(flatten)]
     look: Look,
+
+    #[command(flatten)]
+    seen: SeenArgs,
+
+    /// Show what changes where one setting was this before; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    against: Vec<String>,
 
     /// The PNG file to write
     #[arg(short, long, value_name = "FILE.png")]
@@ -66,6 +74,13 @@ pub(crate) struct Look {
     /// Select the triangles that ended so, and open the tab of fates
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
     pub(crate) fate: Option<TriangleFate>,
+    /// Watch the selected pixel
+    #[arg(long)]
+    pub(crate) watch: bool,
+
+    /// What is open over the workbench
+    #[arg(long)]
+    pub(crate) open: Option<Open>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -88,6 +103,8 @@ impl Default for Look {
             tab: None,
             moment: None,
             fate: None,
+            watch: false,
+            open: None,
             lab: None,
             lab_step: None,
         }
@@ -120,6 +137,17 @@ pub(crate) enum Compare {
     Difference,
 }
 
+/// What lies over the workbench.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Open {
+    /// All keys by topic
+    Keys,
+    /// Everything that can be done, to be searched
+    Palette,
+    /// The list of bookmarks, of which there is one
+    Bookmarks,
+}
+
 /// Tabs along the bottom.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Tab {
@@ -137,6 +165,8 @@ pub(crate) enum Tab {
     Scaling,
     /// How the engine does on hard cases
     Stability,
+    /// What all buffers hold at watched pixels
+    Watch,
     /// Messages
     Log,
 }
@@ -154,7 +184,11 @@ fn scale(text: &str) -> Result<f32, String> {
 
 /// Draws the workbench into a file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
-    save(&workbench::draw(args.scene.view()?, &args.look)?, &args.output)
+    let view = args.scene.view()?;
+    let mut against = view.recipe;
+    against.set_all(&args.against)?;
+    let against = (!args.against.is_empty()).then_some(against);
+    save(&workbench::draw(view, &args.look, args.seen, against)?, &args.output)
 }
 
 /// Writes a picture of the workbench and says in one line what was made.

@@ -6,21 +6,28 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
+use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
+use rasterscope::ui::engine::Shown;
 use rasterscope::ui::panels::bottom;
-use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
+use rasterscope::ui::place;
+use rasterscope::ui::watch;
+use rasterscope::ui::what_if;
+use rasterscope::ui::{self, ScreenshotRequest, Seen, WindowStart};
 
 use super::failure::Failure;
 use super::scene_args::{View, WARNED};
-use super::screenshot::{Compare, Look, Tab, Theme};
+use super::screenshot::{Compare, Look, Open, Tab, Theme};
+use super::seen_args::{SeenArgs, WindowArgs};
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
-pub(crate) fn open(view: View) -> Result<(), String> {
+pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
     if needs_display() && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET") && !is_set("DISPLAY") {
         return Err("no window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned());
     }
-    let outcome = without_library_panics(|| ui::run_window(start(view)));
+    let outcome = without_library_panics(|| ui::run_window(start(view, seen(args.seen, args.at))));
     if outcome.is_err() {
         retry_on_x11();
     }
@@ -28,9 +35,9 @@ pub(crate) fn open(view: View) -> Result<(), String> {
 }
 
 /// The whole workbench as a picture.
-pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
+pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Recipe>) -> Result<Image<Rgba8>, Failure> {
     let request = ScreenshotRequest {
-        start: start(view),
+        start: start(view, seen(shown, look.at)),
         size: look.size,
         pixels_per_point: look.scale,
         theme: match look.theme {
@@ -44,6 +51,12 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         moment: look.moment,
         fate: look.fate,
         lab: look.lab.map(|page| (page, look.lab_step)),
+        first: against
+            .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
+            .into_iter()
+            .chain(look.watch.then_some(Command::Watch(watch::Change::AddPick)))
+            .chain(look.open.into_iter().flat_map(open_first))
+            .collect(),
     };
     ui::screenshot(&request).map_err(|picture| {
         let (x, y) = look.at.unwrap_or_default();
@@ -62,6 +75,14 @@ fn comparison(compare: Compare) -> Change {
     }
 }
 
+fn open_first(open: Open) -> Vec<Command> {
+    match open {
+        Open::Keys => vec![Command::ToggleKeys],
+        Open::Palette => vec![Command::OpenPalette],
+        Open::Bookmarks => vec![Command::Place(place::Change::Bookmark), Command::Place(place::Change::Manage)],
+    }
+}
+
 fn tab(tab: Tab) -> bottom::Tab {
     match tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
@@ -71,13 +92,19 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
+        Tab::Watch => bottom::Tab::Watch,
         Tab::Log => bottom::Tab::Log,
     }
 }
 
-fn start(view: View) -> WindowStart {
+fn seen(SeenArgs { buffer, stage, triangles, picture }: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
+    let shown = stage.map(Shown::Stage).or(buffer.map(Shown::Buffer));
+    Seen { pixel, shown, triangles, picture }
+}
+
+fn start(view: View, seen: Seen) -> WindowStart {
     let View { source, scene, warnings, recipe, camera, mirrored, is_default } = view;
-    WindowStart { source, scene, warnings, recipe, camera, mirrored, resume: is_default }
+    WindowStart { source, scene, warnings, recipe, camera, mirrored, resume: is_default, seen }
 }
 
 /// Whether windows come from a server that is named in the environment.

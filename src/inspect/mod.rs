@@ -12,6 +12,10 @@ pub mod fates;
 
 pub mod feeds;
 
+pub mod fields;
+
+pub mod find;
+
 pub mod hits;
 
 pub mod outline;
@@ -20,6 +24,7 @@ pub mod pixel;
 
 pub mod scrub;
 
+pub mod place;
 pub mod selection;
 
 pub mod stages;
@@ -28,10 +33,15 @@ mod verdict;
 
 pub mod view;
 
+pub mod watch;
+
+pub mod what_if;
+
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use place::Place;
 pub use selection::TriangleSelection;
 pub use stages::Stage;

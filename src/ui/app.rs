@@ -20,20 +20,24 @@ use super::fates::finder::Finder;
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
 use super::navigate::FLYING_KEYS;
+use super::palette::Palette;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
+use super::place;
 use super::scrub;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
 use super::theme;
+use super::what_if;
 use super::worker::{Answer, Job, Worker};
 use crate::case::{Case, MinimalCase};
 use crate::drawing;
 use crate::image::file::write_png;
 use crate::inspect::Buffer;
+use crate::inspect::find::{self, Found, Wanted};
 use crate::inspect::outline::{OutlineKind, outline};
 use crate::lab::drawing::write_recording;
 use crate::measure::leaving_out::savings;
@@ -81,6 +85,8 @@ pub struct Workbench {
     canvas: Canvas,
     tiles: TilesView,
     asked_to_compare: Option<CompareRequest>,
+    asked_to_watch: Vec<(u32, u32)>,
+    finding: Option<Task<(), (Wanted, Found)>>,
     inspector: Inspector,
     fates: Finder,
     dialog: Dialog,
@@ -89,6 +95,8 @@ pub struct Workbench {
     look: (bool, f32),
     /// Whether models are loaded while the window waits, as screenshots and tests want it.
     waits: bool,
+    /// What was asked for from outside of the window, to be done with the next frame.
+    asked_for: Vec<Command>,
 }
 
 impl Workbench {
@@ -109,12 +117,15 @@ impl Workbench {
             canvas: Canvas::default(),
             tiles: TilesView::default(),
             asked_to_compare: None,
+            asked_to_watch: Vec::new(),
+            finding: None,
             inspector: Inspector::default(),
             fates: Finder::default(),
             dialog: Dialog::default(),
             tab: Tab::default(),
             look: (false, 1.0),
             waits,
+            asked_for: Vec::new(),
         }
     }
 
@@ -133,10 +144,15 @@ impl Workbench {
         self.tab = tab;
     }
 
+    /// Does all this with the next frame, as if a person had asked for it.
+    pub fn ask_for(&mut self, commands: Vec<Command>) {
+        self.asked_for.extend(commands);
+    }
+
     /// One frame of the window.
     pub fn show(&mut self, ui: &mut Ui) {
         self.listen();
-        let mut commands = Vec::new();
+        let mut commands = std::mem::take(&mut self.asked_for);
         self.keys(ui, &mut commands);
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
@@ -149,6 +165,8 @@ impl Workbench {
         self.ask(ui);
         self.ask_to_compare(ui);
         self.fates.tend(ui, &mut self.session, self.tab == Tab::Fates, self.waits);
+        self.ask_what_if(ui);
+        self.ask_to_watch(ui);
         self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
     }
 
@@ -203,6 +221,10 @@ impl Workbench {
                 compare::bar::ui(ui, &self.session, self.canvas.scale(), commands);
             });
         }
+        let asks = self.session.what_if.open && !compares && self.session.case.is_none();
+        if asks {
+            Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, &self.session, commands));
+        }
         CentralPanel::no_frame().show(ui, |ui| {
             let canvas = ui.max_rect();
             let size = if compares { TilesView::picture_size(canvas, &self.session) } else { ui.available_size() };
@@ -214,6 +236,7 @@ impl Workbench {
                 self.canvas.hovered = self.tiles.ui(ui, &mut self.canvas.zoom, &self.session, commands);
             } else {
                 self.canvas.ui(ui, &self.session, commands);
+                what_if::bar::label(ui, canvas, &self.session);
             }
             self.drop_hint(ui);
             self.busy_mark(ui);
@@ -296,6 +319,8 @@ impl Workbench {
                 self.asked_at = None;
             }
             Answer::Compared(compared) => self.session.compared = Some(*compared),
+            Answer::Watched(rows) => self.session.watch.hear(rows),
+            Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
             Answer::Stages(figures) => self.session.stages = Some(*figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
@@ -347,6 +372,50 @@ impl Workbench {
         }
     }
 
+    /// Says which pixels are watched if that has changed.
+    fn ask_to_watch(&mut self, ui: &Ui) {
+        if self.asked_to_watch != self.session.watch.pixels {
+            self.asked_to_watch.clone_from(&self.session.watch.pixels);
+            self.worker.send(Job::Watch(self.asked_to_watch.clone()));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
+    /// Looks for something in the frame on screen, on a thread of its own.
+    fn find(&mut self, ui: &Ui, wanted: Wanted) {
+        let Some(view) = self.session.view.clone() else { return };
+        let look = move || {
+            let found = find::find(&view.request.scene, &view.request.recipe, &view.frame, &wanted);
+            (wanted, found)
+        };
+        if self.waits {
+            self.found(&look());
+        } else {
+            self.finding = Some(Task::start(ui.ctx().clone(), move |_, _| Some(look())));
+        }
+    }
+
+    fn found(&mut self, (wanted, found): &(Wanted, Found)) {
+        if let Some(pixel) = self.session.take_found(wanted, found) {
+            self.canvas.bring_into_view(pixel, self.session.canvas_px);
+        }
+    }
+
+    /// Asks what a change did if that is looked at and something is new.
+    fn ask_what_if(&mut self, ui: &Ui) {
+        let request = self.session.what_if_request().filter(|_| self.session.canvas_px != (0, 0));
+        if self.session.what_if.asks_anew(request.as_ref()) {
+            self.worker.send(Job::WhatIf(request.map(Box::new)));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
     fn run(&mut self, ui: &Ui, command: Command) {
         let Some(command) = self.session.apply(command) else { return };
         match command {
@@ -372,7 +441,7 @@ impl Workbench {
                     judging.cancel();
                 }
             }
-            Command::CancelLoading => self.loading = None,
+            Command::CancelLoading => (self.loading, self.session.places.pending) = (None, None),
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
                 self.session.measuring = None;
@@ -385,6 +454,12 @@ impl Workbench {
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
+            Command::WhatIf(what_if::Change::Step(step)) => {
+                if let Some(pixel) = self.session.change_beside_pick(step > 0) {
+                    self.session.pick = Some(pixel);
+                    self.canvas.bring_into_view(pixel, self.session.canvas_px);
+                }
+            }
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
             Command::SavePicture => self.save_picture(ui),
@@ -395,7 +470,15 @@ impl Workbench {
                 ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
             Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
-            Command::ToggleKeys => self.dialog = Dialog::Keys,
+            Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
+            Command::OpenTab(tab) => self.tab = tab,
+            Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
+            Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
+            Command::Place(place::Change::Copy) => {
+                ui.ctx().copy_text(self.session.command_line());
+                self.session.report(Level::Info, format!("Copied: {}", self.session.command_line()));
+            }
             Command::AskForPixel => self.dialog = Dialog::Pixel(String::new()),
             Command::Escape => self.escape(),
             _ => {}
@@ -501,8 +584,13 @@ impl Workbench {
             | hear(&mut self.measuring_growth, &mut session.growth.progress, |found| {
                 session.growth.found = Some(Arc::from(found));
             });
+        let mut found = None;
+        let broke_off = broke_off | hear(&mut self.finding, &mut None, |what| found = Some(what));
         if broke_off {
             session.report(Level::Error, "A measurement stopped by an error of the program");
+        }
+        if let Some(what) = found {
+            self.found(&what);
         }
     }
 
@@ -563,7 +651,10 @@ impl Workbench {
                 self.canvas.fit();
                 self.warn(&warnings);
             }
-            Err(error) => self.session.report(Level::Error, error.to_string()),
+            Err(error) => {
+                self.session.places.pending = None;
+                self.session.report(Level::Error, error.to_string());
+            }
         }
     }
 

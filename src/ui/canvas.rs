@@ -18,6 +18,8 @@ use super::format;
 use super::navigate::navigate;
 use super::session::Session;
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
+use super::watch;
+use super::what_if;
 use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
@@ -94,7 +96,7 @@ impl Canvas {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Rendered picture"));
         ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);
-        let Some(view) = &session.view else {
+        let Some(view) = what_if::seen(ui, session) else {
             ui.painter().text(
                 rect.center(),
                 Align2::CENTER_CENTER,
@@ -145,6 +147,7 @@ impl Canvas {
             Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
         };
         numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), value);
+        watch::markers(&painter, placement, session, (width, height), tokens(ui));
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }

@@ -40,6 +40,12 @@ pub mod open_case;
 
 pub mod session;
 
+pub mod place;
+
+pub mod what_if;
+
+pub mod watch;
+
 pub mod fault_bar;
 
 pub mod zoom;
@@ -50,8 +56,12 @@ pub mod canvas;
 
 pub mod panels;
 
+pub mod palette;
+
+pub mod key_sheet;
+
 pub mod app;
 
 mod start;
 
-pub use start::{ScreenshotRequest, Theme, WindowStart, run_window, screenshot};
+pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, run_window, screenshot};

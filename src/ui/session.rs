@@ -16,8 +16,11 @@ use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::open_case::{self, OpenCase};
+use super::place::{Bookmark, Places};
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::watch::Watch;
+use super::what_if::WhatIf;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
@@ -143,6 +146,10 @@ pub struct Preferences {
     pub light_theme: bool,
     /// Interface scale; 0 means 1.
     pub scale: f32,
+    /// Places that were kept.
+    pub bookmarks: Vec<Bookmark>,
+    /// Pixels that are watched.
+    pub watched: Vec<(u32, u32)>,
 }
 
 /// The state of the window.
@@ -194,6 +201,12 @@ pub struct Session {
     pub selection: TriangleSelection,
     /// Where triangles and fragments went.
     pub fates: FatesView,
+    /// Places that are kept, and the way back.
+    pub places: Places,
+    /// What the last change of the settings did.
+    pub what_if: WhatIf,
+    /// Pixels that are watched.
+    pub watch: Watch,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -251,6 +264,9 @@ impl Session {
             lab: Lab::default(),
             selection: TriangleSelection::default(),
             fates: FatesView::default(),
+            places: Places::default(),
+            what_if: WhatIf::default(),
+            watch: Watch::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -316,6 +332,8 @@ impl Session {
             hint_closed: self.hint_closed,
             light_theme,
             scale,
+            bookmarks: self.places.bookmarks.clone(),
+            watched: self.watch.pixels.clone(),
         }
     }
 
@@ -348,6 +366,7 @@ impl Session {
         (self.selection, self.fates) = Default::default();
         self.timings.clear();
         self.error = None;
+        self.arrive();
         // Undo never leads back into another scene's view.
         self.undo.clear();
         self.redo.clear();
@@ -357,6 +376,7 @@ impl Session {
     /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
     /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
     pub fn settle(&mut self, now: f64) {
+        self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
         if self.state == self.settled {
             return;
@@ -373,6 +393,7 @@ impl Session {
             self.undo.push(self.settled.clone());
         }
         self.redo.clear();
+        self.what_if.settled(&self.settled.recipe, &self.state.recipe);
         self.settled = self.state.clone();
     }
 
@@ -411,6 +432,9 @@ impl Session {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
+            Command::Place(change) => return self.change_places(change),
+            Command::WhatIf(change) => return self.change_what_if(change),
+            Command::Watch(change) => self.change_watch(change),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
@@ -541,6 +565,7 @@ impl Session {
         let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         if let Some(state) = from.pop() {
             to.push(std::mem::replace(&mut self.state, state));
+            self.what_if.settled(&self.settled.recipe, &self.state.recipe);
             self.settled = self.state.clone();
             self.camera_moved_at = f64::NEG_INFINITY;
         }

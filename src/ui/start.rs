@@ -8,12 +8,14 @@ use eframe::egui::{self, Vec2, ViewportBuilder};
 use super::app::Workbench;
 use super::command::Command;
 use super::compare::Change;
+use super::engine::Shown;
 use super::fates;
 use super::headless::Headless;
 use super::lab;
 use super::panels::bottom::Tab;
-use super::session::{Preferences, Session};
+use super::session::{PictureSize, Preferences, Session};
 use super::theme;
+use super::watch;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
@@ -40,6 +42,32 @@ pub struct WindowStart {
     pub mirrored: bool,
     /// Whether a window takes up scene, recipe and view where it was left instead.
     pub resume: bool,
+    /// What is looked at.
+    pub seen: Seen,
+}
+
+/// What of the frame is looked at from the start; where nothing is said, as always.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// The questioned pixel.
+    pub pixel: Option<(u32, u32)>,
+    /// A buffer or the picture after a stage.
+    pub shown: Option<Shown>,
+    /// Only the first so many rasterized triangles.
+    pub triangles: Option<usize>,
+    /// Size of the picture.
+    pub picture: Option<Viewport>,
+}
+
+impl Seen {
+    fn show(self, session: &mut Session) {
+        session.pick = self.pixel;
+        session.shown = self.shown.unwrap_or(session.shown);
+        session.triangle_limit = self.triangles;
+        if let Some(Viewport { width, height }) = self.picture {
+            session.state.size = PictureSize::Fixed(width, height);
+        }
+    }
 }
 
 /// Colours of the workbench.
@@ -76,6 +104,8 @@ pub struct ScreenshotRequest {
     pub selected: Option<(u32, u32)>,
     /// The page of the lab to show, and how many of its steps, instead of the pipeline.
     pub lab: Option<(Page, Option<usize>)>,
+    /// What is done first, as by keys.
+    pub first: Vec<Command>,
 }
 
 /// Passes of a picture: the first finds the canvas's size, the second has a frame, the rest let sizes settle.
@@ -139,8 +169,12 @@ fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Wo
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;
+    session.places.bookmarks = preferences.bookmarks;
+    session.watch.pixels = preferences.watched;
+    session.watch.pixels.truncate(watch::MOST);
     session.mirrored = start.mirrored;
     session.state.size = preferences.size.checked();
+    start.seen.show(&mut session);
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
@@ -158,7 +192,7 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let size_points = Vec2::new(width as f32, height as f32) / request.pixels_per_point;
     let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
     let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
-    app.session_mut().pick = request.selected;
+    app.session_mut().pick = request.selected.or(request.start.seen.pixel);
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
     }
@@ -178,6 +212,7 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
             app.session_mut().lab.apply(change);
         });
     }
+    app.ask_for(request.first.clone());
     for _ in 0..SCREENSHOT_PASSES {
         headless.pass(Vec::new(), |ui| app.show(ui));
     }
@@ -206,7 +241,6 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::ui::session::PictureSize;
 
     fn start() -> WindowStart {
         let source = SceneSource::default();
@@ -219,6 +253,7 @@ mod tests {
             recipe: Recipe::default(),
             mirrored: false,
             resume: true,
+            seen: Seen::default(),
         }
     }
 

@@ -6,6 +6,7 @@ use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
 use crate::ui::session::Session;
+use crate::ui::watch;
 
 /// A tab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -25,11 +26,14 @@ pub enum Tab {
     Scaling,
     /// How the engine does on hard cases.
     Stability,
+    /// What all buffers hold at watched pixels.
+    Watch,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 8] = [
+/// All tabs, with name and explanation.
+pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -45,6 +49,7 @@ const TABS: [(Tab, &str, &str); 8] = [
         "Stability",
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
+    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -52,7 +57,7 @@ const TABS: [(Tab, &str, &str); 8] = [
 pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         for (value, name, help) in TABS {
-            ui.selectable_value(tab, value, name).on_hover_text(help);
+            ui.selectable_value(tab, *value, *name).on_hover_text(*help);
         }
         match tab {
             Tab::FrameTime => {
@@ -79,6 +84,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 fates::controls(ui, session);
             }
+            Tab::Watch => {
+                ui.separator();
+                watch::panel::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -89,6 +98,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
+        Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));

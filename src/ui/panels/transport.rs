@@ -9,6 +9,7 @@ use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
 /// Draws the bar over the canvas: what is shown, how large, and what the pointer does. `scale` is the enlargement on
@@ -33,7 +34,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 288.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 316.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -55,6 +56,9 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
+    }
+    if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
+        commands.push(Command::WhatIf(what_if::Change::Toggle));
     }
 }
 
