@@ -9,6 +9,7 @@ use rasterscope::inspect::Buffer;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::engine::{Request, Shown};
+use rasterscope::ui::look::Look;
 use rasterscope::ui::worker::{Answer, Job, MEASURE_ROUNDS, Worker};
 use rasterscope::upscale::Upscaling;
 
@@ -26,6 +27,7 @@ fn request(scene: &str, (width, height): (u32, u32)) -> Request {
         triangle_limit: None,
         fragment_limit: None,
         pick: None,
+        look: Look::default(),
     }
 }
 

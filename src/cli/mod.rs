@@ -15,6 +15,7 @@ mod parse;
 mod pixel;
 mod pixel_text;
 mod plan;
+mod probe;
 mod render;
 mod report;
 mod scaling;
@@ -90,6 +91,9 @@ enum Command {
     /// Judge the engine: stiff and extreme cases against every rasterizer, arithmetic and depth format
     #[command(after_help = EXIT_CODES)]
     Stability(stability::StabilityArgs),
+    /// Move camera or vertices by a few units in the last place, and tell which pixels and triangles do not stand firm
+    #[command(after_help = EXIT_CODES)]
+    Probe(probe::ProbeArgs),
     /// Measure error against run time of every upscaler, and write a page, a table and JSON
     #[command(after_help = EXIT_CODES)]
     Report(report::ReportArgs),
@@ -133,6 +137,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Scaling(args)) => scaling::run(args),
         Some(Command::Case(args)) => case::run(args),
         Some(Command::Stability(args)) => stability::run(args),
+        Some(Command::Probe(args)) => probe::run(args),
         Some(Command::Report(args)) => report::run(args),
         Some(Command::Vector(args)) => vector::run(args),
         Some(Command::Lab(args)) => lab::run(args),

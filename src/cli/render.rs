@@ -2,18 +2,26 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use clap::Args;
 use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
 use rasterscope::image::file::write_png;
+use rasterscope::image::pfm::{Floats, write_pfm};
+use rasterscope::inspect::buffers::Buffers;
+use rasterscope::inspect::display::Display;
+use rasterscope::inspect::overlays::{Context, Overlay, Sheet, compose, csv};
+use rasterscope::inspect::planes::planes;
+use rasterscope::inspect::view::Value;
 use rasterscope::inspect::{Buffer, Hits, Stage, capture, stages, view};
 use rasterscope::measure::stages::stage_times;
 use rasterscope::measure::timing::summarize;
+use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};
+use super::seen_args::moment;
 use super::{output, parse};
 
 /// What `render` takes.
@@ -34,9 +42,25 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
 
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "N", requires = "triangles")]
+    fragments: Option<usize>,
+
     /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
     #[arg(long, value_name = "X,Y", hide = true)]
     at: Option<String>,
+
+    /// Lay this over the picture, and print its totals; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY", conflicts_with = "stage", value_parser = parse::choice::<Overlay>())]
+    overlay: Vec<Overlay>,
+
+    /// Also write the totals of all overlays as a table
+    #[arg(long, value_name = "FILE.csv", requires = "overlay")]
+    totals: Option<PathBuf>,
+
+    /// Also write the exact values of the buffer as 32-bit floats
+    #[arg(long, value_name = "FILE.pfm", conflicts_with = "stage")]
+    data: Option<PathBuf>,
 
     /// Also print the time of each stage, each the median of this many frames
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -50,18 +74,28 @@ pub(crate) struct RenderArgs {
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Drawn { scene, camera, recipe, frame } = args.frame.draw(args.triangles)?;
-    let mut faults = None;
-    let image = match args.stage {
-        Some(stage) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
-        None if args.buffer == Buffer::Color => frame.image(),
-        None => {
-            let buffers = capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame);
-            let range = view::range(args.buffer, &frame, Some(&buffers));
-            faults = buffers.hits.as_ref().map(Hits::summary);
-            &view::picture(args.buffer, &frame, Some(&buffers), range)
+    let shown = Shown { buffer: args.buffer, scene: &scene, recipe: &recipe, frame: &frame };
+    let buffers = (args.stage.is_none() && args.buffer != Buffer::Color)
+        .then(|| capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame));
+    let faults = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref()).map(Hits::summary);
+    let image = match (args.stage, &buffers) {
+        (Some(stage), _) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
+        (None, None) => frame.image(),
+        (None, Some(buffers)) => {
+            let range = view::range(args.buffer, &frame, Some(buffers));
+            &view::picture(args.buffer, &frame, Some(buffers), range)
         }
     };
+    let sheets = shown.sheets(&args.overlay, buffers.as_ref());
+    let image = &compose(image, sheets.iter().map(|sheet| (sheet, sheet.overlay.first_opacity())));
     write_png(&args.output, image)?;
+    if let Some(path) = &args.data {
+        write_pfm(path, &shown.planes(buffers.as_ref()))?;
+    }
+    if let Some(path) = &args.totals {
+        let failed = |source| Failure::ResultFile { path: path.clone(), source };
+        std::fs::write(path, csv(&sheets)).map_err(failed)?;
+    }
     output::print(&format!(
         "{}: {} × {} px, {} triangles in, {} drawn, {:.1} ms, {:.1} % of the pixels drawn\n",
         output::display(&args.output),
@@ -75,7 +109,55 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(faults) = faults {
         output::print(&format!("shared edges: {faults}\n"))?;
     }
+    output::print(&sheets.iter().map(totals).collect::<String>())?;
     args.times.map_or(Ok(()), |frames| print_times(&scene, &camera, &recipe, &frame, frames))
+}
+
+/// The quantity that is drawn.
+struct Shown<'a> {
+    buffer: Buffer,
+    scene: &'a Scene,
+    recipe: &'a Recipe,
+    frame: &'a Frame,
+}
+
+impl Shown<'_> {
+    fn value(&self, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
+        view::value(self.buffer, self.frame, buffers, x, y)
+    }
+
+    /// What is laid over it.
+    fn sheets(&self, overlays: &[Overlay], buffers: Option<&Buffers>) -> Vec<Sheet> {
+        let watched = OnceLock::new();
+        let context = Context {
+            scene: self.scene,
+            recipe: self.recipe,
+            frame: self.frame,
+            is_whole: true,
+            watched: &watched,
+            shown: &|x, y| self.value(buffers, x, y),
+            range: Display::default().range(self.buffer, self.frame, buffers),
+        };
+        overlays.iter().map(|overlay| overlay.sheet(&context)).collect()
+    }
+
+    /// Its exact values.
+    fn planes(&self, buffers: Option<&Buffers>) -> Floats {
+        planes(self.frame.image().size(), |x, y| self.value(buffers, x, y))
+    }
+}
+
+/// The totals of an overlay, one to a line.
+fn totals(sheet: &Sheet) -> String {
+    let id = sheet.overlay.id();
+    if let Some(why) = &sheet.absence {
+        return format!("{id}: nothing to show, {why}\n");
+    }
+    sheet
+        .totals
+        .iter()
+        .map(|total| format!("{id}: {} {} {}", total.name, total.number, total.unit).trim_end().to_owned() + "\n")
+        .collect()
 }
 
 /// One line per stage: the median of its times over frames drawn for this.

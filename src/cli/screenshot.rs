@@ -5,7 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::Buffer;
 use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::mesh_view::MeshStyle;
+use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::scrub::Moment;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
@@ -37,7 +40,7 @@ pub(crate) struct ScreenshotArgs {
 }
 
 /// How the workbench looks.
-#[derive(Args, Clone, Copy, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct Look {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse::size)]
@@ -71,6 +74,22 @@ pub(crate) struct Look {
     #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
     pub(crate) moment: Option<Moment>,
 
+    /// The quantity on the canvas
+    #[arg(long, value_parser = parse::choice::<Buffer>())]
+    pub(crate) buffer: Option<Buffer>,
+
+    /// Show its range and histogram on the picture
+    #[arg(long)]
+    pub(crate) range: bool,
+
+    /// Lay this over the picture; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY", value_parser = parse::choice::<Overlay>())]
+    pub(crate) overlay: Vec<Overlay>,
+
+    /// Show the list of overlays
+    #[arg(long)]
+    pub(crate) overlays: bool,
+
     /// Select the triangles that ended so, and open the tab of fates
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
     pub(crate) fate: Option<TriangleFate>,
@@ -81,6 +100,13 @@ pub(crate) struct Look {
     /// What is open over the workbench
     #[arg(long)]
     pub(crate) open: Option<Open>,
+    /// Probe how firmly the picture stands, with the default probe, and show it
+    #[arg(long)]
+    pub(crate) probe: bool,
+
+    /// Show the scene from outside beside the picture, its triangles drawn so; by their fate if nothing is said
+    #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
+    pub(crate) mesh: Option<MeshStyle>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -102,9 +128,15 @@ impl Default for Look {
             compare: None,
             tab: None,
             moment: None,
+            buffer: None,
+            range: false,
+            overlay: Vec::new(),
+            overlays: false,
             fate: None,
             watch: false,
             open: None,
+            probe: false,
+            mesh: None,
             lab: None,
             lab_step: None,
         }
@@ -157,6 +189,8 @@ pub(crate) enum Tab {
     ErrorTime,
     /// What the picked pixel is made of
     Xray,
+    /// How often each value of what is shown is there
+    Histogram,
     /// Where triangles and fragments went
     Fates,
     /// What the scene needs and what is left out
@@ -167,6 +201,10 @@ pub(crate) enum Tab {
     Stability,
     /// What all buffers hold at watched pixels
     Watch,
+    /// The vertices of the picked triangle at every stage
+    Vertices,
+    /// How firmly the picture stands
+    Probe,
     /// Messages
     Log,
 }

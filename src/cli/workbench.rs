@@ -11,8 +11,10 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::engine::Shown;
+use rasterscope::ui::overlays;
 use rasterscope::ui::panels::bottom;
 use rasterscope::ui::place;
+use rasterscope::ui::range;
 use rasterscope::ui::watch;
 use rasterscope::ui::what_if;
 use rasterscope::ui::{self, ScreenshotRequest, Seen, WindowStart};
@@ -49,7 +51,10 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
         moment: look.moment,
+        changes: look_changes(look),
         fate: look.fate,
+        probe: look.probe,
+        mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against
             .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
@@ -62,6 +67,15 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         let (x, y) = look.at.unwrap_or_default();
         Failure::OutsidePicture { x, y, picture }
     })
+}
+
+/// What is shown on the canvas.
+fn look_changes(look: &Look) -> Vec<Command> {
+    let show = look.buffer.map(|buffer| Command::Show(Shown::Buffer(buffer)));
+    let range = look.range.then_some(Command::Range(range::Change::Open(true)));
+    let layers = look.overlay.iter().map(|overlay| Command::Overlays(overlays::Change::Toggle(*overlay)));
+    let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
+    show.into_iter().chain(range).chain(layers).chain(list).collect()
 }
 
 fn comparison(compare: Compare) -> Change {
@@ -88,18 +102,21 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
         Tab::Xray => bottom::Tab::Xray,
+        Tab::Histogram => bottom::Tab::Histogram,
         Tab::Fates => bottom::Tab::Fates,
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
         Tab::Watch => bottom::Tab::Watch,
+        Tab::Vertices => bottom::Tab::Vertices,
+        Tab::Probe => bottom::Tab::Probe,
         Tab::Log => bottom::Tab::Log,
     }
 }
 
-fn seen(SeenArgs { buffer, stage, triangles, picture }: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
-    let shown = stage.map(Shown::Stage).or(buffer.map(Shown::Buffer));
-    Seen { pixel, shown, triangles, picture }
+fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
+    let shown = args.stage.map(Shown::Stage).or(args.buffer.map(Shown::Buffer));
+    Seen { pixel, shown, moment: args.moment(), picture: args.picture }
 }
 
 fn start(view: View, seen: Seen) -> WindowStart {

@@ -4,6 +4,8 @@ pub mod color;
 
 pub mod file;
 
+pub mod pfm;
+
 /// Four 8-bit channels: red, green, blue (sRGB codes) and alpha (straight, not premultiplied).
 pub type Rgba8 = [u8; 4];
 

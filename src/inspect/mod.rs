@@ -4,9 +4,13 @@
 //! with a scissor of one pixel and an observer that writes everything down. What it shows is therefore the arithmetic
 //! that drew the pixel, bit for bit, and a test holds that for every pixel.
 
+pub mod bad_fragments;
+
 pub mod buffers;
 
 pub mod depth;
+
+pub mod display;
 
 pub mod fates;
 
@@ -16,20 +20,37 @@ pub mod fields;
 
 pub mod find;
 
+pub mod histogram;
+
 pub mod hits;
+
+pub mod measured;
+
+pub mod mesh_view;
 
 pub mod outline;
 
+pub mod overlays;
+
 pub mod pixel;
+
+pub mod planes;
+
+pub mod range;
 
 pub mod scrub;
 
 pub mod place;
+pub mod probe;
 pub mod selection;
 
 pub mod stages;
 
+pub mod statistics;
+
 mod verdict;
+
+pub mod vertices;
 
 pub mod view;
 

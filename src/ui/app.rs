@@ -19,7 +19,9 @@ use super::fates;
 use super::fates::finder::Finder;
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
+use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
+use super::overlays;
 use super::palette::Palette;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
@@ -27,6 +29,8 @@ use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
+use super::probe;
+use super::range;
 use super::scrub;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
@@ -83,6 +87,7 @@ pub struct Workbench {
     case_view: CaseView,
     saving: Option<Receiver<Result<PathBuf, String>>>,
     canvas: Canvas,
+    mesh: MeshPane,
     tiles: TilesView,
     asked_to_compare: Option<CompareRequest>,
     asked_to_watch: Vec<(u32, u32)>,
@@ -115,6 +120,7 @@ impl Workbench {
             saving: None,
             asked_at: None,
             canvas: Canvas::default(),
+            mesh: MeshPane::default(),
             tiles: TilesView::default(),
             asked_to_compare: None,
             asked_to_watch: Vec::new(),
@@ -157,7 +163,11 @@ impl Workbench {
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
         for command in commands {
+            let nudges = matches!(command, Command::NudgePick(..));
             self.run(ui, command);
+            if let Some(pixel) = self.session.pick.filter(|_| nudges) {
+                self.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
+            }
         }
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));
@@ -225,6 +235,17 @@ impl Workbench {
         if asks {
             Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, &self.session, commands));
         }
+        if self.session.mesh_view.open && self.session.case.is_none() {
+            let half = ui.available_width() / 2.0;
+            Panel::right("mesh")
+                .frame(theme::canvas_frame(ui))
+                .resizable(true)
+                .default_size(half)
+                .min_size(200.0)
+                .show(ui, |ui| self.mesh.ui(ui, &self.session, self.waits, commands));
+        } else {
+            self.mesh.hovered = false;
+        }
         CentralPanel::no_frame().show(ui, |ui| {
             let canvas = ui.max_rect();
             let size = if compares { TilesView::picture_size(canvas, &self.session) } else { ui.available_size() };
@@ -268,7 +289,7 @@ impl Workbench {
             return;
         }
         // In camera mode the letters that fly are no commands.
-        let flies = self.session.pointer_mode == PointerMode::Camera;
+        let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
             if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
@@ -424,6 +445,7 @@ impl Workbench {
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             Command::SaveCase => self.save_case(),
             Command::RunStability => self.judge(ui),
+            Command::Probe(change) => self.probe(ui, change),
             Command::MeasurePlan => self.measure_plan(ui),
             Command::CancelPlan => {
                 if let Some(task) = &self.measuring_savings {
@@ -460,8 +482,10 @@ impl Workbench {
                     self.canvas.bring_into_view(pixel, self.session.canvas_px);
                 }
             }
+            Command::Overlays(overlays::Change::SaveTotals) => self.save(ui, overlays::save::totals(&self.session)),
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
+            Command::SaveData => self.save(ui, range::save::data(&self.session)),
             Command::SavePicture => self.save_picture(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),
@@ -474,6 +498,10 @@ impl Workbench {
             Command::OpenTab(tab) => self.tab = tab,
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
+                let center = (x as f32 + 0.5, y as f32 + 0.5);
+                self.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
+            }
             Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
             Command::Place(place::Change::Copy) => {
                 ui.ctx().copy_text(self.session.command_line());
@@ -487,7 +515,7 @@ impl Workbench {
 
     /// Picks the fault after or before the picked pixel and brings it into view; shows the hit count first if it is not shown.
     fn step_fault(&mut self, forwards: bool) {
-        if self.session.shown != Shown::Buffer(Buffer::Hits) {
+        if self.session.shown != Shown::Buffer(Buffer::Hits) && self.session.overlays.stepped().is_none() {
             self.session.shown = Shown::Buffer(Buffer::Hits);
         } else if let Some((x, y)) = self.session.fault_beside_pick(forwards) {
             self.session.pick = Some((x, y));
@@ -504,6 +532,9 @@ impl Workbench {
             return;
         }
         if self.session.pick.take().is_some() {
+            return;
+        }
+        if self.session.probing.hide() {
             return;
         }
         if self.session.comparison.is_on() {
@@ -572,6 +603,7 @@ impl Workbench {
 
     /// Takes what long measurements have said.
     fn hear_tasks(&mut self) {
+        probe::listen(&mut self.session);
         let session = &mut self.session;
         let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
             session.stability.report = Some(Arc::from(report));
@@ -594,6 +626,15 @@ impl Workbench {
         }
     }
 
+    /// Changes what is known of how firmly the picture stands.
+    fn probe(&mut self, ui: &Ui, change: probe::Change) {
+        match probe::apply(&mut self.session, ui.ctx(), change) {
+            probe::Rest::Nothing => {}
+            probe::Rest::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
+            probe::Rest::Write(case) => self.write_case(&case),
+        }
+    }
+
     /// Writes the triangle that the picked pixel shows as a case into the current folder.
     fn save_case(&mut self) {
         let Some(view) = &self.session.view else { return };
@@ -606,11 +647,14 @@ impl Workbench {
         let settings = &view.request.recipe.pipeline;
         let triangle = &view.frame.geometry.triangles[submission];
         let minimal = MinimalCase::new(triangle, (x, y), view.frame.viewport, settings, &view.request.scene.name);
+        self.write_case(&minimal);
+    }
+
+    fn write_case(&mut self, minimal: &MinimalCase) {
         let path = free_name(&self.session.folder, &minimal.id, "json");
         match std::fs::write(&path, minimal.to_json()) {
             Ok(()) => {
-                self.session
-                    .report(Level::Info, format!("Saved triangle {} as the case {}", triangle.id.0, path.display()));
+                self.session.report(Level::Info, format!("Saved {} as the case {}", minimal.id, path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),
@@ -724,7 +768,7 @@ impl Workbench {
     fn saved(&mut self, outcome: Result<PathBuf, String>) {
         match outcome {
             Ok(path) => {
-                self.session.report(Level::Info, format!("Saved the picture as {}", path.display()));
+                self.session.report(Level::Info, format!("Saved {}", path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, error),
@@ -759,7 +803,7 @@ fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {
 }
 
 /// `stem.extension`, or the first free `stem-2.extension`, `stem-3.extension` … in `folder`.
-fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
+pub(super) fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
     let first = folder.join(format!("{stem}.{extension}"));
     if !first.exists() {
         return first;

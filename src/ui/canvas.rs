@@ -15,16 +15,23 @@ use super::engine::{Shown, View};
 use super::fates::overlay::{SelectionLayer, badge};
 use super::fault_bar;
 use super::format;
+use super::look::kind;
 use super::navigate::navigate;
+use super::overlays::{self, marks};
+use super::probe;
+use super::range::plot::{legend_strip, short};
+use super::range::{self, card, region};
 use super::session::Session;
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
+use super::vertices;
 use super::watch;
 use super::what_if;
 use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
-use crate::inspect::view::{Value, absence, map_color, value};
+use crate::inspect::display::Kind;
+use crate::inspect::view::{Value, absence};
 use crate::pipeline::settings::Choice as _;
 
 /// The grid is drawn from this many points per pixel on.
@@ -67,6 +74,8 @@ pub struct Canvas {
     pub zoom: Zoom,
     /// The pixel under the pointer.
     pub hovered: Option<(u32, u32)>,
+    /// The rectangle that is being dragged.
+    boxing: region::Dragging,
     selection: SelectionLayer,
 }
 
@@ -108,13 +117,29 @@ impl Canvas {
         };
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         let over = (&response, placement, view.picture.height());
-        navigate(ui, over, true, &mut self.zoom, session, commands);
+        let boxes = self.boxing.follow(ui, &response, (placement, view.picture.size()), session, commands);
+        navigate(ui, over, !boxes, &mut self.zoom, session, commands);
         let placement = self.zoom.placement(ui, rect, view.picture.size());
         self.pick(&response, placement, view, commands);
         self.paint(ui, placement, session, view);
         badge(ui, rect, session, commands);
-        if session.shown != Shown::Buffer(Buffer::Color) {
-            let frame = legend(ui, rect, view);
+        let vectors = placement.points_per_px >= marks::VECTORS_FROM;
+        if vectors != session.overlays.vectors {
+            commands.push(Command::Overlays(overlays::Change::Vectors(vectors)));
+        }
+        overlays::card::ui(ui, rect, session, view, commands);
+        let visible = region::visible(placement, view.picture.size());
+        if visible != session.range.visible {
+            commands.push(Command::Range(range::Change::Visible(visible)));
+        }
+        if session.probing.picture(view).is_some() {
+            probe::legend(ui, rect, &session.probing);
+        } else if session.range.open || session.shown != Shown::Buffer(Buffer::Color) {
+            let frame = if session.range.open {
+                card::ui(ui, rect, session, view, commands)
+            } else {
+                legend(ui, rect, session, view)
+            };
             let hits = view.buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
             if let Some(hits) = hits.filter(|_| view.request.shown == Shown::Buffer(Buffer::Hits)) {
                 fault_bar::ui(ui, frame, hits, commands);
@@ -136,21 +161,26 @@ impl Canvas {
 
     fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &View) {
         let (width, height) = view.picture.size();
-        let texture = self.texture.show(ui, &view.picture);
+        let heat = session.probing.picture(view);
+        let shown = heat.unwrap_or(&view.picture);
+        let texture = self.texture.show(ui, shown);
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
         self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
-        let value = |x, y| match view.request.shown {
-            Shown::Stage(_) => Value::Color(view.picture.at(x, y)),
-            Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
+        let value = |x, y| match heat {
+            Some(_) => Value::Count(session.probing.count((x, y)).unwrap_or(0).into()),
+            None => view.value(x, y),
         };
-        numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), value);
+        numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
+        marks::paint(&painter, placement, session, view);
         watch::markers(&painter, placement, session, (width, height), tokens(ui));
+        self.boxing.paint(ui, &painter, placement, session);
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }
+        vertices::mark(ui, &painter, placement, session);
     }
 }
 
@@ -209,7 +239,7 @@ fn value_lines(value: Value, bits: bool) -> String {
 
 /// What the colours of the picture mean, in its lower left corner: name, and a bar with numbers where a map is used. Returns
 /// the place that it takes.
-fn legend(ui: &Ui, canvas: Rect, view: &View) -> Rect {
+fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
     let painter = ui.painter().with_clip_rect(canvas);
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;
@@ -219,30 +249,20 @@ fn legend(ui: &Ui, canvas: Rect, view: &View) -> Rect {
     };
     let small = FontId::proportional(font_size::SMALL);
     let text = painter.layout(format!("{name}: {help}"), small, tokens(ui).text, WIDTH);
-    let bar_height = if view.range.is_some() { BAR + 20.0 } else { 0.0 };
+    let range = view.range.filter(|_| kind(view.request.shown) == Kind::Numbers);
+    let bar_height = if range.is_some() { BAR + 20.0 } else { 0.0 };
     let size = vec2(WIDTH, text.size().y + bar_height) + Vec2::splat(2.0 * space::S);
     let frame = Rect::from_min_size(canvas.left_bottom() + vec2(space::S, -space::S - size.y), size);
     painter.rect_filled(frame, RADIUS, tokens(ui).panel.gamma_multiply(0.92));
     let inner = frame.shrink(space::S);
     let text_height = text.size().y;
     painter.galley(inner.min, text, tokens(ui).text);
-    let (Some(range), Shown::Buffer(buffer)) = (view.range, view.request.shown) else { return frame };
+    let Some(range) = range else { return frame };
     let bar = Rect::from_min_size(inner.min + vec2(0.0, text_height + 4.0), vec2(WIDTH, BAR));
-    for step in 0..WIDTH as u32 {
-        let [r, g, b, _] = map_color(buffer, step as f32 / (WIDTH - 1.0));
-        let column = Rect::from_min_size(bar.min + vec2(step as f32, 0.0), vec2(1.0, BAR));
-        painter.rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
-    }
+    legend_strip(ui, bar, view.request.shown, &session.range.setting(view.request.shown), range);
     let mono = FontId::monospace(font_size::SMALL);
-    let number = |value: f32| if value.fract() == 0.0 { value.to_string() } else { format::f32_full(value) };
-    painter.text(
-        bar.left_bottom() + vec2(0.0, 2.0),
-        Align2::LEFT_TOP,
-        number(range.low),
-        mono.clone(),
-        tokens(ui).text,
-    );
-    painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, number(range.high), mono, tokens(ui).text);
+    painter.text(bar.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, short(range.low), mono.clone(), tokens(ui).text);
+    painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, short(range.high), mono, tokens(ui).text);
     frame
 }
 

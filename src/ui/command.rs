@@ -12,15 +12,21 @@ use super::engine::Shown;
 use super::fates;
 use super::judging::StabilityView;
 use super::lab;
+use super::mesh_view;
+use super::overlays;
 use super::panels::bottom::Tab;
 use super::place;
+use super::probe;
+use super::range;
 use super::scrub;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
+use super::vertices;
 use super::watch;
 use super::what_if;
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
+use crate::inspect::range::Fit;
 use crate::inspect::scrub::Unit;
 use crate::inspect::selection::TriangleSelection;
 use crate::report::stability::column::Column;
@@ -55,6 +61,12 @@ pub enum Command {
     MeasurePlan,
     /// Stop measuring that.
     CancelPlan,
+    /// Change what is known of how firmly the picture stands.
+    Probe(probe::Change),
+    /// Change what of the vertices is shown.
+    Vertices(vertices::Change),
+    /// Change how the scene is seen from outside.
+    MeshView(mesh_view::Change),
     /// Measure how cost grows with triangles, pixels, layers and threads.
     MeasureGrowth,
     /// Stop measuring that.
@@ -113,6 +125,8 @@ pub enum Command {
     ClearTimings,
     /// Save the picture that the canvas shows.
     SavePicture,
+    /// Save the exact values of what the canvas shows as floats.
+    SaveData,
     /// Save the scene as drawing commands, in the format of this end of a file name.
     SaveOutline(OutlineKind, &'static str),
     /// Put the picture on the clipboard.
@@ -135,6 +149,10 @@ pub enum Command {
     AskForPixel,
     /// Drop what is selected, innermost first.
     Escape,
+    /// Change what is laid over the picture.
+    Overlays(overlays::Change),
+    /// Change the range or the colours of what is shown.
+    Range(range::Change),
     /// Show the lab, or the pipeline again.
     ToggleLab,
     /// Change something in the lab.
@@ -191,6 +209,12 @@ impl Binding {
 /// The key map. Later entries of one key have fewer modifiers, so the first match is the right one.
 pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::COMMAND, Key::O, || Command::AskForFile, "Open a model or a case"),
+    bind(
+        Modifiers::COMMAND.plus(Modifiers::SHIFT),
+        Key::S,
+        || Command::SaveData,
+        "Save the exact values as floats (PFM)",
+    ),
     bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
     bind(CONTROL_SHIFT, Key::C, || Command::Place(place::Change::Copy), "Copy as command: all of this in one line"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
@@ -243,8 +267,16 @@ pub const BINDINGS: &[Binding] = &[
     ),
     bind(Modifiers::NONE, Key::Comma, || Command::StepTriangle(-1), "One triangle fewer"),
     bind(Modifiers::NONE, Key::Period, || Command::StepTriangle(1), "One triangle more"),
-    bind(Modifiers::NONE, Key::P, || Command::StepFault(-1), "Previous crack or double hit"),
-    bind(Modifiers::NONE, Key::N, || Command::StepFault(1), "Next crack or double hit"),
+    bind(Modifiers::SHIFT, Key::J, || Command::StepFault(-1), "Previous faulty pixel of what is shown"),
+    bind(Modifiers::NONE, Key::J, || Command::StepFault(1), "Next faulty pixel of what is shown"),
+    bind(
+        Modifiers::NONE,
+        Key::O,
+        || Command::Overlays(overlays::Change::ToggleOpen),
+        "Show or hide the list of overlays",
+    ),
+    bind(Modifiers::SHIFT, Key::N, || Command::Range(range::Change::FitVisible), "Fit the range to what is on screen"),
+    bind(Modifiers::NONE, Key::N, || Command::Range(range::Change::Fit(Fit::All)), "Fit the range to all values"),
     bind(Modifiers::NONE, Key::Home, || Command::LimitTriangles(Some(0)), "Before the first triangle"),
     bind(Modifiers::NONE, Key::End, || Command::LimitTriangles(None), "After the last triangle"),
     bind(Modifiers::SHIFT, Key::ArrowLeft, || Command::NudgePick(-10, 0), "Picked pixel 10 to the left"),
@@ -270,9 +302,15 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::D, || Command::Compare(Change::Toggle(Mode::Difference)), "Difference, and back"),
     bind(Modifiers::NONE, Key::X, || Command::WhatIf(what_if::Change::Toggle), "What did the last change do? And back"),
     bind(Modifiers::NONE, Key::S, || Command::Compare(Change::Swap), "Swap A and B"),
-    bind(Modifiers::NONE, Key::R, || Command::Compare(Change::ToggleRegion), "Comparing: drag a rectangle to measure"),
+    bind(
+        Modifiers::NONE,
+        Key::R,
+        || Command::Compare(Change::ToggleRegion),
+        "Reset the range; comparing: drag a rectangle to measure",
+    ),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
+    bind(Modifiers::NONE, Key::M, || Command::MeshView(mesh_view::Change::Toggle), "The scene from outside, and back"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
     bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::Change::AddPick), "Watch the picked pixel"),
@@ -292,6 +330,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Shift + middle-drag", "Shift the view"),
     ("Ctrl + wheel", "Come closer, go away"),
     ("Hold Alt", "Numbers in pixels as bits"),
+    ("Shift + drag", "Figures of a box of the picture"),
     ("Comparing: hold Shift", "See the other picture"),
     ("What changed: hold Shift", "See what was drawn before"),
     ("Comparing: R, then drag", "Measure a rectangle"),

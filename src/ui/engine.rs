@@ -6,13 +6,15 @@
 
 use std::sync::Arc;
 
+use super::look::{self, Look, Looked, Source};
 use super::scrub::reel::{Reel, timeline_of};
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
+use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::scrub::{Moment, Timeline};
-use crate::inspect::view::{self, Range};
-use crate::inspect::{PixelReport, Stage, inspect, stages};
+use crate::inspect::view::Range;
+use crate::inspect::{PixelReport, Stage, inspect};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
 use crate::pipeline::viewport::Viewport;
@@ -47,15 +49,18 @@ pub struct Request {
     pub fragment_limit: Option<usize>,
     /// The questioned pixel.
     pub pick: Option<(u32, u32)>,
+    /// By which colours it is shown, and what is laid over it.
+    pub look: Look,
 }
 
 impl Request {
     /// Whether the answer to both is the same.
     pub fn same_view(&self, other: &Self) -> bool {
-        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick
+        self.same_frame(other) && self.shown == other.shown && self.pick == other.pick && self.look == other.look
     }
 
-    fn same_frame(&self, other: &Self) -> bool {
+    /// Whether the frames of both are the same.
+    pub fn same_frame(&self, other: &Self) -> bool {
         self.same_complete_frame(other) && self.moment() == other.moment()
     }
 
@@ -88,6 +93,8 @@ pub struct View {
     pub buffers: Option<Arc<Buffers>>,
     /// Ends of the colour map, if one is used.
     pub range: Option<Range>,
+    /// What the picture was made from, and its figures.
+    pub looked: Looked,
     /// The story of the picked pixel.
     pub report: Option<Arc<PixelReport>>,
     /// The moments around the one that is shown, if it is not the last or a pixel is picked.
@@ -132,26 +139,23 @@ impl Engine {
             }
         }
         let fresh = last.is_none();
-        let (frame, rasterized, kept_buffers, kept_picture) = match last {
-            Some(view) => {
-                let same_picture = (view.request.shown == request.shown).then_some(view.picture);
-                (view.frame, view.rasterized, view.buffers, same_picture)
-            }
+        let (frame, rasterized, kept_buffers, kept) = match last {
+            Some(view) => (view.frame, view.rasterized, view.buffers, Some((view.request, view.looked))),
             None => {
                 let (frame, rasterized) = render(&request, &mut self.renderer, (&mut self.reel, whole));
                 (Arc::new(frame), rasterized, None, None)
             }
         };
         let buffers = needed_buffers(&request, &frame, kept_buffers);
-        let range = match request.shown {
-            Shown::Buffer(buffer) => view::range(buffer, &frame, buffers.as_deref()),
-            Shown::Stage(_) => None,
+        let looked = {
+            let source = Source { frame: &frame, buffers: buffers.as_deref(), stage: None };
+            look::look(&request, source, kept)
         };
-        let picture = kept_picture.unwrap_or_else(|| Arc::new(picture(&request, &frame, buffers.as_deref(), range)));
         let report =
             request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
+        let (picture, range) = (looked.picture.clone(), looked.range);
         let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
-        let view = View { request, frame, rasterized, picture, buffers, range, report, timeline, fresh };
+        let view = View { request, frame, rasterized, picture, buffers, range, looked, report, timeline, fresh };
         self.last = Some(view.clone());
         view
     }
@@ -203,6 +207,8 @@ pub struct StageFigures {
     pub times: StageTimes,
     /// Counts.
     pub counters: Counters,
+    /// Fragments whose depth or weights are NaN or infinite.
+    pub bad: u64,
 }
 
 /// Finds out the figures of a view piece by piece, each at most as long as a frame.
@@ -227,23 +233,18 @@ impl Figuring {
     pub fn step(&mut self) -> Option<StageFigures> {
         let View { request, frame, .. } = &self.view;
         let times = self.timer.step(&request.scene, &request.camera, &request.recipe, frame)?;
-        Some(StageFigures { times, counters: count(request, frame) })
+        let BadFragments { counters, bad, .. } = count(request, frame);
+        Some(StageFigures { times, counters, bad })
     }
 }
 
 /// Counts without shading: as many fragments are shaded as pass.
-fn count(request: &Request, frame: &Frame) -> Counters {
+fn count(request: &Request, frame: &Frame) -> BadFragments {
     let Request { scene, camera, recipe, .. } = request;
-    let mut counters = Counters::default();
-    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counters);
-    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counters);
+    let mut counting = BadFragments::new(recipe.pipeline);
+    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counting);
+    let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counting);
+    let counters = &mut counting.counters;
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
-    counters
-}
-
-fn picture(request: &Request, frame: &Frame, buffers: Option<&Buffers>, range: Option<Range>) -> Image<Rgba8> {
-    match request.shown {
-        Shown::Buffer(buffer) => view::picture(buffer, frame, buffers, range),
-        Shown::Stage(stage) => stages::picture(&request.scene, &request.camera, &request.recipe, frame, stage),
-    }
+    counting
 }

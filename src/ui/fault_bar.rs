@@ -58,7 +58,7 @@ fn steps(ui: &mut Ui, hits: &Hits, commands: &mut Vec<Command>) {
     ui.label(RichText::new("Fault").color(tokens(ui).text_weak));
     ui.add_enabled_ui(!hits.faults.is_empty(), |ui| {
         for (icon, name, step) in
-            [(Icon::ChevronLeft, "Previous fault  (P)", -1), (Icon::ChevronRight, "Next fault  (N)", 1)]
+            [(Icon::ChevronLeft, "Previous fault  (Shift+J)", -1), (Icon::ChevronRight, "Next fault  (J)", 1)]
         {
             let button = icon_button(ui, icon, name).on_disabled_hover_text("There is no fault to go to");
             if button.clicked() {

@@ -22,13 +22,21 @@ pub mod format;
 
 pub mod widgets;
 
+pub mod look;
+
 pub mod engine;
+
+pub mod range;
+
+pub mod overlays;
 
 pub mod compare;
 
 pub mod worker;
 
 pub mod lab;
+
+pub mod probe;
 
 pub mod command;
 
@@ -50,9 +58,13 @@ pub mod fault_bar;
 
 pub mod zoom;
 
+pub mod vertices;
+
 pub mod navigate;
 
 pub mod canvas;
+
+pub mod mesh_view;
 
 pub mod panels;
 

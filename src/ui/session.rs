@@ -10,15 +10,21 @@ use serde::{Deserialize, Serialize};
 
 use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
-use super::compare::{Comparison, Mode, Tiles};
+use super::compare::{Change, Comparison, Mode, Tiles};
 use super::engine::{Request, Shown, StageFigures, View};
 use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
+use super::look::Look;
+use super::mesh_view::{self, MeshView};
 use super::open_case::{self, OpenCase};
+use super::overlays::Overlays;
 use super::place::{Bookmark, Places};
+use super::probe::Probing;
+use super::range::{self, RangeControl};
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::vertices::Vertices;
 use super::watch::Watch;
 use super::what_if::WhatIf;
 use crate::case::Case;
@@ -195,8 +201,18 @@ pub struct Session {
     pub savings: PlanSavings,
     /// How cost grows.
     pub growth: Growth,
+    /// How firmly the picture stands.
+    pub probing: Probing,
+    /// What of the vertices is shown.
+    pub vertices: Vertices,
+    /// How the scene is seen from outside.
+    pub mesh_view: MeshView,
     /// The 2D lab.
     pub lab: Lab,
+    /// Ranges and colours of what is shown.
+    pub range: RangeControl,
+    /// What is laid over the picture.
+    pub overlays: Overlays,
     /// The triangles that are singled out in the picture, in tables and on meshes.
     pub selection: TriangleSelection,
     /// Where triangles and fragments went.
@@ -261,7 +277,12 @@ impl Session {
             stability: Stability::default(),
             savings: PlanSavings::default(),
             growth: Growth::default(),
+            probing: Probing::default(),
+            vertices: Vertices::default(),
+            mesh_view: MeshView::default(),
             lab: Lab::default(),
+            range: RangeControl::default(),
+            overlays: Overlays::default(),
             selection: TriangleSelection::default(),
             fates: FatesView::default(),
             places: Places::default(),
@@ -299,6 +320,12 @@ impl Session {
             triangle_limit: self.triangle_limit,
             fragment_limit: self.scrub.fragment_limit(self.triangle_limit),
             pick: self.pick,
+            look: Look {
+                display: self.range.setting(self.shown).display,
+                measures: self.range.measures(self.shown),
+                layers: self.overlays.layers.clone(),
+                vectors: self.overlays.vectors,
+            },
         }
     }
 
@@ -361,6 +388,8 @@ impl Session {
         self.source = source;
         self.mirrored = false;
         (self.triangle_limit, self.scrub.playing) = (None, 0);
+        self.vertices.selected = None;
+        self.mesh_view.leave_scene();
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         (self.selection, self.fates) = Default::default();
@@ -443,10 +472,17 @@ impl Session {
                     self.state.recipe.upscaler = upscaler;
                 }
             }
+            Command::Overlays(change) => return self.overlays.apply(change).map(Command::Overlays),
+            Command::Range(change) => self.range.apply(change, self.shown, self.view.as_ref()),
+            Command::Compare(Change::ToggleRegion) if !self.comparison.is_on() => {
+                self.range.apply(range::Change::Reset, self.shown, None);
+            }
             Command::Compare(change) => {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
                 self.comparison.apply(change, tiles, recipe);
             }
+            Command::Vertices(change) => self.vertices.apply(change),
+            Command::MeshView(change) => mesh_view::apply(self, change),
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,
@@ -499,6 +535,9 @@ impl Session {
     /// The crack or double hit after or before the picked pixel, in reading order and round the end; the first or the last if
     /// none is picked, none if the frame on screen has none or its hits were not counted.
     pub fn fault_beside_pick(&self, forwards: bool) -> Option<(u32, u32)> {
+        if self.overlays.stepped().is_some() {
+            return self.overlays.beside(self.view.as_ref()?, self.pick, forwards);
+        }
         let hits = self.view.as_ref()?.buffers.as_ref()?.hits.as_ref()?;
         hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
     }

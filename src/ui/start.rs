@@ -20,6 +20,7 @@ use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::inspect::fates::{Bin, TriangleFate};
+use crate::inspect::mesh_view::MeshStyle;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
@@ -53,8 +54,8 @@ pub struct Seen {
     pub pixel: Option<(u32, u32)>,
     /// A buffer or the picture after a stage.
     pub shown: Option<Shown>,
-    /// Only the first so many rasterized triangles.
-    pub triangles: Option<usize>,
+    /// An earlier moment of the frame than its last.
+    pub moment: Option<Moment>,
     /// Size of the picture.
     pub picture: Option<Viewport>,
 }
@@ -63,7 +64,8 @@ impl Seen {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
-        session.triangle_limit = self.triangles;
+        session.triangle_limit = self.moment.map(|moment| moment.triangles);
+        session.scrub.fragment_limit = self.moment.and_then(|moment| moment.fragments);
         if let Some(Viewport { width, height }) = self.picture {
             session.state.size = PictureSize::Fixed(width, height);
         }
@@ -92,8 +94,14 @@ pub struct ScreenshotRequest {
     pub theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
     pub measure: bool,
+    /// Whether it is probed first how firmly the picture stands.
+    pub probe: bool,
+    /// Whether the scene is shown from outside, too, and how.
+    pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
+    /// What else is changed before the picture is taken.
+    pub changes: Vec<Command>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
     /// How much of the frame is drawn, if not all.
@@ -196,6 +204,13 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
     }
+    if let Some(style) = request.mesh {
+        let mesh = &mut app.session_mut().mesh_view;
+        (mesh.open, mesh.style) = (true, style);
+    }
+    for command in request.changes.iter().cloned() {
+        app.session_mut().apply(command);
+    }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
     }
@@ -222,6 +237,10 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let picture = app.session().viewport();
     if request.selected.is_some_and(|(x, y)| x >= picture.width || y >= picture.height) {
         return Err(picture);
+    }
+    if request.probe {
+        super::probe::probe_now(app.session_mut());
+        headless.pass(Vec::new(), |ui| app.show(ui));
     }
     if request.measure {
         app.measure();

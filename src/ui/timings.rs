@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, VecDeque};
 
 use super::engine::Request;
+use super::look::Look;
 use crate::chain::Recipe;
 use crate::measure::against::Figures;
 use crate::measure::timing::{Summary, summarize};
@@ -156,6 +157,7 @@ impl Timings {
             shown: request.shown,
             pick: None,
             triangle_limit: None,
+            look: Look::default(),
             fragment_limit: None,
             ..r.clone()
         };
@@ -199,6 +201,7 @@ mod tests {
             triangle_limit: None,
             fragment_limit: None,
             pick: None,
+            look: Look::default(),
         }
     }
 

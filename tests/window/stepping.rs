@@ -1,6 +1,6 @@
 //! Stepping through the frame: stage by stage, buffer by buffer, triangle by triangle.
 
-use eframe::egui::{Key, Role};
+use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::{Buffer, Stage, stages};
 use rasterscope::pipeline::settings::{Choice as _, FillRule};
@@ -49,11 +49,11 @@ fn every_stage_s_eye_shows_its_picture_and_hides_it_again() {
 #[test]
 fn faults_are_counted_stepped_through_and_explained() {
     let mut bench = Bench::small("shared-edges");
-    bench.press(Key::N);
+    bench.press(Key::J);
     assert_eq!(bench.session().shown, Shown::Buffer(Buffer::Hits));
     assert!(bench.says("0 cracks · 0 double hits"));
     let pick = bench.session().pick;
-    bench.press(Key::N);
+    bench.press(Key::J);
     assert_eq!(bench.session().pick, pick, "there is no fault to go to");
 
     bench.session_mut().state.recipe.pipeline.fill_rule = FillRule::Exclusive;
@@ -63,12 +63,12 @@ fn faults_are_counted_stepped_through_and_explained() {
     assert!(places.len() > 10 && bench.says(&format!("{} cracks", places.len())) && bench.says("0 double hits"));
     bench.session_mut().pick = None;
     bench.rest();
-    bench.click("Next fault  (N)");
+    bench.click("Next fault  (J)");
     assert_eq!(bench.session().pick, Some(places[0]));
-    bench.press(Key::N);
+    bench.press(Key::J);
     assert_eq!(bench.session().pick, Some(places[1]));
-    bench.click("Previous fault  (P)");
-    bench.press(Key::P);
+    bench.click("Previous fault  (Shift+J)");
+    bench.press_with(Modifiers::SHIFT, Key::J);
     assert_eq!(bench.session().pick, places.last().copied(), "round the end");
     assert!(bench.mentions("A crack: no triangle covers this pixel, though triangle "));
     // It is enlarged in the middle of the canvas: a click there picks the same pixel.

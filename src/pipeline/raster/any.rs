@@ -1,5 +1,6 @@
 //! A triangle in an arithmetic that is chosen when the program runs: for whoever asks a few of its pixels.
 
+use super::numbers::Edge;
 use super::{Exact, Fixed, Floating, Sample, Triangle, within_fixed_point};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
@@ -44,6 +45,11 @@ impl AnyTriangle {
     /// Edge values at a pixel's centre, inside the triangle or not.
     pub fn sample(&self, pixel: (u32, u32)) -> Sample {
         each!(self, triangle => triangle.sample(pixel, pixel))
+    }
+
+    /// For each edge, opposite to the corner of the same number, whether samples exactly on it belong to the triangle.
+    pub fn owned(&self) -> [bool; 3] {
+        each!(self, triangle => triangle.edges().each_ref().map(Edge::owned))
     }
 
     /// Doubled area, > 0, in the unit of edge values.

@@ -48,7 +48,7 @@ use super::settings::{Arithmetic, Filter, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
 use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
-use crate::image::Rgba8;
+use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::math::lanes::{LANES, Lanes, Simd, on_lanes};
 use crate::scene::material::Transparency;
@@ -288,6 +288,33 @@ pub fn draw(
         vertices: draws.iter().map(|draw| draw.mesh.positions.len() as u64).sum(),
     };
     TiledReport { plans, times, counts }
+}
+
+/// Side of a tile in samples.
+pub const TILE_SIDE: u32 = TILE as u32;
+
+/// How many triangles each tile is handed: those whose boxes touch it, before they are set up. One value for each tile of
+/// [`TILE_SIDE`] samples a side. [`obstacle`] must have found none.
+pub fn tile_loads(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    (grid, viewport): (SampleGrid, Viewport),
+) -> Image<u32> {
+    let (scale, lanes) = (DepthScale::new(settings.depth_format, camera), Lanes::best());
+    let (draws, _) = plan(scene, camera, settings, viewport);
+    let widening = guard_band_widening(viewport.width, viewport.height);
+    let Memory { mut arrays, mut chunks, .. } = Memory::default();
+    geometry::transform(&draws, settings, viewport, &scale, widening, lanes, &mut arrays);
+    let packed = grid.packed_size(viewport.width, viewport.height);
+    let tiles = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
+    let lattice = Lattice::new(grid);
+    Binning { draws: &draws, arrays: &arrays, settings, viewport, scale, lattice, packed, tiles }
+        .run(lanes, &mut chunks);
+    Image::from_fn(tiles.0 as u32, tiles.1 as u32, |column, row| {
+        let number = row as usize * tiles.0 + column as usize;
+        chunks.iter().map(|chunk| chunk.keys(number).len() as u32).sum()
+    })
 }
 
 /// What all threads add to.

@@ -5,7 +5,10 @@ use eframe::egui::{ScrollArea, Ui};
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
+use crate::ui::probe;
+use crate::ui::range::panel;
 use crate::ui::session::Session;
+use crate::ui::vertices;
 use crate::ui::watch;
 
 /// A tab.
@@ -18,6 +21,8 @@ pub enum Tab {
     ErrorTime,
     /// What a pixel of the picture is made of.
     Xray,
+    /// How often each value is there.
+    Histogram,
     /// Where triangles and fragments went.
     Fates,
     /// What the scene needs and what is left out.
@@ -28,6 +33,10 @@ pub enum Tab {
     Stability,
     /// What all buffers hold at watched pixels.
     Watch,
+    /// The vertices of the picked triangle at every stage.
+    Vertices,
+    /// How firmly the picture stands.
+    Probe,
     /// Messages.
     Log,
 }
@@ -41,6 +50,7 @@ pub const TABS: &[(Tab, &str, &str)] = &[
         "X-ray",
         "The samples that the upscaler made the picked pixel of, and how the method answers test signals",
     ),
+    (Tab::Histogram, "Histogram", "How often each value of what is shown is there, and the figures of it"),
     (Tab::Fates, "Fates", "How every triangle and every fragment ended, in all and per object; a click selects them"),
     (Tab::Plan, "Plan", "What this scene needs, and what is left out of each draw and why"),
     (Tab::Scaling, "Scaling", "How the cost of a frame grows with triangles, pixels, layers and threads"),
@@ -50,6 +60,12 @@ pub const TABS: &[(Tab, &str, &str)] = &[
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
     (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
+    (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
+    (
+        Tab::Probe,
+        "Probe",
+        "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
+    ),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -80,6 +96,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Histogram => {
+                ui.separator();
+                panel::controls(ui, session, commands);
+            }
             Tab::Fates => {
                 ui.separator();
                 fates::controls(ui, session);
@@ -88,11 +108,21 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 watch::panel::controls(ui, session, commands);
             }
+            Tab::Vertices => {
+                ui.separator();
+                vertices::controls(ui, session, commands);
+            }
+            Tab::Probe => {
+                ui.separator();
+                probe::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
     ui.add_space(4.0);
+    panel::tell(*tab == Tab::Histogram, session, commands);
     match tab {
+        Tab::Histogram => panel::ui(ui, session, commands),
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
@@ -100,6 +130,8 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
+        Tab::Vertices => vertices::ui(ui, session, commands),
+        Tab::Probe => probe::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
         }

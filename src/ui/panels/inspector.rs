@@ -5,13 +5,13 @@ use eframe::egui::{self, Align2, Color32, FontId, Label, Pos2, RichText, ScrollA
 
 use crate::image::Rgba8;
 use crate::inspect::pixel::{ShadingRecord, sample_position_px};
-use crate::inspect::view::{Value, value};
+use crate::inspect::view::Value;
 use crate::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
 use crate::pipeline::settings::Arithmetic;
 use crate::scene::Transparency;
 use crate::ui::command::Command;
-use crate::ui::engine::Shown;
 use crate::ui::format;
+use crate::ui::overlays;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
@@ -37,6 +37,7 @@ impl Inspector {
     /// Draws the panel.
     pub fn ui(&mut self, ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
         hover_line(ui, session, hovered);
+        overlays::readout::ui(ui, session, hovered);
         ui.separator();
         let report = session.view.as_ref().and_then(|view| view.report.as_deref());
         let Some(report) = report else {
@@ -100,11 +101,7 @@ fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     let here = hovered.and_then(|(x, y)| {
         let view = what_if::seen(ui, session)?;
         let color = view.picture.get(x, y)?;
-        let value = match view.request.shown {
-            Shown::Buffer(buffer) => value(buffer, &view.frame, view.buffers.as_deref(), x, y),
-            Shown::Stage(_) => Value::Color(color),
-        };
-        Some((x, y, color, value))
+        Some((x, y, color, view.value(x, y)))
     });
     ui.horizontal(|ui| {
         ui.set_height(theme::CONTROL_HEIGHT);

@@ -83,6 +83,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
     ui.separator();
     entry(ui, "Save picture", Command::SavePicture, commands);
+    entry(ui, "Save exact values (PFM)", Command::SaveData, commands);
     ui.menu_button("Save as drawing", |ui| {
         for kind in OutlineKind::ALL {
             for end in ["svg", "pdf"] {
@@ -170,6 +171,20 @@ fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
 }
 
+/// How many fragments carry numbers that are none, where there is room to tell.
+fn bad_numbers(ui: &mut Ui, session: &Session) {
+    /// Room for this and for the number of triangles, in points.
+    const ROOM: f32 = 260.0;
+    let Some(figures) = session.stages.filter(|_| ui.available_width() >= ROOM) else { return };
+    let color = if figures.bad > 0 { tokens(ui).warning } else { tokens(ui).text };
+    let text = RichText::new(format!("{} NaN", format::count(figures.bad))).monospace().color(color);
+    ui.label(text).on_hover_text(
+        "Fragments of this frame whose depth or weights are not a number or infinite. The overlay “NaN, infinite, negative” \
+         shows where  (O)",
+    );
+    ui.label(RichText::new("·").color(tokens(ui).text_weak));
+}
+
 /// The frame in figures, and the theme switch.
 fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let theme_icon = if ui.visuals().dark_mode { Icon::Sun } else { Icon::Moon };
@@ -193,6 +208,7 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text(help);
         ui.label(RichText::new("·").color(tokens(ui).text_weak));
     }
+    bad_numbers(ui, session);
     ui.label(
         RichText::new(format!(
             "{} {}",

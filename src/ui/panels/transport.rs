@@ -7,6 +7,9 @@ use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::mesh_view;
+use crate::ui::overlays;
+use crate::ui::range;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::what_if;
@@ -34,7 +37,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 316.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 408.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -59,6 +62,23 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     }
     if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
         commands.push(Command::WhatIf(what_if::Change::Toggle));
+    }
+    if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
+        commands.push(Command::MeshView(mesh_view::Change::Toggle));
+    }
+    let help = "Range and histogram of what is shown, on the picture";
+    if icon_button(ui, Icon::ChartColumn, help).clicked() {
+        commands.push(Command::Range(range::Change::Open(!session.range.open)));
+    }
+    let count = session.overlays.count();
+    let name = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
+    let text = if count > 0 { count.to_string() } else { String::new() };
+    let help = "edges, counts, sizes and faults over the picture, each with a legend  (O)";
+    let button = Button::selectable(session.overlays.open, (theme::icon(Icon::Layers), text));
+    let response = ui.add(button).on_hover_text(format!("{name}: {help}"));
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.overlays.open, &name));
+    if response.clicked() {
+        commands.push(Command::Overlays(overlays::Change::ToggleOpen));
     }
 }
 
@@ -113,6 +133,6 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
     let text = format!("{} × {}  {zoom}", viewport.width, viewport.height);
     if ui.available_width() >= FIGURES_POINTS {
         ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
-            .on_hover_text("Size of the picture in px, and its enlargement on screen");
+            .on_hover_text("Size of the picture in px, and its enlargement on screen. Ctrl+G sets it: 800% 12,34");
     }
 }

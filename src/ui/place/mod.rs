@@ -87,6 +87,7 @@ impl Session {
             buffer,
             stage,
             triangles: self.triangle_limit,
+            fragments: self.scrub.fragment_limit,
             pixel: self.pick,
         }
     }
@@ -181,6 +182,7 @@ impl Session {
             return None;
         }
         self.case = None;
+        self.lab.open = false;
         if place.scene == self.place().scene {
             self.stand_at(&place);
             return None;
@@ -202,7 +204,7 @@ impl Session {
         self.state.size =
             place.picture.map_or(PictureSize::Canvas, |(width, height)| PictureSize::Fixed(width, height));
         self.shown = place.stage.map_or(Shown::Buffer(place.buffer), Shown::Stage);
-        self.triangle_limit = place.triangles;
+        (self.triangle_limit, self.scrub.fragment_limit) = (place.triangles, place.fragments);
         self.pick = place.pixel;
         let here = self.place();
         self.places.visits.arrived(here);

@@ -1,0 +1,92 @@
+//! Counting, while a frame is drawn, what happens and which fragments carry numbers that are none.
+
+use crate::pipeline::interpolate::attribute_weights;
+use crate::pipeline::observe::{Counters, DepthOutcome, Fate, Observer};
+use crate::pipeline::raster::Sample;
+use crate::pipeline::settings::{DepthTest, Settings};
+use crate::pipeline::viewport::ScreenTriangle;
+use crate::scene::TriangleId;
+
+/// Counters, and how many fragments that passed the depth test have a depth or a weight that is NaN or infinite.
+#[derive(Clone, Copy, Debug)]
+pub struct BadFragments {
+    /// What happened.
+    pub counters: Counters,
+    /// Fragments with numbers that are none.
+    pub bad: u64,
+    settings: Settings,
+}
+
+impl BadFragments {
+    /// Nothing counted yet, for a frame that `settings` make.
+    pub fn new(settings: Settings) -> Self {
+        Self { counters: Counters::default(), bad: 0, settings }
+    }
+
+    fn check(&mut self, triangle: &ScreenTriangle, sample: &Sample, depth: f32) {
+        let weights = attribute_weights(triangle, sample, self.settings.interpolation);
+        self.bad += u64::from(!depth.is_finite() || weights.iter().any(|weight| !weight.is_finite()));
+    }
+}
+
+impl Observer for BadFragments {
+    fn rejected(&mut self, id: TriangleId, fate: Fate) {
+        self.counters.rejected(id, fate);
+    }
+
+    fn clipped(&mut self, id: TriangleId, pieces: usize) {
+        self.counters.clipped(id, pieces);
+    }
+
+    fn visited(&mut self, samples: u64) {
+        self.counters.visited(samples);
+    }
+
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        self.counters.covered(triangle, sample);
+        if self.settings.depth_test == DepthTest::Off {
+            self.check(triangle, sample, 0.0);
+        }
+    }
+
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+        self.counters.depth_tested(triangle, sample, outcome);
+        if outcome.passed {
+            self.check(triangle, sample, outcome.new);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::{Recipe, redraw, run};
+    use crate::inspect::capture;
+    use crate::pipeline::Until;
+    use crate::pipeline::settings::Interpolation;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    #[test]
+    fn bad_weights_are_counted_where_an_interpolation_makes_them() {
+        let scene = builtin::by_id("shared-edges").unwrap().build();
+        for (interpolation, depth_test) in [
+            (Interpolation::Perspective, DepthTest::Less),
+            (Interpolation::Published, DepthTest::Less),
+            (Interpolation::Published, DepthTest::Off),
+        ] {
+            let mut recipe = Recipe::default();
+            (recipe.pipeline.interpolation, recipe.pipeline.depth_test) = (interpolation, depth_test);
+            let frame = run(&scene, &scene.home, &recipe, Viewport { width: 32, height: 24 }, &mut ());
+            let mut counting = BadFragments::new(recipe.pipeline);
+            redraw(&scene, &recipe, &frame, Until::Depth, &mut counting);
+            // Triangles do not overlap here, so that every fragment is a pixel of the buffer.
+            let weights = capture(&scene, &recipe, &frame).perspective_lambda;
+            let bad =
+                weights.pixels().iter().filter(|weights| weights.iter().any(|weight| !weight.is_finite())).count();
+            assert_eq!(counting.bad, bad as u64, "{interpolation:?} {depth_test:?}");
+            assert_eq!(bad > 0, interpolation == Interpolation::Published, "{bad}");
+            assert!(counting.counters.covered > 100);
+        }
+    }
+}

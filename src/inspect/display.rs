@@ -1,0 +1,339 @@
+//! How a quantity becomes colours on the screen: range, colour map, channels. The quantity itself is never changed.
+
+use serde::{Deserialize, Serialize};
+
+use super::buffers::{Buffer, Buffers};
+use super::range::{Fit, Rule, channels};
+use super::stages::NOT_DRAWN;
+use super::view::{self, Range, Value, fault_color};
+use crate::chain::Frame;
+use crate::image::color::quantize;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::settings::{Choice, choice};
+use crate::pipeline::shade::id_color;
+
+choice! {
+    /// Colours for a number between two ends.
+    ColorMap {
+        Viridis = "viridis", "Viridis", "From dark blue over green to yellow in even steps, safe for the colour-blind.";
+        Cividis = "cividis", "Cividis", "From dark blue to yellow: looks nearly the same to every kind of eye.";
+        Magma = "magma", "Magma", "From black over purple to a light yellow in even steps.";
+        Turbo = "turbo", "Turbo", "A rainbow with smooth brightness: shows fine steps, not even ones.";
+        Grey = "grey", "Grey", "From black to white.";
+        Diverging = "diverging", "± (orange, white, purple)", "Zero is white, below zero orange, above zero purple; the ends are equally far from zero.";
+    }
+}
+
+/// Colour of what is not a number, in every map.
+pub const NOT_A_NUMBER: Rgba8 = [255, 0, 190, 255];
+
+impl ColorMap {
+    /// The colour at a position in [0, 1].
+    pub fn color(self, position: f32) -> Rgba8 {
+        if position.is_nan() {
+            return NOT_A_NUMBER;
+        }
+        let at = f64::from(position.clamp(0.0, 1.0));
+        let gradient = match self {
+            Self::Viridis => colorous::VIRIDIS,
+            Self::Cividis => colorous::CIVIDIS,
+            Self::Magma => colorous::MAGMA,
+            Self::Turbo => colorous::TURBO,
+            Self::Diverging => colorous::PURPLE_ORANGE,
+            Self::Grey => {
+                let grey = (at * 255.0).round() as u8;
+                return [grey, grey, grey, 255];
+            }
+        };
+        // This gradient begins with purple.
+        let at = if self == Self::Diverging { 1.0 - at } else { at };
+        let [r, g, b] = gradient.eval_continuous(at).as_array();
+        [r, g, b, 255]
+    }
+}
+
+/// How a quantity is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Display {
+    /// How the ends of the range are found.
+    pub rule: Rule,
+    /// The colour map; the quantity's own if none.
+    pub map: Option<ColorMap>,
+    /// Whether the map runs the other way.
+    pub reversed: bool,
+    /// Which of red, green, blue (or of the three weights) are shown; a single one is shown as grey.
+    pub channels: [bool; 3],
+}
+
+impl Default for Display {
+    fn default() -> Self {
+        Self { rule: Rule::Natural, map: None, reversed: false, channels: [true; 3] }
+    }
+}
+
+/// What the values of a picture are, for words and controls.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Kind {
+    /// Red, green, blue as codes of 8 bits.
+    Colors,
+    /// Three weights.
+    Weights,
+    /// One number or count, by a colour map.
+    Numbers,
+    /// Names of things: there is no range.
+    Names,
+}
+
+impl Kind {
+    /// Of a buffer.
+    pub fn of(buffer: Buffer) -> Self {
+        match buffer {
+            Buffer::Color => Self::Colors,
+            Buffer::Lambda | Buffer::PerspectiveLambda => Self::Weights,
+            Buffer::TriangleId => Self::Names,
+            _ => Self::Numbers,
+        }
+    }
+
+    /// Names of the channels.
+    pub fn channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Colors => &["R", "G", "B"],
+            Self::Weights => &["λ0", "λ1", "λ2"],
+            Self::Numbers => &["value"],
+            Self::Names => &[],
+        }
+    }
+
+    /// The range that suits it, unless it depends on the values.
+    fn natural(self) -> Option<Range> {
+        match self {
+            Self::Colors => Some(Range { low: 0.0, high: 255.0 }),
+            Self::Weights => Some(Range { low: 0.0, high: 1.0 }),
+            Self::Numbers | Self::Names => None,
+        }
+    }
+}
+
+impl Display {
+    /// The range that a buffer of a frame is shown with; `None` if it has none.
+    pub fn range(&self, buffer: Buffer, frame: &Frame, buffers: Option<&Buffers>) -> Option<Range> {
+        let value = |x: u32, y: u32| view::value(buffer, frame, buffers, x, y);
+        let natural = || view::range(buffer, frame, buffers);
+        self.range_of(Kind::of(buffer), frame.image().size(), natural, value)
+    }
+
+    /// The range that a picture of values is shown with, whose kind is known. `natural` gives what suits numbers; if it
+    /// gives nothing, all values decide.
+    pub fn range_of(
+        &self,
+        kind: Kind,
+        size: (u32, u32),
+        natural: impl Fn() -> Option<Range>,
+        value: impl Fn(u32, u32) -> Value,
+    ) -> Option<Range> {
+        match self.rule {
+            _ if kind == Kind::Names => None,
+            Rule::Fixed(range) => Some(range),
+            Rule::Sticky(fit) => fit.range(size, self.channels, value).or_else(|| kind.natural()),
+            Rule::Natural => kind.natural().or_else(natural).or_else(|| Fit::All.range(size, self.channels, value)),
+        }
+    }
+
+    /// Where a number lies on the colour map, in [0, 1]; NaN stays NaN.
+    pub fn position(&self, range: Range, number: f32) -> f32 {
+        if number.is_nan() {
+            return number;
+        }
+        let position = if self.map == Some(ColorMap::Diverging) {
+            let reach = range.low.abs().max(range.high.abs());
+            Range { low: -reach, high: reach }.position(number)
+        } else {
+            range.position(number)
+        };
+        if self.reversed { 1.0 - position } else { position }
+    }
+
+    /// The colour of a number; `buffer` is the one that it is of, if it is of one.
+    pub fn number_color(&self, buffer: Option<Buffer>, range: Range, number: f32) -> Rgba8 {
+        let position = self.position(range, number);
+        match (self.map, buffer) {
+            _ if position.is_nan() => NOT_A_NUMBER,
+            (Some(map), _) => map.color(position),
+            (None, Some(buffer)) => view::map_color(buffer, position),
+            (None, None) => view::magnitude_color(position),
+        }
+    }
+
+    /// The colour of a position in [0, 1] between the ends of the range.
+    pub fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
+        let number = range.low + (range.high - range.low) * share;
+        // Ends that are equal still have a whole map between them.
+        let range = if range.high > range.low { range } else { Range { low: 0.0, high: 1.0 } };
+        let number = if number.is_finite() && number != range.low { number } else { range.low + share };
+        self.number_color(buffer, range, number)
+    }
+
+    /// Three numbers as a colour: each between black and full, only chosen ones, a single one as grey.
+    fn tone(&self, range: Range, numbers: [f32; 3]) -> Rgba8 {
+        if numbers.iter().zip(self.channels).any(|(number, shown)| shown && number.is_nan()) {
+            return NOT_A_NUMBER;
+        }
+        let [r, g, b] = numbers.map(|number| quantize(range.position(number)));
+        match self.channels {
+            [true, false, false] => [r, r, r, 255],
+            [false, true, false] => [g, g, g, 255],
+            [false, false, true] => [b, b, b, 255],
+            [red, green, blue] => [r * u8::from(red), g * u8::from(green), b * u8::from(blue), 255],
+        }
+    }
+
+    /// The colour of a value.
+    fn color(&self, buffer: Option<Buffer>, range: Range, value: Value) -> Rgba8 {
+        match value {
+            Value::NotDrawn | Value::Nothing => NOT_DRAWN,
+            Value::Number(number) => self.number_color(buffer, range, number),
+            Value::Count(count) => self.number_color(buffer, range, count as f32),
+            Value::Color([r, g, b, _]) => self.tone(range, [r, g, b].map(f32::from)),
+            Value::Weights(weights) => self.tone(range, weights),
+            Value::Triangle(id) => id_color(id),
+        }
+    }
+
+    /// A buffer as a full picture. With default settings it is [`view::picture`].
+    pub fn picture(
+        &self,
+        buffer: Buffer,
+        frame: &Frame,
+        buffers: Option<&Buffers>,
+        range: Option<Range>,
+    ) -> Image<Rgba8> {
+        if *self == Self::default() {
+            return view::picture(buffer, frame, buffers, range);
+        }
+        let value = |x, y| view::value(buffer, frame, buffers, x, y);
+        let mut image = self.picture_of(Some(buffer), frame.image().size(), range, value);
+        let hits = buffers.and_then(|buffers| buffers.hits.as_ref()).filter(|_| buffer == Buffer::Hits);
+        for fault in hits.iter().flat_map(|hits| &hits.faults) {
+            image.set(fault.x, fault.y, fault_color(fault.kind));
+        }
+        image
+    }
+
+    /// A picture of values; `buffer` is the one that they are of, if they are of one.
+    pub fn picture_of(
+        &self,
+        buffer: Option<Buffer>,
+        (width, height): (u32, u32),
+        range: Option<Range>,
+        value: impl Fn(u32, u32) -> Value,
+    ) -> Image<Rgba8> {
+        let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
+        Image::from_fn(width, height, |x, y| self.color(buffer, range, value(x, y)))
+    }
+}
+
+/// Whether any channel of a value lies below the range, and whether any lies above. Codes of colours at the ends of all that
+/// there are count, too: what was brighter or darker was cut off there.
+pub fn beyond(value: Value, range: Range) -> (bool, bool) {
+    let is_code = matches!(value, Value::Color(_));
+    let below = |v: f32| v < range.low || is_code && v <= 0.0;
+    let above = |v: f32| v > range.high || is_code && v >= 255.0;
+    // One channel at zero is a saturated colour; all of them are black.
+    let black =
+        if is_code { channels(value).all(below) && channels(value).count() > 0 } else { channels(value).any(below) };
+    (black, channels(value).any(above))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::{Recipe, run};
+    use crate::inspect::capture;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    fn frame() -> (Frame, Buffers) {
+        let scene = builtin::by_id("interpenetrating").unwrap().build();
+        let recipe = Recipe::default();
+        let frame = run(&scene, &scene.home, &recipe, Viewport { width: 48, height: 36 }, &mut ());
+        let buffers = capture(&scene, &recipe, &frame);
+        (frame, buffers)
+    }
+
+    #[test]
+    fn default_settings_show_what_the_plain_picture_shows() {
+        let (frame, buffers) = frame();
+        // An explicit map is drawn by the other way through the code.
+        let explicit = Display { map: Some(ColorMap::Viridis), ..Display::default() };
+        for buffer in Buffer::ALL.iter().copied().filter(|buffer| *buffer != Buffer::Hits) {
+            let range = Display::default().range(buffer, &frame, Some(&buffers));
+            let plain = Display::default().picture(buffer, &frame, Some(&buffers), range);
+            assert_eq!(explicit.picture(buffer, &frame, Some(&buffers), range), plain, "{buffer:?}");
+        }
+    }
+
+    #[test]
+    fn a_range_moves_colours_and_no_values() {
+        let (frame, buffers) = frame();
+        let values = |buffer| {
+            let at = |x, y| view::value(buffer, &frame, Some(&buffers), x, y);
+            Image::from_fn(48, 36, at)
+        };
+        let before = values(Buffer::Depth);
+        let natural = Display::default().range(Buffer::Depth, &frame, Some(&buffers)).unwrap();
+        let middle = (natural.low + natural.high) / 2.0;
+        let narrow = Range { low: middle, high: middle + (natural.high - middle) / 2.0 };
+        let display = Display { rule: Rule::Fixed(narrow), ..Display::default() };
+        let range = display.range(Buffer::Depth, &frame, Some(&buffers));
+        assert_eq!(range, Some(narrow));
+        let picture = display.picture(Buffer::Depth, &frame, Some(&buffers), range);
+        assert_eq!(values(Buffer::Depth), before);
+        for (pixel, value) in picture.pixels().iter().zip(before.pixels()) {
+            match value {
+                Value::Number(number) if *number <= narrow.low => assert_eq!(*pixel, ColorMap::Viridis.color(0.0)),
+                Value::Number(number) if *number >= narrow.high => assert_eq!(*pixel, ColorMap::Viridis.color(1.0)),
+                Value::Number(_) => assert_ne!(*pixel, NOT_DRAWN),
+                _ => assert_eq!(*pixel, NOT_DRAWN),
+            }
+        }
+    }
+
+    #[test]
+    fn one_channel_alone_is_grey_and_channels_that_are_off_are_black() {
+        let range = Range { low: 0.0, high: 255.0 };
+        let shown = |channels| {
+            let display = Display { channels, ..Display::default() };
+            display.picture_of(None, (1, 1), Some(range), |_, _| Value::Color([10, 20, 30, 255])).at(0, 0)
+        };
+        assert_eq!(shown([false, true, false]), [20, 20, 20, 255]);
+        assert_eq!(shown([true, false, true]), [10, 0, 30, 255]);
+        assert_eq!(shown([true; 3]), [10, 20, 30, 255]);
+    }
+
+    #[test]
+    fn a_map_of_signed_numbers_has_zero_in_the_middle() {
+        let display = Display { map: Some(ColorMap::Diverging), ..Display::default() };
+        let range = Range { low: -1.0, high: 4.0 };
+        assert_eq!(display.position(range, 0.0), 0.5);
+        assert_eq!(display.position(range, 4.0), 1.0);
+        assert_eq!(display.position(range, -4.0), 0.0);
+        let reversed = Display { reversed: true, ..display };
+        assert_eq!(reversed.position(range, 4.0), 0.0);
+        assert_eq!(display.number_color(Some(Buffer::Depth), range, f32::NAN), NOT_A_NUMBER);
+        let [[r, _, b, _], middle, [red, _, blue, _]] = [0.0, 0.5, 1.0].map(|at| ColorMap::Diverging.color(at));
+        assert!(r > b && red < blue, "orange is below and purple above");
+        assert!(middle[..3].iter().all(|code| *code > 230), "{middle:?}");
+    }
+
+    #[test]
+    fn codes_are_beyond_at_their_ends_and_numbers_only_outside_of_the_range() {
+        let codes = Range { low: 0.0, high: 255.0 };
+        assert_eq!(beyond(Value::Color([0, 3, 255, 255]), codes), (false, true));
+        assert_eq!(beyond(Value::Color([0, 0, 0, 255]), codes), (true, false));
+        let unit = Range { low: 0.0, high: 1.0 };
+        assert_eq!(beyond(Value::Weights([0.0, 0.0, 1.0]), unit), (false, false));
+        assert_eq!(beyond(Value::Weights([-1e-9, 0.5, 1.1]), unit), (true, true));
+        assert_eq!(beyond(Value::Nothing, unit), (false, false));
+    }
+}

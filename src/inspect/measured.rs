@@ -1,0 +1,89 @@
+//! The figures of a shown quantity: histogram and statistics of each channel, over the picture and over a rectangle.
+
+use super::histogram::Histogram;
+use super::range::{channels, pixels};
+use super::statistics::Statistics;
+use super::view::{Range, Value};
+use crate::measure::region::Region;
+
+/// Bars of a histogram: about three points each in the widest strip.
+pub const BINS: usize = 256;
+
+/// Figures of a picture of values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// Of each channel over the whole picture.
+    pub whole: Vec<Statistics>,
+    /// Of each channel within the rectangle, if one was drawn.
+    pub part: Option<(Region, Vec<Statistics>)>,
+    /// Of each channel over the whole picture, all over one range; none if there is no finite value.
+    pub histograms: Vec<Histogram>,
+    /// From the least to the greatest value of all channels, if there is any.
+    pub extent: Option<Range>,
+}
+
+/// Measures a picture of `size` with `count` channels whose values are asked for. Histograms are over `axis`, or over all
+/// values if there is none. Pixels that hold nothing do not count.
+pub fn measure(
+    size: (u32, u32),
+    count: usize,
+    axis: Option<Range>,
+    region: Option<Region>,
+    value: impl Fn(u32, u32) -> Value,
+) -> Measured {
+    let all = Region { left: 0, top: 0, right: size.0, bottom: size.1 };
+    let statistics = |region: Region| {
+        let mut statistics = vec![Statistics::default(); count];
+        for (x, y) in pixels(region, size) {
+            for (channel, number) in statistics.iter_mut().zip(channels(value(x, y))) {
+                channel.add(number);
+            }
+        }
+        statistics
+    };
+    let whole = statistics(all);
+    let ends = whole.iter().filter(|channel| channel.finite > 0).flat_map(|channel| [channel.min, channel.max]);
+    let extent = Range::fit(ends);
+    let mut histograms = Vec::new();
+    if let Some(axis) = axis.or(extent) {
+        histograms = vec![Histogram::of([], axis, BINS); count];
+        for (x, y) in pixels(all, size) {
+            for (histogram, number) in histograms.iter_mut().zip(channels(value(x, y))) {
+                histogram.add(number);
+            }
+        }
+    }
+    Measured { part: region.map(|region| (region, statistics(region))), whole, histograms, extent }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_are_measured_apart_and_nothing_is_left_out_of_both() {
+        let value = |x: u32, y: u32| {
+            if x == 0 { Value::Nothing } else { Value::Weights([x as f32, -(y as f32), f32::NAN]) }
+        };
+        let region = Region { left: 2, top: 1, right: 4, bottom: 2 };
+        let measured = measure((5, 3), 3, None, Some(region), value);
+        let [first, second, third] = measured.whole[..] else { panic!("three channels") };
+        assert_eq!((first.finite, first.min, first.max), (12, 1.0, 4.0));
+        assert!((first.mean - 2.5).abs() < 1e-12);
+        assert_eq!((second.min, second.max), (-2.0, 0.0));
+        assert_eq!((third.finite, third.nan), (0, 12));
+        assert_eq!(measured.extent, Some(Range { low: -2.0, high: 4.0 }));
+        let (_, part) = measured.part.unwrap();
+        assert_eq!((part[0].finite, part[0].mean, part[1].mean), (2, 2.5, -1.0));
+        for histogram in &measured.histograms[..2] {
+            assert_eq!(histogram.bins.iter().sum::<u64>(), 12);
+        }
+    }
+
+    #[test]
+    fn where_nothing_is_there_is_no_histogram() {
+        let measured = measure((4, 4), 1, None, None, |_, _| Value::Nothing);
+        assert!(measured.histograms.is_empty() && measured.extent.is_none());
+        assert_eq!(measured.whole[0].count(), 0);
+    }
+}

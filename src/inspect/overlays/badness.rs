@@ -1,0 +1,63 @@
+//! Values of the shown quantity that should not be: not numbers, negative, or beyond the range.
+
+use super::sheet::{Key, Kind, Sheet, Total};
+use super::{Context, Overlay};
+use crate::image::Image;
+use crate::inspect::display::{NOT_A_NUMBER, beyond};
+use crate::inspect::range::channels;
+use crate::inspect::view::Value;
+
+const BAD: [Kind; 3] = [
+    Kind { name: "not a number", color: NOT_A_NUMBER, striped: false },
+    Kind { name: "infinite", color: [255, 230, 0, 255], striped: false },
+    Kind { name: "negative", color: [0, 190, 255, 255], striped: true },
+];
+
+const CLIPPED: [Kind; 3] = [
+    Kind { name: "below", color: [30, 110, 255, 255], striped: true },
+    Kind { name: "above", color: [255, 80, 30, 255], striped: true },
+    Kind { name: "below and above", color: [210, 60, 220, 255], striped: true },
+];
+
+/// NaN before infinite before negative, where channels differ.
+fn badness(value: Value) -> Option<usize> {
+    let tests: [fn(f32) -> bool; 3] = [f32::is_nan, f32::is_infinite, |number| number < 0.0];
+    tests.iter().position(|test| channels(value).any(test))
+}
+
+/// What is no proper number.
+pub(super) fn bad_numbers(context: &Context<'_>) -> Sheet {
+    sheet(Overlay::BadNumbers, context, &BAD, badness)
+}
+
+/// What lies beyond the range.
+pub(super) fn clipped(context: &Context<'_>) -> Sheet {
+    let Some(range) = context.range else {
+        return Sheet::absent(Overlay::Clipped, context.frame.image().size(), "what is shown has no range");
+    };
+    sheet(Overlay::Clipped, context, &CLIPPED, |value| match beyond(value, range) {
+        (false, false) => None,
+        (true, false) => Some(0),
+        (false, true) => Some(1),
+        (true, true) => Some(2),
+    })
+}
+
+fn sheet(
+    overlay: Overlay,
+    context: &Context<'_>,
+    kinds: &'static [Kind; 3],
+    kind: impl Fn(Value) -> Option<usize>,
+) -> Sheet {
+    let (width, height) = context.frame.image().size();
+    let mut counts = [0_u64; 3];
+    let values = Image::from_fn(width, height, |x, y| match kind((context.shown)(x, y)) {
+        Some(kind) => {
+            counts[kind] += 1;
+            kind as f32
+        }
+        None => f32::NAN,
+    });
+    let totals = kinds.iter().zip(counts).map(|(kind, n)| Total { name: kind.name, number: n as f64, unit: "px" });
+    Sheet::new(overlay, values, Key::Kinds(kinds), totals.collect())
+}

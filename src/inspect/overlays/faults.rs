@@ -1,0 +1,28 @@
+//! Cracks and double hits along shared edges.
+
+use super::sheet::{Key, Kind, Sheet, Total};
+use super::{Context, Overlay};
+use crate::image::Image;
+use crate::inspect::hits::{FaultKind, Hits};
+use crate::inspect::view::{CRACK, DOUBLE_HIT};
+
+const FAULTS: [Kind; 2] = [
+    Kind { name: "crack", color: CRACK, striped: false },
+    Kind { name: "double hit", color: DOUBLE_HIT, striped: false },
+];
+
+/// The faults of a frame.
+pub(super) fn faults(context: &Context<'_>) -> Sheet {
+    let (width, height) = context.frame.image().size();
+    let hits = Hits::of(context.frame, &context.recipe.pipeline);
+    let mut values = Image::filled(width, height, f32::NAN);
+    for fault in hits.faults.iter().filter(|fault| fault.x < width && fault.y < height) {
+        values.set(fault.x, fault.y, if fault.kind == FaultKind::Crack { 0.0 } else { 1.0 });
+    }
+    let totals = vec![
+        Total { name: "crack", number: hits.count(FaultKind::Crack) as f64, unit: "px" },
+        Total { name: "double hit", number: hits.count(FaultKind::DoubleHit) as f64, unit: "px" },
+        Total { name: "wrong elsewhere", number: hits.elsewhere as f64, unit: "px" },
+    ];
+    Sheet::new(Overlay::Faults, values, Key::Kinds(&FAULTS), totals)
+}

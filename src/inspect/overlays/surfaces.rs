@@ -1,0 +1,104 @@
+//! What the triangle that is seen at a pixel is like: which side it shows, its size, its thinness, its texels.
+
+use super::sheet::{Key, Kind, Scale, Sheet, Total};
+use super::watch::{Surface, area_and_height, corners_px};
+use super::{Context, Overlay};
+use crate::inspect::display::ColorMap;
+use crate::inspect::view::Range;
+use crate::pipeline::viewport::Viewport;
+
+/// The two sides.
+const SIDES: [Kind; 2] = [
+    Kind { name: "front", color: [40, 120, 230, 255], striped: false },
+    Kind { name: "back", color: [240, 150, 20, 255], striped: false },
+];
+
+/// Smallest area that has a colour of its own, px².
+const LEAST_AREA_PX2: f32 = 0.01;
+
+/// Smallest height that has a colour of its own, px: a quarter of the step that corners are snapped to.
+const LEAST_HEIGHT_PX: f32 = 1.0 / 1024.0;
+
+/// Triangles below a pixel of area, or thinner than one, are counted as small or thin.
+const ONE_PX: f64 = 1.0;
+
+/// Texel densities at both ends of the colours: as far from 1 on either side.
+const DENSITIES: Range = Range { low: 1.0 / 16.0, high: 16.0 };
+
+/// Front or back.
+pub(super) fn facing(context: &Context<'_>) -> Sheet {
+    let surfaces = &context.watched().surface;
+    let values = context.spread(|column, row| {
+        let Surface { area_px2, is_front, .. } = surfaces.at(column, row);
+        if area_px2.is_nan() { f32::NAN } else { f32::from(u8::from(!is_front)) }
+    });
+    let seen = surfaces.pixels().iter().filter(|surface| !surface.area_px2.is_nan());
+    let front = seen.clone().filter(|surface| surface.is_front).count();
+    let totals = vec![
+        Total { name: "front", number: front as f64, unit: "px" },
+        Total { name: "back", number: (seen.count() - front) as f64, unit: "px" },
+    ];
+    Sheet::new(Overlay::Facing, values, Key::Kinds(&SIDES), totals)
+}
+
+/// Area.
+pub(super) fn size(context: &Context<'_>) -> Sheet {
+    let surfaces = &context.watched().surface;
+    let values = context.spread(|column, row| surfaces.at(column, row).area_px2);
+    let Viewport { width, height } = context.frame.raster;
+    let range = Range { low: LEAST_AREA_PX2, high: (width as f32 * height as f32).max(1.0) };
+    let key = Key::Scale(log_scale(range, ColorMap::Viridis, true, "px²"));
+    Sheet::new(Overlay::TriangleSize, values, key, triangles(context, 0, "smaller than 1 px²", "px²"))
+}
+
+/// Least height.
+pub(super) fn sliver(context: &Context<'_>) -> Sheet {
+    let surfaces = &context.watched().surface;
+    let values = context.spread(|column, row| surfaces.at(column, row).height_px);
+    let Viewport { width, height } = context.frame.raster;
+    let range = Range { low: LEAST_HEIGHT_PX, high: width.max(height).max(1) as f32 };
+    let key = Key::Scale(log_scale(range, ColorMap::Viridis, true, "px high"));
+    Sheet::new(Overlay::Sliver, values, key, triangles(context, 1, "thinner than 1 px", "px"))
+}
+
+/// Texels per pixel.
+pub(super) fn texel_density(context: &Context<'_>) -> Sheet {
+    let surfaces = &context.watched().surface;
+    let values = context.spread(|column, row| surfaces.at(column, row).texels_per_px);
+    let known: Vec<f64> =
+        surfaces.pixels().iter().map(|s| f64::from(s.texels_per_px)).filter(|density| !density.is_nan()).collect();
+    if known.is_empty() {
+        return Sheet::absent(Overlay::TexelDensity, values.size(), "no texture is seen");
+    }
+    let skipping = known.iter().filter(|density| **density > 1.0).count();
+    let totals = vec![
+        Total { name: "textured", number: known.len() as f64, unit: "px" },
+        Total { name: "above 1 texel per pixel", number: skipping as f64, unit: "px" },
+        Total { name: "mean", number: known.iter().sum::<f64>() / known.len() as f64, unit: "texels per px" },
+    ];
+    let key = Key::Scale(log_scale(DENSITIES, ColorMap::Diverging, false, "texels per px"));
+    Sheet::new(Overlay::TexelDensity, values, key, totals)
+}
+
+fn log_scale(range: Range, map: ColorMap, reversed: bool, unit: &'static str) -> Scale {
+    Scale { range, logarithmic: true, map, reversed, unit }
+}
+
+/// Totals over all rasterized triangles, seen or not, of their area (0) or least height (1).
+fn triangles(context: &Context<'_>, which: usize, small: &'static str, unit: &'static str) -> Vec<Total> {
+    let arithmetic = context.recipe.pipeline.arithmetic;
+    let triangles = &context.frame.geometry.triangles;
+    let mut sizes: Vec<f64> =
+        triangles.iter().map(|triangle| area_and_height(&corners_px(triangle, arithmetic))[which]).collect();
+    sizes.sort_by(f64::total_cmp);
+    let mut totals = vec![
+        Total { name: "triangles", number: sizes.len() as f64, unit: "" },
+        Total { name: small, number: sizes.partition_point(|size| *size < ONE_PX) as f64, unit: "" },
+    ];
+    if let [least, .., greatest] = sizes[..] {
+        totals.push(Total { name: "least", number: least, unit });
+        totals.push(Total { name: "median", number: sizes[sizes.len() / 2], unit });
+        totals.push(Total { name: "greatest", number: greatest, unit });
+    }
+    totals
+}

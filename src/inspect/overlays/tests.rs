@@ -1,0 +1,332 @@
+use super::*;
+use crate::chain::{KeepDepth, Renderer, run};
+use crate::image::Rgba8;
+use crate::inspect::hits::Hits;
+use crate::inspect::pixel::{Outcome, inspect};
+use crate::inspect::view::{CRACK, DOUBLE_HIT};
+use crate::pipeline::raster::cover;
+use crate::pipeline::settings::{Arithmetic, Culling, FillRule};
+use crate::pipeline::tiled::TILE_SIDE;
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::wireframe::edge_pixels;
+use crate::scene::builtin;
+use std::sync::Arc;
+
+struct Bench {
+    scene: Arc<Scene>,
+    recipe: Recipe,
+    frame: Frame,
+    watched: OnceLock<Watched>,
+}
+
+impl Bench {
+    fn new(scene: &str, recipe: Recipe, size: (u32, u32)) -> Self {
+        let scene = Arc::new(builtin::by_id(scene).unwrap().build());
+        let viewport = Viewport { width: size.0, height: size.1 };
+        let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
+        Self { scene, recipe, frame, watched: OnceLock::new() }
+    }
+
+    fn sheet(&self, overlay: Overlay) -> Sheet {
+        self.sheet_over(overlay, None, &|x, y| self.frame.image().get(x, y).map_or(Value::Nothing, Value::Color))
+    }
+
+    fn sheet_over(&self, overlay: Overlay, range: Option<Range>, shown: &dyn Fn(u32, u32) -> Value) -> Sheet {
+        overlay.sheet(&Context {
+            scene: &self.scene,
+            recipe: &self.recipe,
+            frame: &self.frame,
+            is_whole: true,
+            watched: &self.watched,
+            shown,
+            range,
+        })
+    }
+
+    fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (width, height) = self.frame.image().size();
+        (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+    }
+}
+
+fn total(sheet: &Sheet, name: &str) -> f64 {
+    sheet.totals.iter().find(|total| total.name == name).unwrap_or_else(|| panic!("{name}")).number
+}
+
+fn count(value: f32) -> usize {
+    if value.is_nan() { 0 } else { value as usize }
+}
+
+#[test]
+fn counts_are_those_of_every_triangle_and_every_pixel_taken_alone() {
+    for scene in ["interpenetrating", "stained-glass"] {
+        let mut recipe = Recipe::default();
+        recipe.pipeline.culling = Culling::None;
+        let bench = Bench::new(scene, recipe, (24, 18));
+        let mut covered = Image::filled(24, 18, 0_usize);
+        let settings = &bench.recipe.pipeline;
+        let viewport = bench.frame.viewport;
+        for triangle in &bench.frame.geometry.triangles {
+            let corners = triangle.corners_px();
+            for span in cover(settings.rasterizer, settings.arithmetic, corners, settings.fill_rule, viewport) {
+                for x in span.left..span.right {
+                    covered.set(x, span.row, covered.at(x, span.row) + 1);
+                }
+            }
+        }
+        let [rasterized, passed, visible, depth] =
+            [Overlay::Rasterized, Overlay::Passed, Overlay::Visible, Overlay::DepthTest].map(|o| bench.sheet(o));
+        let mut rejected_in_all = 0;
+        for (x, y) in bench.pixels() {
+            assert_eq!(count(rasterized.values.at(x, y)), covered.at(x, y), "{scene} {x}, {y}");
+            let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y).unwrap();
+            let of = |outcomes: &[Outcome]| report.fragments.iter().filter(|f| outcomes.contains(&f.outcome)).count();
+            let rejected = of(&[Outcome::DepthRejected]);
+            rejected_in_all += rejected;
+            assert_eq!(count(passed.values.at(x, y)), report.fragments.len() - rejected, "{scene} {x}, {y}");
+            let seen = of(&[Outcome::Visible, Outcome::BlendedOver]);
+            assert_eq!(count(visible.values.at(x, y)), seen, "{scene} {x}, {y}");
+            let expected = match (report.fragments.len(), rejected) {
+                (0, _) => None,
+                (_, 0) => Some("all passed"),
+                (all, rejected) if all == rejected => Some("all rejected"),
+                _ => Some("some rejected"),
+            };
+            assert_eq!(depth.text(x, y).as_deref(), expected, "{scene} {x}, {y}");
+        }
+        assert_eq!(total(&depth, "rejected"), rejected_in_all as f64);
+        assert_eq!(total(&rasterized, "in all"), covered.pixels().iter().sum::<usize>() as f64);
+    }
+}
+
+#[test]
+fn sizes_are_those_of_the_snapped_corners_in_whole_numbers() {
+    let bench = Bench::new("shared-edges", Recipe::default(), (40, 30));
+    let sizes = bench.sheet(Overlay::TriangleSize);
+    let heights = bench.sheet(Overlay::Sliver);
+    let mut seen = 0;
+    for (x, y) in bench.pixels() {
+        let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y).unwrap();
+        let Some(fragment) = report.visible() else {
+            assert!(sizes.values.at(x, y).is_nan());
+            continue;
+        };
+        let [a, b, c] =
+            bench.frame.geometry.triangles[fragment.submission].vertices.each_ref().map(|v| [v.x, v.y].map(i64::from));
+        let doubled = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
+        let area = doubled as f64 / (2.0 * 65_536.0);
+        assert!((f64::from(sizes.values.at(x, y)) - area).abs() <= 1e-6 * area);
+        let side = [(a, b), (b, c), (c, a)].map(|(a, b)| ((a[0] - b[0]).pow(2) + (a[1] - b[1]).pow(2)) as f64);
+        let longest = side.into_iter().fold(0.0, f64::max).sqrt() / 256.0;
+        assert!((f64::from(heights.values.at(x, y)) - 2.0 * area / longest).abs() <= 1e-5 * longest);
+        seen += 1;
+    }
+    assert!(seen > 100);
+    assert_eq!(total(&sizes, "triangles"), bench.frame.geometry.triangles.len() as f64);
+}
+
+#[test]
+fn the_snapped_wireframe_is_the_one_that_recipes_draw() {
+    let bench = Bench::new("slivers", Recipe::default(), (60, 40));
+    let sheet = bench.sheet(Overlay::SnappedWireframe);
+    let mut on_line = Image::filled(60, 40, false);
+    for triangle in &bench.frame.geometry.triangles {
+        edge_pixels(triangle, (60, 40)).for_each(|(x, y)| on_line.set(x, y, true));
+    }
+    assert!(bench.pixels().all(|(x, y)| sheet.values.at(x, y).is_nan() != on_line.at(x, y)));
+    assert_eq!(sheet.lines.len(), 3 * bench.frame.geometry.triangles.len());
+    let exact = bench.sheet(Overlay::Wireframe);
+    let corners = bench.frame.geometry.triangles[0].corners_px();
+    assert_eq!(exact.lines[0], [corners[0], corners[1]]);
+}
+
+#[test]
+fn both_sides_are_told_apart() {
+    let mut recipe = Recipe::default();
+    recipe.pipeline.culling = Culling::None;
+    let mut bench = Bench::new("cubes", recipe, (32, 24));
+    let sheet = bench.sheet(Overlay::Facing);
+    assert_eq!(total(&sheet, "back"), 0.0, "closed bodies hide their backs");
+    assert!(total(&sheet, "front") > 50.0);
+    bench.recipe.pipeline.culling = Culling::Front;
+    let inside_out = Bench::new("cubes", bench.recipe, (32, 24)).sheet(Overlay::Facing);
+    assert_eq!(total(&inside_out, "front"), 0.0);
+    assert!(total(&inside_out, "back") > 50.0);
+}
+
+#[test]
+fn texel_density_is_what_neighbours_differ_by() {
+    let bench = Bench::new("chess", Recipe::default(), (160, 120));
+    let sheet = bench.sheet(Overlay::TexelDensity);
+    let at = |x: u32, y: u32| {
+        let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y)?;
+        let fragment = report.visible()?;
+        let [u, v] = fragment.shading.as_ref()?.uv?;
+        let instance = bench.frame.geometry.triangles[fragment.submission].instance;
+        let material = bench.scene.library.material(bench.scene.instances[instance as usize].material);
+        let size = bench.scene.library.texture(material.texture?).image().size();
+        Some((fragment.triangle, [u * size.0 as f32, v * size.1 as f32]))
+    };
+    let mut compared = 0;
+    for (x, y) in (80..110).step_by(4).flat_map(|y| (10..150).step_by(20).map(move |x| (x, y))) {
+        let around = [at(x - 1, y), at(x + 1, y), at(x, y - 1), at(x, y + 1)];
+        let [Some((a, left)), Some((b, right)), Some((c, up)), Some((d, down))] = around else { continue };
+        if [b, c, d].iter().any(|triangle| *triangle != a) {
+            continue;
+        }
+        let (along, across) = ([0, 1].map(|i| (right[i] - left[i]) / 2.0), [0, 1].map(|i| (down[i] - up[i]) / 2.0));
+        let density = (along[0] * across[1] - along[1] * across[0]).abs().sqrt();
+        let found = sheet.values.at(x, y);
+        // Differences over two pixels are only near to the derivative.
+        assert!((found - density).abs() < 0.05 * density, "{x}, {y}: {found}, not {density}");
+        compared += 1;
+    }
+    assert!(compared > 10, "{compared}");
+}
+
+#[test]
+fn faults_lie_where_hits_are_wrong() {
+    let mut recipe = Recipe::default();
+    for (rule, kind, color) in [(FillRule::Exclusive, "crack", CRACK), (FillRule::Inclusive, "double hit", DOUBLE_HIT)]
+    {
+        recipe.pipeline.fill_rule = rule;
+        let bench = Bench::new("shared-edges", recipe, (32, 24));
+        let (sheet, hits) = (bench.sheet(Overlay::Faults), Hits::of(&bench.frame, &bench.recipe.pipeline));
+        let marked: Vec<_> = bench.pixels().filter(|(x, y)| !sheet.values.at(*x, *y).is_nan()).collect();
+        assert_eq!(marked, hits.faults.iter().map(|fault| (fault.x, fault.y)).collect::<Vec<_>>());
+        assert!(!marked.is_empty());
+        assert_eq!(total(&sheet, kind), marked.len() as f64);
+        let (x, y) = marked[0];
+        assert_eq!(compose(&Image::filled(32, 24, [0, 0, 0, 255]), [(&sheet, 1.0)]).at(x, y), color);
+    }
+}
+
+#[test]
+fn exact_arithmetic_agrees_with_itself_and_finds_what_a_wrong_rule_does() {
+    let mut recipe = Recipe::default();
+    recipe.pipeline.arithmetic = Arithmetic::Exact;
+    let exact = Bench::new("slivers", recipe, (60, 40)).sheet(Overlay::ExactOwner);
+    assert!(exact.totals.iter().all(|total| total.number == 0.0));
+    assert!(exact.values.pixels().iter().all(|value| value.is_nan()));
+    let exact_frame = Bench::new("shared-edges", recipe, (32, 24));
+    recipe.pipeline.fill_rule = FillRule::Exclusive;
+    let bench = Bench::new("shared-edges", recipe, (32, 24));
+    let sheet = bench.sheet(Overlay::ExactOwner);
+    let owner = |bench: &Bench, x, y| {
+        let report = inspect(&bench.scene, &bench.recipe, &bench.frame, x, y).unwrap();
+        report.visible().map(|fragment| fragment.triangle)
+    };
+    let mut missing = 0;
+    for (x, y) in bench.pixels() {
+        let differs = owner(&bench, x, y) != owner(&exact_frame, x, y);
+        assert_eq!(sheet.values.at(x, y).is_nan(), !differs, "{x}, {y}");
+        missing += u32::from(differs);
+    }
+    assert!(missing > 10);
+    assert_eq!(total(&sheet, "missing"), f64::from(missing));
+}
+
+#[test]
+fn tiles_are_handed_what_the_tiled_way_says() {
+    let mut bench = Bench::new("cubes", Recipe::default(), (200, 150));
+    bench.frame = Renderer::default().render(
+        &bench.scene,
+        &bench.scene.home,
+        &bench.recipe,
+        bench.frame.viewport,
+        KeepDepth::Yes,
+    );
+    let sheet = bench.sheet(Overlay::TileLoad);
+    let counts = bench.frame.tiled.as_ref().unwrap().counts;
+    assert_eq!(total(&sheet, "entries"), counts.binned as f64);
+    assert_eq!(total(&sheet, "tiles"), 12.0);
+    // A tile is handed all that are seen in it, and every pixel of it says the same.
+    let owners = &bench.watched.get_or_init(|| watch::watch(&bench.scene, &bench.recipe, &bench.frame)).owner;
+    for (column, row) in [(0, 0), (1, 1), (2, 0)] {
+        let inside = || bench.pixels().filter(|(x, y)| (x / TILE_SIDE, y / TILE_SIDE) == (column, row));
+        let mut seen: Vec<_> = inside().map(|(x, y)| owners.at(x, y).0).filter(|id| *id != u32::MAX).collect();
+        seen.sort_unstable();
+        seen.dedup();
+        assert!(inside().all(|(x, y)| sheet.values.at(x, y) >= seen.len() as f32));
+        let first = inside().next().unwrap();
+        assert!(inside().all(|(x, y)| sheet.values.at(x, y) == sheet.values.at(first.0, first.1)));
+    }
+    bench.recipe.pipeline.arithmetic = Arithmetic::F64;
+    assert!(bench.sheet(Overlay::TileLoad).absence.is_some_and(|why| why.contains("fixed point")));
+}
+
+#[test]
+fn what_is_no_proper_number_is_marked_and_stepped_to() {
+    let bench = Bench::new("triangle", Recipe::default(), (8, 4));
+    let shown = |x: u32, y: u32| match (x, y) {
+        (1, 0) => Value::Number(f32::NAN),
+        (5, 1) => Value::Weights([0.5, f32::NEG_INFINITY, -1.0]),
+        (2, 3) => Value::Number(-0.25),
+        (3, 3) => Value::Number(7.0),
+        (4, 3) => Value::Nothing,
+        _ => Value::Number(0.5),
+    };
+    let range = Some(Range { low: 0.0, high: 1.0 });
+    let bad = bench.sheet_over(Overlay::BadNumbers, range, &shown);
+    assert_eq!(bad.text(1, 0).as_deref(), Some("not a number"));
+    assert_eq!(bad.text(5, 1).as_deref(), Some("infinite"));
+    assert_eq!(bad.text(2, 3).as_deref(), Some("negative"));
+    assert_eq!(bad.totals.iter().map(|total| total.number).collect::<Vec<_>>(), [1.0, 1.0, 1.0]);
+    assert_eq!(bad.beside(None, true), Some((1, 0)));
+    assert_eq!(bad.beside(Some((1, 0)), true), Some((5, 1)));
+    assert_eq!(bad.beside(Some((2, 3)), true), Some((1, 0)), "round the end");
+    assert_eq!(bad.beside(Some((1, 0)), false), Some((2, 3)));
+    assert_eq!(bad.beside(None, false), Some((2, 3)));
+    let clipped = bench.sheet_over(Overlay::Clipped, range, &shown);
+    assert_eq!(clipped.text(3, 3).as_deref(), Some("above"));
+    assert_eq!(clipped.text(2, 3).as_deref(), Some("below"));
+    assert_eq!(clipped.text(0, 0), None);
+    let nothing = bench.sheet_over(Overlay::Clipped, None, &shown);
+    assert!(nothing.absence.is_some() && nothing.beside(None, true).is_none());
+}
+
+#[test]
+fn sheets_are_laid_in_order_and_change_nothing_below() {
+    let bench = Bench::new("shared-edges", Recipe::default(), (32, 24));
+    let (facing, size) = (bench.sheet(Overlay::Facing), bench.sheet(Overlay::TriangleSize));
+    let base = bench.frame.image().clone();
+    let over = |first: &Sheet, second: &Sheet, opacity: f32| compose(&base, [(first, 1.0), (second, opacity)]);
+    let alone = |sheet: &Sheet| compose(&base, [(sheet, 1.0)]);
+    assert_ne!(alone(&facing), alone(&size));
+    assert_eq!(over(&facing, &size, 1.0), alone(&size), "both mark the same pixels");
+    assert_eq!(over(&size, &facing, 1.0), alone(&facing));
+    assert_eq!(over(&size, &facing, 0.0), alone(&size));
+    let half = over(&size, &facing, 0.5);
+    let mean = |a: Rgba8, b: Rgba8| (u32::from(a[0]) + u32::from(b[0])).div_ceil(2) as u8;
+    for (x, y) in bench.pixels().filter(|(x, y)| !facing.values.at(*x, *y).is_nan()) {
+        assert_eq!(half.at(x, y)[0], mean(alone(&size).at(x, y), alone(&facing).at(x, y)));
+    }
+    assert_eq!(*bench.frame.image(), base);
+    let background = bench.pixels().find(|(x, y)| facing.values.at(*x, *y).is_nan());
+    assert!(background.is_none_or(|(x, y)| half.at(x, y) == base.at(x, y)));
+}
+
+#[test]
+fn owners_of_edges_follow_the_fill_rule() {
+    let bench = Bench::new("shared-edges", Recipe::default(), (32, 24));
+    let marks = edge_marks(&bench.frame, &bench.recipe, [0.0, 0.0, 32.0, 24.0], 1000);
+    assert_eq!(marks.len(), 3 * bench.frame.geometry.triangles.len());
+    for EdgeMarks { ends_px: [from, to], inward, owned } in &marks {
+        // Top-left: the inside lies to the right, or straight below.
+        let (right, down) = (inward[0], inward[1]);
+        assert_eq!(*owned, right > 0.0 || right == 0.0 && down > 0.0, "{from:?} {to:?} {inward:?}");
+    }
+    assert!(edge_marks(&bench.frame, &bench.recipe, [-9.0, -9.0, -5.0, -5.0], 1000).is_empty());
+}
+
+#[test]
+fn totals_are_a_table() {
+    let bench = Bench::new("triangle", Recipe::default(), (16, 12));
+    let sheet = bench.sheet(Overlay::Rasterized);
+    let table = csv([&sheet]);
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0], ["overlay", "total", "value", "unit"]);
+    assert_eq!(rows.len(), 1 + sheet.totals.len());
+    assert_eq!(rows[1][..2], ["rasterized", "in all"]);
+    assert_eq!(rows[1][2].parse::<f64>(), Ok(total(&sheet, "in all")));
+}

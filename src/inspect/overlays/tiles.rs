@@ -1,0 +1,36 @@
+//! How many triangles each tile of the tiled way is handed.
+
+use super::sheet::{Key, Scale, Sheet, Total};
+use super::{Context, Overlay};
+use crate::inspect::display::ColorMap;
+use crate::inspect::view::Range;
+use crate::pipeline::tiled::{self, TILE_SIDE};
+use crate::upscale::Sampling;
+
+/// Triangles per tile.
+pub(super) fn load(context: &Context<'_>) -> Sheet {
+    let Context { scene, recipe, frame, .. } = context;
+    let absent = |why: &str| Sheet::absent(Overlay::TileLoad, frame.image().size(), why);
+    if let Some(why) = tiled::obstacle(scene, &recipe.pipeline) {
+        return absent(why);
+    }
+    let Sampling::Grid(grid) = frame.sampling else {
+        return absent("a smaller picture is drawn whose tiles are not those of this one");
+    };
+    let counts = tiled::tile_loads(scene, &frame.camera, &recipe.pipeline, (grid, frame.raster));
+    let most = counts.pixels().iter().copied().max().unwrap_or(0);
+    let sum: u64 = counts.pixels().iter().map(|count| u64::from(*count)).sum();
+    let empty = counts.pixels().iter().filter(|count| **count == 0).count();
+    let values = context.spread(|column, row| counts.at(column / TILE_SIDE, row / TILE_SIDE) as f32);
+    let range = Range { low: 0.0, high: most.max(1) as f32 };
+    let scale = Scale { range, logarithmic: false, map: ColorMap::Viridis, reversed: false, unit: "triangles" };
+    let tiles = counts.pixels().len();
+    let totals = vec![
+        Total { name: "tiles", number: tiles as f64, unit: "" },
+        Total { name: "tiles without triangles", number: empty as f64, unit: "" },
+        Total { name: "entries", number: sum as f64, unit: "triangles" },
+        Total { name: "mean per tile", number: sum as f64 / tiles.max(1) as f64, unit: "triangles" },
+        Total { name: "most in a tile", number: f64::from(most), unit: "triangles" },
+    ];
+    Sheet::new(Overlay::TileLoad, values, Key::Scale(scale), totals)
+}

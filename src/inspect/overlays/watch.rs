@@ -1,0 +1,195 @@
+//! The frame drawn once more and watched: what came to every sample, and which triangle is seen there.
+
+use crate::chain::{Frame, Recipe, redraw};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::Until;
+use crate::pipeline::cull::{Facing, facing};
+use crate::pipeline::interpolate::{Attributes, Fragment, interpolate};
+use crate::pipeline::observe::{DepthOutcome, Observer};
+use crate::pipeline::raster::{Sample, doubled_area};
+use crate::pipeline::settings::{Arithmetic, Interpolation};
+use crate::pipeline::shade::Shader;
+use crate::pipeline::viewport::ScreenTriangle;
+use crate::scene::{Scene, TriangleId};
+
+/// What was seen, packed as the framebuffer is.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    /// Fragments of each sample.
+    pub rasterized: Image<u32>,
+    /// Fragments that passed the depth test when they came; without one all.
+    pub passed: Image<u32>,
+    /// Fragments that are still seen in the end.
+    pub visible: Image<u32>,
+    /// The triangle that is seen, the nearest where panes are looked through.
+    pub owner: Image<TriangleId>,
+    /// Its facts.
+    pub surface: Image<Surface>,
+}
+
+/// Facts about the triangle that is seen at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Its area as it was rasterized, px²: of a cut triangle the area of the piece.
+    pub area_px2: f32,
+    /// Its least height, px: area over half the longest side.
+    pub height_px: f32,
+    /// Which side it shows.
+    pub is_front: bool,
+    /// Texels per pixel along a side; NaN without texture.
+    pub texels_per_px: f32,
+}
+
+impl Surface {
+    /// Where nothing is seen.
+    pub const NONE: Self = Self { area_px2: f32::NAN, height_px: f32::NAN, is_front: false, texels_per_px: f32::NAN };
+}
+
+/// Draws a frame once more and watches.
+pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
+    let (width, height) = frame.drawn.color.size();
+    let mut watcher = Watcher {
+        scene,
+        recipe,
+        frame,
+        current: None,
+        has_depth: frame.drawn.depth.is_some(),
+        shaders: (scene.instances.iter().zip(&frame.plans))
+            .map(|(instance, plan)| Shader::new(&recipe.pipeline, &scene.library, instance, plan))
+            .collect(),
+        seen: Watched {
+            rasterized: Image::filled(width, height, 0),
+            passed: Image::filled(width, height, 0),
+            visible: Image::filled(width, height, 0),
+            owner: Image::filled(width, height, TriangleId::NONE),
+            surface: Image::filled(width, height, Surface::NONE),
+        },
+    };
+    redraw(scene, recipe, frame, Until::Shade, &mut watcher);
+    watcher.seen
+}
+
+struct Watcher<'a> {
+    scene: &'a Scene,
+    recipe: &'a Recipe,
+    frame: &'a Frame,
+    /// The triangle whose samples come in, by its address, and what is the same for all of them.
+    current: Option<(*const ScreenTriangle, Whole)>,
+    has_depth: bool,
+    /// One for each instance.
+    shaders: Vec<Shader<'a>>,
+    seen: Watched,
+}
+
+/// What is the same all over a triangle.
+#[derive(Clone, Copy)]
+struct Whole {
+    surface: Surface,
+    /// Texels of its texture, width times height; 0 without.
+    texels: f32,
+    is_blended: bool,
+}
+
+impl Watcher<'_> {
+    fn whole(&mut self, triangle: &ScreenTriangle) -> Whole {
+        let address = std::ptr::from_ref(triangle);
+        match self.current {
+            Some((of, whole)) if of == address => whole,
+            _ => {
+                let whole = self.find(triangle);
+                self.current = Some((address, whole));
+                whole
+            }
+        }
+    }
+
+    fn find(&self, triangle: &ScreenTriangle) -> Whole {
+        let arithmetic = self.recipe.pipeline.arithmetic;
+        let (signed_area, _) = doubled_area(arithmetic, triangle.corners_px());
+        let [area_px2, height_px] = area_and_height(&corners_px(triangle, arithmetic));
+        let texture = self.scene.instances.get(triangle.instance as usize).and_then(|instance| {
+            let library = &self.scene.library;
+            Some(library.texture(library.material(instance.material).texture?).image().size())
+        });
+        Whole {
+            surface: Surface {
+                area_px2: area_px2 as f32,
+                height_px: height_px as f32,
+                is_front: facing(signed_area) == Facing::Front,
+                texels_per_px: f32::NAN,
+            },
+            texels: texture.map_or(0.0, |(width, height)| width as f32 * height as f32),
+            is_blended: self.frame.geometry.is_blended(triangle),
+        }
+    }
+
+    /// Whether what lies behind a blended fragment is still seen.
+    fn is_seen_through(&self, triangle: &ScreenTriangle, fragment: &Fragment) -> bool {
+        let shader = self.shaders.get(triangle.instance as usize);
+        self.recipe.pipeline.shading.reads_material() && shader.is_some_and(|shader| shader.alpha(fragment) < 1.0)
+    }
+
+    /// Texels per pixel along a side: the root of the area that a pixel covers in the texture.
+    fn texels_per_px(&self, triangle: &ScreenTriangle, sample: Sample, texels: f32) -> f32 {
+        if texels == 0.0 {
+            return f32::NAN;
+        }
+        let interpolation = match self.recipe.pipeline.interpolation {
+            // Its weights may be NaN where the true gradient is not.
+            Interpolation::Published => Interpolation::Perspective,
+            sound => sound,
+        };
+        let attributes = Attributes { uv_gradient: true, ..Attributes::all(interpolation) };
+        let [right, down] = interpolate(triangle, sample, attributes).uv_gradient;
+        let density = (right.perp_dot(down).abs() * texels).sqrt();
+        // Texture coordinates that were left out are all the same.
+        if density > 0.0 { density } else { f32::NAN }
+    }
+}
+
+impl Observer for Watcher<'_> {
+    fn covered(&mut self, _triangle: &ScreenTriangle, sample: &Sample) {
+        increase(&mut self.seen.rasterized, sample);
+        if !self.has_depth {
+            increase(&mut self.seen.passed, sample);
+        }
+    }
+
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+        if outcome.passed {
+            increase(&mut self.seen.passed, sample);
+        }
+    }
+
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let whole = self.whole(triangle);
+        let texels_per_px = self.texels_per_px(triangle, fragment.sample, whole.texels);
+        let (column, row) = (fragment.sample.column, fragment.sample.row);
+        let is_seen_through = whole.is_blended && self.is_seen_through(triangle, fragment);
+        let below = if is_seen_through { self.seen.visible.at(column, row) } else { 0 };
+        self.seen.visible.set(column, row, below + 1);
+        self.seen.owner.set(column, row, triangle.id);
+        self.seen.surface.set(column, row, Surface { texels_per_px, ..whole.surface });
+    }
+}
+
+fn increase(counts: &mut Image<u32>, sample: &Sample) {
+    counts.set(sample.column, sample.row, counts.at(sample.column, sample.row) + 1);
+}
+
+/// The corners that a triangle is rasterized with, px.
+pub fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
+    match arithmetic {
+        Arithmetic::Fixed => triangle.snapped_px(),
+        Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
+    }
+}
+
+/// Area in px² and least height in px of a triangle.
+pub fn area_and_height(corners_px: &[[f32; 2]; 3]) -> [f64; 2] {
+    let [a, b, c] = corners_px.map(|[x, y]| [f64::from(x), f64::from(y)]);
+    let doubled = ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
+    let length = |a: [f64; 2], b: [f64; 2]| (b[0] - a[0]).hypot(b[1] - a[1]);
+    let longest = length(a, b).max(length(b, c)).max(length(c, a));
+    [doubled / 2.0, if longest > 0.0 { doubled / longest } else { 0.0 }]
+}

@@ -1,0 +1,112 @@
+//! Which values the ends of a colour map stand for: fitted to the values that there are, or set by hand.
+
+use serde::{Deserialize, Serialize};
+
+use super::view::{Range, Value};
+use crate::measure::region::Region;
+
+/// Share of the values that [`Fit::Most`] leaves out at each end.
+const LEFT_OUT: f64 = 0.01;
+
+/// Which values a range is fitted to. Pixels that hold nothing, such as a cleared depth, never count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fit {
+    /// All of the picture, from the least to the greatest.
+    All,
+    /// All of the picture but for the hundredth at either end.
+    Most,
+    /// Those within a rectangle, from the least to the greatest.
+    Within(Region),
+}
+
+/// How the ends of a range are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Rule {
+    /// As suits the quantity: counts from 0, colours from 0 to 255, others from the least to the greatest.
+    #[default]
+    Natural,
+    /// Anew for every picture.
+    Sticky(Fit),
+    /// Set once.
+    Fixed(Range),
+}
+
+/// The numbers of a pixel, one for each channel that there is: three of colours and weights, one of numbers and counts, none
+/// where there is nothing to measure.
+pub fn channels(value: Value) -> impl Iterator<Item = f32> {
+    let (numbers, count) = match value {
+        Value::NotDrawn | Value::Nothing | Value::Triangle(_) => ([0.0; 3], 0),
+        Value::Number(number) => ([number, 0.0, 0.0], 1),
+        Value::Count(count) => ([count as f32, 0.0, 0.0], 1),
+        Value::Color([r, g, b, _]) => ([r, g, b].map(f32::from), 3),
+        Value::Weights(weights) => (weights, 3),
+    };
+    numbers.into_iter().take(count)
+}
+
+impl Fit {
+    /// The range of the values that this is about, of a picture of this size whose values are asked for; only of the channels that are
+    /// chosen where there are several. `None` if nothing finite is among them.
+    pub fn range(self, size: (u32, u32), chosen: [bool; 3], value: impl Fn(u32, u32) -> Value) -> Option<Range> {
+        let all = Region { left: 0, top: 0, right: size.0, bottom: size.1 };
+        let region = if let Self::Within(region) = self { region } else { all };
+        let values = pixels(region, size).flat_map(|(x, y)| {
+            let value = value(x, y);
+            let several = matches!(value, Value::Color(_) | Value::Weights(_));
+            channels(value).enumerate().filter(move |(i, _)| !several || chosen[*i]).map(|(_, v)| v)
+        });
+        match self {
+            Self::All | Self::Within(_) => Range::fit(values),
+            Self::Most => between_quantiles(values.filter(|v| v.is_finite()).collect()),
+        }
+    }
+}
+
+/// The pixels of a rectangle that lie within a picture, in reading order.
+pub fn pixels(region: Region, (width, height): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
+    let columns = region.left..region.right.min(width);
+    (region.top..region.bottom.min(height)).flat_map(move |y| columns.clone().map(move |x| (x, y)))
+}
+
+/// The values below and above which [`LEFT_OUT`] of them lie, by nearest rank.
+fn between_quantiles(mut values: Vec<f32>) -> Option<Range> {
+    let last = values.len().checked_sub(1)?;
+    let rank = (last as f64 * LEFT_OUT) as usize;
+    let (_, low, _) = values.select_nth_unstable_by(rank, f32::total_cmp);
+    let low = *low;
+    let (_, high, _) = values.select_nth_unstable_by(last - rank, f32::total_cmp);
+    Some(Range { low, high: *high })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hundredth_at_either_end_is_left_out() {
+        // 0 … 200 in a scrambled order: two values lie beyond each end.
+        let value = |x: u32, y: u32| Value::Number(((x + 3 * y) * 76 % 201) as f32);
+        let fit = |fit: Fit| fit.range((201, 1), [true; 3], value);
+        assert_eq!(fit(Fit::All), Some(Range { low: 0.0, high: 200.0 }));
+        assert_eq!(fit(Fit::Most), Some(Range { low: 2.0, high: 198.0 }));
+    }
+
+    #[test]
+    fn only_the_rectangle_counts_and_nothing_is_no_value() {
+        let value = |x: u32, y: u32| if x == 2 { Value::Nothing } else { Value::Number((10 * x + y) as f32) };
+        let within = Region { left: 1, top: 1, right: 3, bottom: 99 };
+        let fit = |region| Fit::Within(region).range((5, 4), [true; 3], value);
+        assert_eq!(fit(within), Some(Range { low: 11.0, high: 13.0 }));
+        assert_eq!(fit(Region { left: 2, ..within }), None);
+    }
+
+    #[test]
+    fn channels_that_are_off_are_not_fitted_to() {
+        let value = |x: u32, _: u32| Value::Color([x as u8, 100 + x as u8, 250, 0]);
+        let fit = |chosen| Fit::All.range((10, 1), chosen, value);
+        assert_eq!(fit([true, true, false]), Some(Range { low: 0.0, high: 109.0 }));
+        assert_eq!(fit([false, true, false]), Some(Range { low: 100.0, high: 109.0 }));
+        let one = Fit::All.range((3, 1), [false, true, true], |x, _| Value::Number(x as f32));
+        assert_eq!(one, Some(Range { low: 0.0, high: 2.0 }), "a single channel has no switch");
+    }
+}

@@ -1,0 +1,88 @@
+//! Figures of many numbers at once: how many, which of them are none, least, greatest, mean and deviation.
+
+use serde::Serialize;
+
+/// Figures of the numbers that were [taken in](Statistics::add).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Statistics {
+    /// Numbers that are finite: all other figures are of these.
+    pub finite: u64,
+    /// How many are not a number.
+    pub nan: u64,
+    /// How many are infinite, of either sign.
+    pub infinite: u64,
+    /// The least; 0 if there is none.
+    pub min: f32,
+    /// The greatest; 0 if there is none.
+    pub max: f32,
+    /// The mean; 0 if there is none.
+    pub mean: f64,
+    /// Sum of squared distances from the mean.
+    squares: f64,
+}
+
+impl Statistics {
+    /// Of all `values`.
+    pub fn of(values: impl IntoIterator<Item = f32>) -> Self {
+        let mut statistics = Self::default();
+        values.into_iter().for_each(|value| statistics.add(value));
+        statistics
+    }
+
+    /// Takes in one more number. Mean and deviation are updated so that nothing cancels (Welford, "Note on a Method for
+    /// Calculating Corrected Sums of Squares and Products", 1962).
+    pub fn add(&mut self, value: f32) {
+        if value.is_nan() {
+            self.nan += 1;
+            return;
+        }
+        if value.is_infinite() {
+            self.infinite += 1;
+            return;
+        }
+        (self.min, self.max) =
+            if self.finite == 0 { (value, value) } else { (self.min.min(value), self.max.max(value)) };
+        self.finite += 1;
+        let value = f64::from(value);
+        let from_mean = value - self.mean;
+        self.mean += from_mean / self.finite as f64;
+        self.squares += from_mean * (value - self.mean);
+    }
+
+    /// Standard deviation σ of the finite numbers, as of a whole population.
+    pub fn deviation(&self) -> f64 {
+        if self.finite == 0 { 0.0 } else { (self.squares / self.finite as f64).sqrt() }
+    }
+
+    /// Numbers of any kind.
+    pub fn count(&self) -> u64 {
+        self.finite + self.nan + self.infinite
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_those_of_two_passes() {
+        // Far from zero, where the sum of squares would cancel.
+        let values: Vec<f32> = (0..1000_u32).map(|i| 50_000.0 + (i * 7919 % 1009) as f32 / 64.0).collect();
+        let statistics = Statistics::of(values.iter().copied());
+        let mean = values.iter().map(|v| f64::from(*v)).sum::<f64>() / 1000.0;
+        let variance = values.iter().map(|v| (f64::from(*v) - mean).powi(2)).sum::<f64>() / 1000.0;
+        assert!((statistics.mean - mean).abs() < 1e-9 * mean);
+        assert!((statistics.deviation() - variance.sqrt()).abs() < 1e-9 * variance.sqrt());
+        assert_eq!(statistics.min, values.iter().copied().fold(f32::INFINITY, f32::min));
+        assert_eq!(statistics.max, values.iter().copied().fold(f32::NEG_INFINITY, f32::max));
+    }
+
+    #[test]
+    fn what_is_no_number_is_counted_and_spoils_nothing() {
+        let statistics = Statistics::of([f32::NAN, -2.0, f32::INFINITY, f32::NEG_INFINITY, 4.0]);
+        assert_eq!((statistics.finite, statistics.nan, statistics.infinite), (2, 1, 2));
+        assert_eq!((statistics.min, statistics.max, statistics.mean), (-2.0, 4.0, 1.0));
+        assert_eq!((statistics.deviation(), statistics.count()), (3.0, 5));
+        assert_eq!(Statistics::of([f32::NAN]).deviation(), 0.0);
+    }
+}

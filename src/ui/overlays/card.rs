@@ -1,0 +1,139 @@
+//! The list of all overlays in the canvas's upper right corner: what is on, how strong, in which order, with its legend.
+
+use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, WidgetInfo, vec2};
+
+use super::{Change, legend};
+use crate::inspect::overlays::Overlay;
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::engine::View;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
+use crate::ui::widgets::icon_button;
+
+/// Width of the card, in points.
+const WIDTH: f32 = 272.0;
+
+/// Width of the card that has legends only, in points.
+const LEGEND_WIDTH: f32 = 216.0;
+
+/// From the canvas's edge, in points: where the mark of a busy renderer turns there is room left above.
+const TOP: f32 = 36.0;
+
+/// Draws the list, or the legends of what is on while it is closed.
+pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) {
+    let overlays = &session.overlays;
+    if !overlays.open && overlays.layers.is_empty() {
+        return;
+    }
+    let width = if overlays.open { WIDTH } else { LEGEND_WIDTH }.min(canvas.width() - 2.0 * space::S);
+    let height = (canvas.height() - TOP - space::S).max(ROW_HEIGHT);
+    let corner = canvas.right_top() + vec2(-space::S - width, TOP);
+    let place = Rect::from_min_size(corner, vec2(width, height));
+    let mut changes = Vec::new();
+    // As high as it was a moment ago: what is on it is laid out only after what lies behind it.
+    let id = ui.scope_id().with(("overlays card", overlays.open));
+    let known: f32 = ui.data(|data| data.get_temp(id)).unwrap_or(0.0);
+    let card = Rect::from_min_size(corner, vec2(width, known));
+    ui.painter().rect_filled(card, RADIUS, tokens(ui).panel.gamma_multiply(0.94));
+    ui.interact(card, id.with("ground"), Sense::click_and_drag());
+    let builder = UiBuilder::new().max_rect(place.shrink(space::S)).layout(Layout::top_down(Align::Min));
+    let mut column = ui.new_child(builder);
+    column.spacing_mut().item_spacing.y = 0.0;
+    if overlays.open {
+        title(&mut column, session, &mut changes);
+    }
+    ScrollArea::vertical().id_salt("overlays").auto_shrink([false, true]).show(&mut column, |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        if overlays.open {
+            list(ui, session, view, &mut changes);
+        } else {
+            for sheet in view.looked.sheets.iter().rev() {
+                ui.label(RichText::new(sheet.overlay.name()).small().strong()).on_hover_text(sheet.overlay.help());
+                legend::ui(ui, sheet, 2);
+                ui.add_space(space::XS);
+            }
+        }
+    });
+    let needed = column.min_rect().height() + 2.0 * space::S;
+    if needed != known {
+        ui.data_mut(|data| data.insert_temp(id, needed));
+        ui.request_repaint();
+    }
+    commands.extend(changes.into_iter().map(Command::Overlays));
+}
+
+fn title(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
+    ui.horizontal(|ui| {
+        ui.set_height(ROW_HEIGHT);
+        ui.label(RichText::new("Overlays").strong());
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = space::XS;
+            if icon_button(ui, Icon::X, "Hide this list; the overlays stay  (O)").clicked() {
+                changes.push(Change::Open(false));
+            }
+            ui.add_enabled_ui(session.overlays.count() > 0, |ui| {
+                if icon_button(ui, Icon::Trash2, "Take all overlays away").clicked() {
+                    changes.push(Change::Clear);
+                }
+                if icon_button(ui, Icon::Download, "Save all totals as CSV into the current folder").clicked() {
+                    changes.push(Change::SaveTotals);
+                }
+            });
+        });
+    });
+}
+
+/// All overlays: those that are on first, the uppermost first, as they lie.
+fn list(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) {
+    let overlays = &session.overlays;
+    let on = overlays.layers.iter().rev().map(|layer| layer.overlay);
+    let off = Overlay::ALL.iter().copied().filter(|overlay| overlays.layer(*overlay).is_none());
+    for overlay in on.chain(off) {
+        ui.push_id(overlay.id(), |ui| entry(ui, overlay, session, view, changes));
+    }
+    let mut marks = overlays.marks;
+    let help = "Where pixels are large: a point at every sample, and on every edge ticks into the triangle that owns what \
+                lies exactly on it";
+    if ui.checkbox(&mut marks, "Samples and owners of edges").on_hover_text(help).changed() {
+        changes.push(Change::Marks(marks));
+    }
+    if marks && !overlays.vectors {
+        ui.label(RichText::new("Enlarge the picture to see them.").small().color(tokens(ui).text_weak));
+    }
+}
+
+fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes: &mut Vec<Change>) {
+    let layer = session.overlays.layer(overlay);
+    let mut on = layer.is_some();
+    ui.horizontal(|ui| {
+        ui.set_height(ROW_HEIGHT);
+        if ui.checkbox(&mut on, overlay.name()).on_hover_text(overlay.help()).changed() {
+            changes.push(Change::Toggle(overlay));
+        }
+        let Some(layer) = layer else { return };
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = space::XS;
+            let is_top = session.overlays.layers.last().is_some_and(|top| top.overlay == overlay);
+            ui.add_enabled_ui(!is_top, |ui| {
+                let button = Button::new(theme::icon(Icon::ArrowUp)).frame_when_inactive(false);
+                let raise = ui.add(button).on_hover_text("Lay it over the one above");
+                if raise.on_disabled_hover_text("It is the uppermost").clicked() {
+                    changes.push(Change::Raise(overlay));
+                }
+            });
+            let mut opacity = layer.opacity;
+            ui.spacing_mut().slider_width = 56.0;
+            let slider = ui.add(Slider::new(&mut opacity, 0.0..=1.0).show_value(false));
+            let name = format!("Opacity of “{}”", overlay.name());
+            slider.widget_info(|| WidgetInfo::slider(true, f64::from(layer.opacity), &name));
+            if slider.on_hover_text(format!("Opacity {:.0} %", 100.0 * layer.opacity)).changed() {
+                changes.push(Change::Opacity(overlay, opacity));
+            }
+        });
+    });
+    if let Some(sheet) = view.looked.sheets.iter().find(|sheet| on && sheet.overlay == overlay) {
+        ui.indent("legend", |ui| legend::ui(ui, sheet, usize::MAX));
+        ui.add_space(space::XS);
+    }
+}

@@ -1,0 +1,98 @@
+//! What the colours of an overlay stand for, and its totals.
+
+use eframe::egui::{Align, Align2, Color32, FontId, Layout, Rect, RichText, Sense, Ui, vec2};
+
+use crate::image::Rgba8;
+use crate::inspect::overlays::{Key, Scale, Sheet, Total};
+use crate::ui::format;
+use crate::ui::theme::{font_size, space, tokens};
+
+/// Height of the strip of colours, in points.
+const STRIP: f32 = 8.0;
+
+/// Side of the square of a kind, in points.
+const SQUARE: f32 = 9.0;
+
+/// Draws the colours, and at most so many totals.
+pub fn ui(ui: &mut Ui, sheet: &Sheet, most_totals: usize) {
+    if let Some(why) = &sheet.absence {
+        ui.label(RichText::new(format!("Nothing to show: {why}")).small().color(tokens(ui).warning));
+        return;
+    }
+    match &sheet.key {
+        Key::Lines => {}
+        Key::Scale(scale) => strip(ui, scale),
+        Key::Kinds(kinds) => {
+            for (kind, total) in kinds.iter().zip(&sheet.totals) {
+                ui.horizontal(|ui| {
+                    ui.spacing_mut().item_spacing.x = space::XS;
+                    square(ui, kind.color);
+                    ui.label(RichText::new(kind.name).small().color(tokens(ui).text));
+                    // Totals of the same name belong to the kind.
+                    if kind.name == total.name {
+                        let number = RichText::new(amount(total)).small().color(tokens(ui).text_weak);
+                        ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(number));
+                    }
+                });
+            }
+        }
+    }
+    let of_kinds = |total: &&Total| match &sheet.key {
+        Key::Kinds(kinds) => !kinds.iter().any(|kind| kind.name == total.name),
+        Key::Lines | Key::Scale(_) => true,
+    };
+    for total in sheet.totals.iter().filter(of_kinds).take(most_totals) {
+        let text = format!("{}: {}", total.name, amount(total));
+        ui.label(RichText::new(text).small().color(tokens(ui).text_weak));
+    }
+}
+
+/// A total as text.
+fn amount(total: &Total) -> String {
+    let number = if total.number.fract() == 0.0 && total.number >= 0.0 {
+        format::count(total.number as u64)
+    } else if total.number.abs() < 1e-2 {
+        format!("{:.2e}", total.number)
+    } else {
+        format::fixed(total.number, 2)
+    };
+    if total.unit.is_empty() { number } else { format!("{number} {}", total.unit) }
+}
+
+fn square(ui: &mut Ui, [r, g, b, _]: Rgba8) {
+    let (place, _) = ui.allocate_exact_size(vec2(SQUARE, SQUARE), Sense::hover());
+    ui.painter().rect_filled(place, 1.0, Color32::from_rgb(r, g, b));
+}
+
+/// The colours from one end to the other with numbers at both ends and in the middle.
+fn strip(ui: &mut Ui, scale: &Scale) {
+    let width = ui.available_width();
+    let (place, _) = ui.allocate_exact_size(vec2(width, STRIP + font_size::SMALL + space::XS), Sense::hover());
+    for point in 0..width as u32 {
+        let share = point as f32 / (width - 1.0).max(1.0);
+        let [r, g, b, _] = scale.color(scale.number_at(share));
+        let column = Rect::from_min_size(place.min + vec2(point as f32, 0.0), vec2(1.0, STRIP));
+        ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
+    }
+    let font = FontId::monospace(font_size::SMALL);
+    let color = tokens(ui).text;
+    let bottom = place.bottom();
+    for (share, x, align) in [
+        (0.0, place.left(), Align2::LEFT_BOTTOM),
+        (0.5, place.center().x, Align2::CENTER_BOTTOM),
+        (1.0, place.right(), Align2::RIGHT_BOTTOM),
+    ] {
+        let position = eframe::egui::pos2(x, bottom);
+        ui.painter().text(position, align, number(scale.number_at(share)), font.clone(), color);
+    }
+}
+
+/// A number of a legend, with three digits that count.
+fn number(value: f32) -> String {
+    match value.abs() {
+        size if size >= 1e5 => format!("{value:.0e}"),
+        size if size >= 100.0 || value.fract() == 0.0 => format!("{value:.0}"),
+        size if size >= 1.0 => format!("{value:.1}"),
+        _ => format!("{value:.3}"),
+    }
+}

@@ -1,0 +1,97 @@
+//! Lines and marks between large pixels: edges as they are, sample points, and which side owns an edge.
+
+use eframe::egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
+
+use crate::inspect::overlays::{EdgeMarks, edge_marks};
+use crate::ui::engine::View;
+use crate::ui::session::Session;
+use crate::ui::theme::MARK_EDGE;
+use crate::ui::zoom::Placement;
+use crate::upscale::Sampling;
+
+/// From this many points per pixel on lines are drawn between pixels.
+pub const VECTORS_FROM: f32 = 4.0;
+
+/// From this many points per pixel on there is room for points and ticks.
+const MARKS_FROM: f32 = 12.0;
+
+/// Most lines and edges that are drawn: more would be a tangle anyway.
+const MOST_LINES: usize = 20_000;
+
+/// Edges that own what lies on them, and those that do not.
+const OWNED: Color32 = Color32::from_rgb(80, 220, 130);
+const NOT_OWNED: Color32 = Color32::from_rgb(240, 110, 110);
+
+/// Draws all that lies between pixels.
+pub fn paint(painter: &Painter, placement: Placement, session: &Session, view: &View) {
+    if placement.points_per_px < VECTORS_FROM {
+        return;
+    }
+    let at = |[x, y]: [f32; 2]| placement.corner + vec2(x, y) * placement.points_per_px;
+    for sheet in &view.looked.sheets {
+        let opacity = session.overlays.layer(sheet.overlay).map_or(1.0, |layer| layer.opacity);
+        let lines = sheet.lines.iter().map(|ends| ends.map(at)).filter(|[a, b]| meets(placement, *a, *b));
+        for ends in lines.take(MOST_LINES) {
+            two_tone(painter, ends, Color32::WHITE, opacity);
+        }
+    }
+    if session.overlays.marks && placement.points_per_px >= MARKS_FROM {
+        for edge in marks(placement, view) {
+            owner(painter, &edge, at);
+        }
+        samples(painter, placement, view);
+    }
+}
+
+/// Whether the box of a line meets the canvas.
+fn meets(placement: Placement, a: Pos2, b: Pos2) -> bool {
+    placement.canvas.intersects(eframe::egui::Rect::from_two_pos(a, b).expand(1.0))
+}
+
+/// A line that is seen on any picture.
+fn two_tone(painter: &Painter, ends: [Pos2; 2], color: Color32, opacity: f32) {
+    painter.line_segment(ends, Stroke::new(2.5, MARK_EDGE.gamma_multiply(opacity)));
+    painter.line_segment(ends, Stroke::new(1.0, color.gamma_multiply(opacity)));
+}
+
+fn marks(placement: Placement, view: &View) -> Vec<EdgeMarks> {
+    let (min, max) = (placement.to_picture(placement.canvas.min), placement.to_picture(placement.canvas.max));
+    edge_marks(&view.frame, &view.request.recipe, [min.x, min.y, max.x, max.y], MOST_LINES)
+}
+
+/// An edge with ticks into its triangle if it owns what lies on it; dull and without ticks if it does not.
+fn owner(painter: &Painter, edge: &EdgeMarks, at: impl Fn([f32; 2]) -> Pos2) {
+    /// Distance of ticks, and their length, in points.
+    const TICKS: (f32, f32) = (14.0, 6.0);
+    let [from, to] = edge.ends_px.map(at);
+    // Beside the edge, so that those of two triangles that share it are both seen.
+    let inward = vec2(edge.inward[0], edge.inward[1]);
+    let ends = [from + inward * 1.5, to + inward * 1.5];
+    let color = if edge.owned { OWNED } else { NOT_OWNED };
+    two_tone(painter, ends, color, 1.0);
+    if !edge.owned {
+        return;
+    }
+    let clip = painter.clip_rect().expand(TICKS.0);
+    let length = (to - from).length();
+    let along = (to - from) / length.max(1.0);
+    for step in 1..(length / TICKS.0).min(2000.0) as u32 {
+        let foot = ends[0] + along * (step as f32 * TICKS.0);
+        if clip.contains(foot) {
+            painter.line_segment([foot, foot + inward * TICKS.1], Stroke::new(1.5, color));
+        }
+    }
+}
+
+/// A point where each pixel is sampled.
+fn samples(painter: &Painter, placement: Placement, view: &View) {
+    let Sampling::Grid(grid) = view.frame.sampling else { return };
+    let (columns, rows) = placement.visible(view.picture.size());
+    for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x, y))) {
+        if grid.sample_at(x, y).is_some() {
+            let place = placement.rect_of(x, y).center();
+            painter.circle_filled(pos2(place.x, place.y), 2.5, MARK_EDGE);
+            painter.circle_filled(pos2(place.x, place.y), 1.5, Color32::WHITE);
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! The card in the canvas's lower left corner: what is shown, its histogram with handles, and all that sets the range.
+
+use eframe::egui::{
+    self, Align, Button, DragValue, Label, Layout, Rect, Response, RichText, Ui, UiBuilder, Vec2, WidgetInfo, vec2,
+};
+
+use super::plot::Plot;
+use super::{Change, figures};
+use crate::inspect::display::{ColorMap, Kind};
+use crate::inspect::range::{Fit, Rule};
+use crate::inspect::view::{Range, absence};
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::engine::{Shown, View};
+use crate::ui::look::kind;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, RADIUS, ROW_HEIGHT, space, tokens};
+use crate::ui::widgets::{combo, icon_button};
+
+/// Width of the card, in points.
+const WIDTH: f32 = 320.0;
+
+/// Height of the histogram with its numbers, in points.
+const PLOT_HEIGHT: f32 = 78.0;
+
+/// Width of the fields of both ends, in points.
+const FIELD: f32 = 84.0;
+
+/// Draws the card; returns the place that it takes.
+pub fn ui(ui: &mut Ui, canvas: Rect, session: &Session, view: &View, commands: &mut Vec<Command>) -> Rect {
+    let control = &session.range;
+    let shown = view.request.shown;
+    let kind = kind(shown);
+    let part_rows = match view.looked.measured.as_deref().and_then(|measured| measured.part.as_ref()) {
+        Some((_, channels)) => 1 + channels.len(),
+        None => 0,
+    };
+    let rows = if kind == Kind::Names { 2.0 } else { 3.0 } + part_rows as f32;
+    let plot = if kind == Kind::Names { 0.0 } else { PLOT_HEIGHT + space::XS };
+    let size = vec2(WIDTH.min(canvas.width() - 2.0 * space::S), rows * ROW_HEIGHT + plot + 2.0 * space::S);
+    let card = Rect::from_min_size(canvas.left_bottom() + vec2(space::S, -space::S - size.y), size);
+    ui.painter().rect_filled(card, RADIUS, tokens(ui).panel.gamma_multiply(0.94));
+    // What lies on the card is not for the picture below.
+    ui.interact(card, ui.scope_id().with("range card"), egui::Sense::click_and_drag());
+    let inner = UiBuilder::new().max_rect(card.shrink(space::S)).layout(Layout::top_down(Align::Min));
+    let mut column = ui.new_child(inner);
+    column.spacing_mut().item_spacing.y = 0.0;
+    let mut changes = Vec::new();
+    row(&mut column, |ui| title(ui, view, &mut changes));
+    if kind == Kind::Names {
+        column.weak("These are names, not quantities: there is no range to set.");
+    } else {
+        let setting = control.setting(shown);
+        let size = vec2(column.available_width(), PLOT_HEIGHT);
+        let plot = Plot { view, setting, log_counts: control.log_counts };
+        changes.extend(plot.ui(&mut column, size).map(|range| Change::Rule(Rule::Fixed(range))));
+        column.add_space(space::XS);
+        row(&mut column, |ui| ends(ui, session, view, &mut changes));
+        row(&mut column, |ui| colors(ui, session, kind, shown, &mut changes));
+        if let Some((region, channels)) = view.looked.measured.as_deref().and_then(|m| m.part.as_ref()) {
+            figures::part(&mut column, *region, kind, channels, &mut changes);
+        }
+    }
+    commands.extend(changes.into_iter().map(Command::Range));
+    card
+}
+
+/// A row of the height of all rows.
+pub(super) fn row(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    let size = vec2(ui.available_width(), ROW_HEIGHT);
+    ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+        ui.spacing_mut().item_spacing.x = space::XS;
+        content(ui);
+    });
+}
+
+fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>) {
+    let (name, help) = match view.request.shown {
+        Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
+        Shown::Stage(stage) => (stage.name(), stage.help()),
+    };
+    ui.label(RichText::new(name).strong());
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        if icon_button(ui, Icon::ChevronDown, "Hide the range control").clicked() {
+            changes.push(Change::Open(false));
+        }
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            ui.add(Label::new(RichText::new(help).small().color(tokens(ui).text_weak)).truncate()).on_hover_text(help);
+        });
+    });
+}
+
+/// Both ends as numbers, and between them what finds them.
+fn ends(ui: &mut Ui, session: &Session, view: &View, changes: &mut Vec<Change>) {
+    let Some(range) = view.range else { return };
+    let rule = session.range.setting(view.request.shown).display.rule;
+    if let Some(low) = field(ui, "Low end of the range", range.low, range) {
+        changes.push(Change::Rule(Rule::Fixed(Range { low, high: range.high.max(low) })));
+    }
+    fits(ui, session, rule, changes);
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        if let Some(high) = field(ui, "High end of the range", range.high, range) {
+            changes.push(Change::Rule(Rule::Fixed(Range { low: range.low.min(high), high })));
+        }
+    });
+}
+
+/// A number to drag or type; the new one, if it was changed to a finite one.
+fn field(ui: &mut Ui, name: &str, value: f32, range: Range) -> Option<f32> {
+    /// Points that the pointer is dragged for the whole range.
+    const POINTS: f64 = 300.0;
+    let mut number = f64::from(value);
+    let speed = ((f64::from(range.high) - f64::from(range.low)) / POINTS).max(f64::from(f32::MIN_POSITIVE));
+    let text = |value: f64, _| format!("{}", value as f32);
+    let drag = DragValue::new(&mut number).speed(speed).custom_formatter(text);
+    let response = ui.add_sized(vec2(FIELD, theme::CONTROL_HEIGHT), drag);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::SpinButton, true, name));
+    let changed = response.on_hover_text(format!("{name}: drag, or click and type")).changed();
+    (changed && (number as f32).is_finite()).then_some(number as f32)
+}
+
+fn fits(ui: &mut Ui, session: &Session, rule: Rule, changes: &mut Vec<Change>) {
+    ui.spacing_mut().item_spacing.x = 1.0;
+    let sticky = matches!(rule, Rule::Sticky(_));
+    let help = "Fit to the least and the greatest value  (N). Right-click: stay fitted from picture to picture";
+    let fit = toggle(ui, Icon::WandSparkles, sticky, help);
+    if fit.clicked() {
+        changes.push(Change::Fit(Fit::All));
+    } else if fit.secondary_clicked() {
+        changes.push(Change::ToggleSticky);
+    }
+    if icon_button(ui, Icon::Scan, "Fit to the part that is on screen  (Shift+N)").clicked() {
+        changes.push(Change::FitVisible);
+    }
+    let most = toggle(
+        ui,
+        Icon::Percent,
+        rule == Rule::Sticky(Fit::Most),
+        "Fit to all but the hundredth at either end. Right-click: stay fitted from picture to picture",
+    );
+    if most.clicked() {
+        changes.push(Change::Fit(Fit::Most));
+    } else if most.secondary_clicked() {
+        changes.push(Change::Rule(Rule::Sticky(Fit::Most)));
+    }
+    let region = session.range.region;
+    ui.add_enabled_ui(region.is_some(), |ui| {
+        let fit = icon_button(ui, Icon::Focus, "Fit to the dragged box");
+        if let Some(region) = region.filter(|_| fit.on_disabled_hover_text("Drag a box first").clicked()) {
+            changes.push(Change::Fit(Fit::Within(region)));
+        }
+    });
+    if icon_button(ui, Icon::ZoomIn, "Let the histogram run from handle to handle").clicked() {
+        changes.push(Change::ZoomAxis);
+    }
+    if icon_button(ui, Icon::RotateCcw, "Back to the range that suits the quantity  (R)").clicked() {
+        changes.push(Change::Reset);
+    }
+}
+
+/// A square button with an icon that can be on.
+fn toggle(ui: &mut Ui, icon: Icon, on: bool, name: &str) -> Response {
+    let button = Button::new(theme::icon(icon))
+        .selected(on)
+        .frame_when_inactive(false)
+        .min_size(Vec2::splat(theme::CONTROL_HEIGHT));
+    let response = ui
+        .scope(|ui| {
+            ui.spacing_mut().button_padding = Vec2::splat((theme::CONTROL_HEIGHT - theme::ICON_SIZE) / 2.0);
+            ui.add(button)
+        })
+        .inner;
+    response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, on, name));
+    response.on_hover_text(name)
+}
+
+/// Colours: the map of numbers, or which channels there are; then what concerns the histogram.
+fn colors(ui: &mut Ui, session: &Session, kind: Kind, shown: Shown, changes: &mut Vec<Change>) {
+    let control = &session.range;
+    let display = control.setting(shown).display;
+    if kind == Kind::Numbers {
+        maps(ui, display.map, changes);
+        if toggle(ui, Icon::ArrowLeftRight, display.reversed, "Let the colour map run the other way").clicked() {
+            changes.push(Change::Reverse(!display.reversed));
+        }
+    } else {
+        for (channel, name) in kind.channels().iter().enumerate() {
+            let on = display.channels[channel];
+            let text = RichText::new(*name).color(if on { theme::WEIGHTS[channel] } else { tokens(ui).text_weak });
+            let button = ui.add(Button::new(text).selected(on));
+            let button = button.on_hover_text(format!("Show {name}, or not. Right-click: {name} alone, in grey"));
+            if button.clicked() {
+                let mut channels = display.channels;
+                channels[channel] ^= true;
+                changes.push(Change::Channels(channels));
+            } else if button.secondary_clicked() {
+                changes.push(Change::Solo(channel));
+            }
+        }
+    }
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let box_help = "Then drag a box on the picture: its figures appear here. Shift+drag does the same at any time";
+        if toggle(ui, Icon::SquareDashed, control.draws_region, box_help).clicked() {
+            changes.push(Change::DrawRegion(!control.draws_region));
+        }
+        let log = ui.selectable_label(control.log_counts, "log");
+        if log.on_hover_text("Bars as high as the logarithm of the counts: rare values are seen, too").clicked() {
+            changes.push(Change::LogCounts(!control.log_counts));
+        }
+    });
+}
+
+fn maps(ui: &mut Ui, chosen: Option<ColorMap>, changes: &mut Vec<Change>) {
+    let mut map = chosen;
+    let name = map.map_or("Colours of its own", ColorMap::name);
+    ui.name_inputs("Colour map", |ui| {
+        combo("color map", name, 156.0).show_ui(ui, |ui| {
+            ui.selectable_value(&mut map, None, "Colours of its own").on_hover_text("Those that suit the quantity");
+            for option in ColorMap::ALL {
+                ui.selectable_value(&mut map, Some(*option), option.name()).on_hover_text(option.help());
+            }
+        });
+    });
+    if map != chosen {
+        changes.push(Change::Map(map));
+    }
+}

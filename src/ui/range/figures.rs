@@ -1,0 +1,99 @@
+//! Figures of the shown quantity as text: count, least, greatest, mean, deviation, and what is no number.
+
+use eframe::egui::{Align, Label, Layout, RichText, Ui};
+
+use super::Change;
+use super::card::row;
+use super::plot::short;
+use crate::inspect::display::Kind;
+use crate::inspect::statistics::Statistics;
+use crate::measure::region::Region;
+use crate::ui::format;
+use crate::ui::theme::{Icon, tokens};
+use crate::ui::widgets::icon_button;
+
+/// Names of the columns, with their explanations.
+pub const COLUMNS: [(&str, &str); 7] = [
+    ("n", "Finite values"),
+    ("min", "The least"),
+    ("max", "The greatest"),
+    ("mean", "Their mean"),
+    ("σ", "Standard deviation"),
+    ("#NaN", "Values that are not a number"),
+    ("#Inf", "Infinite values of either sign"),
+];
+
+/// The figures of one channel, as text, in the order of [`COLUMNS`].
+pub fn texts(figures: &Statistics) -> [String; 7] {
+    let known = |text: String| if figures.finite == 0 { "–".to_owned() } else { text };
+    [
+        format::count(figures.finite),
+        known(short(figures.min)),
+        known(short(figures.max)),
+        known(rounded(figures.mean)),
+        known(rounded(figures.deviation())),
+        format::count(figures.nan),
+        format::count(figures.infinite),
+    ]
+}
+
+/// A computed figure with six digits that count: more would tell nothing.
+fn rounded(value: f64) -> String {
+    const DIGITS: i32 = 6;
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    let exponent = value.abs().log10().floor() as i32;
+    if (-4..9).contains(&exponent) {
+        return format::fixed(value, (DIGITS - 1 - exponent).max(0) as usize);
+    }
+    format!("{value:.5e}").replace('-', "−")
+}
+
+/// The rows of a dragged rectangle: where it is, and the figures of each channel.
+pub fn part(ui: &mut Ui, region: Region, kind: Kind, channels: &[Statistics], changes: &mut Vec<Change>) {
+    row(ui, |ui| {
+        let Region { left, top, right, bottom } = region;
+        let text = format!("Box {left}, {top} · {} × {} px", right.saturating_sub(left), bottom.saturating_sub(top));
+        ui.label(RichText::new(text).color(tokens(ui).text));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            if icon_button(ui, Icon::X, "Drop the box").clicked() {
+                changes.push(Change::Region(None));
+            }
+        });
+    });
+    for (name, channel) in kind.channels().iter().zip(channels) {
+        let [count, min, max, mean, deviation, nan, infinite] = texts(channel);
+        let odd =
+            if channel.nan + channel.infinite > 0 { format!(" · {nan} NaN · {infinite} ∞") } else { String::new() };
+        let text = format!("{name} {min} … {max}, mean {mean}, σ {deviation}, n {count}{odd}");
+        row(ui, |ui| {
+            let label = Label::new(RichText::new(&text).small().monospace()).truncate().selectable(true);
+            ui.add(label).on_hover_text(&text);
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn computed_figures_have_six_digits() {
+        for (value, text) in [
+            (0.0, "0"),
+            (128.674_744, "128.675"),
+            (-0.012_345_678, "−0.0123457"),
+            (1_234_567.8, "1234568"),
+            (1.5e-9, "1.50000e−9"),
+        ] {
+            assert_eq!(rounded(value), text);
+        }
+    }
+
+    #[test]
+    fn without_finite_values_there_are_only_counts() {
+        let texts = texts(&Statistics::of([f32::NAN, f32::INFINITY]));
+        assert_eq!(texts.each_ref().map(String::as_str), ["0", "–", "–", "–", "–", "1", "1"]);
+    }
+}

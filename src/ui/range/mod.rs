@@ -1,0 +1,214 @@
+//! Range control: which values the ends of a colour map stand for, over a histogram of all values, and the figures of a
+//! rectangle. Every buffer and stage keeps its own settings.
+
+pub mod card;
+
+pub mod plot;
+
+pub mod panel;
+
+pub mod figures;
+
+pub mod region;
+
+pub mod save;
+
+use super::engine::{Shown, View};
+use super::look::{Measures, kind};
+use crate::inspect::display::{ColorMap, Display, Kind};
+use crate::inspect::range::{Fit, Rule};
+use crate::inspect::view::Range;
+use crate::measure::region::Region;
+
+/// The settings of one buffer or stage.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Setting {
+    /// Range, map and channels.
+    pub display: Display,
+    /// What the bar runs over; all values if nothing was chosen.
+    pub axis: Option<Range>,
+}
+
+/// What range control holds.
+#[derive(Clone, Debug, Default)]
+pub struct RangeControl {
+    /// Whether the bar with the histogram is shown on the canvas.
+    pub open: bool,
+    /// Whether the tab with the histogram is open.
+    pub tab: bool,
+    /// Whether histograms show the logarithm of their counts.
+    pub log_counts: bool,
+    /// The rectangle that has figures of its own.
+    pub region: Option<Region>,
+    /// Whether dragging draws that rectangle.
+    pub draws_region: bool,
+    /// The part of the picture that is on screen.
+    pub visible: Option<Region>,
+    settings: Vec<(Shown, Setting)>,
+}
+
+/// A change of the range control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Change {
+    /// Show the bar, or hide it.
+    Open(bool),
+    /// The tab with the histogram is open, or not any more.
+    Tab(bool),
+    /// Show the logarithm of counts, or the counts.
+    LogCounts(bool),
+    /// Find the range this way from now on.
+    Rule(Rule),
+    /// Fit the range once.
+    Fit(Fit),
+    /// Fit the range once to what is on screen.
+    FitVisible,
+    /// Fit anew for every picture, or stop doing so.
+    ToggleSticky,
+    /// Let the bar run over these values only; over all if none.
+    Axis(Option<Range>),
+    /// Let the bar run from one handle to the other.
+    ZoomAxis,
+    /// Range and bar as they were at first.
+    Reset,
+    /// Show by this map; by the quantity's own if none.
+    Map(Option<ColorMap>),
+    /// Let the map run the other way.
+    Reverse(bool),
+    /// Show these channels.
+    Channels([bool; 3]),
+    /// Show one channel alone, or all again if it is alone.
+    Solo(usize),
+    /// Measure this rectangle.
+    Region(Option<Region>),
+    /// Have dragging draw the rectangle, or not.
+    DrawRegion(bool),
+    /// This part of the picture is on screen.
+    Visible(Option<Region>),
+}
+
+impl RangeControl {
+    /// The settings of what is shown.
+    pub fn setting(&self, shown: Shown) -> Setting {
+        self.settings.iter().find(|(of, _)| *of == shown).map_or(Setting::default(), |(_, setting)| *setting)
+    }
+
+    /// The figures that are wanted of what is shown, if any are.
+    pub fn measures(&self, shown: Shown) -> Option<Measures> {
+        let wanted = (self.open || self.tab) && kind(shown) != Kind::Names;
+        // Codes have the same ends in every picture.
+        let codes = Range { low: 0.0, high: 255.0 };
+        let whole = (kind(shown) == Kind::Colors).then_some(codes);
+        wanted.then(|| Measures { axis: self.setting(shown).axis.or(whole), region: self.region })
+    }
+
+    /// Applies a change to the settings of what is shown. `view` is what is on screen, which ranges are fitted to.
+    pub fn apply(&mut self, change: Change, shown: Shown, view: Option<&View>) {
+        let mut setting = self.setting(shown);
+        let display = &mut setting.display;
+        match change {
+            Change::Open(open) => self.open = open,
+            Change::Tab(open) => self.tab = open,
+            Change::LogCounts(log) => self.log_counts = log,
+            Change::Visible(region) => self.visible = region,
+            Change::DrawRegion(draws) => self.draws_region = draws,
+            Change::Region(region) => {
+                (self.region, self.draws_region) = (region, false);
+                // Its figures are on the card.
+                self.open |= region.is_some();
+            }
+            Change::Rule(Rule::Fixed(range)) => display.rule = ordered(range).map_or(display.rule, Rule::Fixed),
+            Change::Rule(rule) => display.rule = rule,
+            Change::Fit(fit) => display.rule = fitted(fit, display, view).unwrap_or(display.rule),
+            Change::FitVisible => {
+                let fit = self.visible.map_or(Fit::All, Fit::Within);
+                display.rule = fitted(fit, display, view).unwrap_or(display.rule);
+            }
+            Change::ToggleSticky => {
+                let is_sticky = matches!(display.rule, Rule::Sticky(_));
+                display.rule = if is_sticky { Rule::Natural } else { Rule::Sticky(Fit::All) };
+            }
+            Change::Axis(axis) => setting.axis = axis,
+            Change::ZoomAxis => setting.axis = view.and_then(|view| view.range).or(setting.axis),
+            Change::Reset => (display.rule, setting.axis) = (Rule::Natural, None),
+            Change::Map(map) => display.map = map,
+            Change::Reverse(reversed) => display.reversed = reversed,
+            Change::Channels(channels) => display.channels = channels,
+            Change::Solo(channel) => {
+                let alone = [0, 1, 2].map(|i| i == channel);
+                display.channels = if display.channels == alone { [true; 3] } else { alone };
+            }
+        }
+        self.store(shown, setting);
+    }
+
+    fn store(&mut self, shown: Shown, setting: Setting) {
+        self.settings.retain(|(of, _)| *of != shown);
+        if setting != Setting::default() {
+            self.settings.push((shown, setting));
+        }
+    }
+}
+
+/// The range with its ends in order; none unless both are finite.
+fn ordered(Range { low, high }: Range) -> Option<Range> {
+    (low.is_finite() && high.is_finite()).then(|| Range { low: low.min(high), high: low.max(high) })
+}
+
+/// The range that fits what is on screen, set once.
+fn fitted(fit: Fit, display: &Display, view: Option<&View>) -> Option<Rule> {
+    let view = view?;
+    let range = fit.range(view.picture.size(), display.channels, |x, y| view.value(x, y))?;
+    Some(Rule::Fixed(range))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inspect::Buffer;
+
+    const DEPTH: Shown = Shown::Buffer(Buffer::Depth);
+
+    #[test]
+    fn every_buffer_keeps_its_own_settings() {
+        let mut control = RangeControl::default();
+        let range = Range { low: 0.25, high: 0.5 };
+        control.apply(Change::Rule(Rule::Fixed(range)), DEPTH, None);
+        control.apply(Change::Solo(1), Shown::Buffer(Buffer::Color), None);
+        assert_eq!(control.setting(DEPTH).display.rule, Rule::Fixed(range));
+        assert_eq!(control.setting(DEPTH).display.channels, [true; 3]);
+        assert_eq!(control.setting(Shown::Buffer(Buffer::Color)).display.channels, [false, true, false]);
+        control.apply(Change::Reset, DEPTH, None);
+        control.apply(Change::Solo(1), Shown::Buffer(Buffer::Color), None);
+        assert!(control.settings.is_empty(), "defaults need no memory");
+    }
+
+    #[test]
+    fn figures_are_wanted_only_where_they_are_seen() {
+        let mut control = RangeControl::default();
+        assert_eq!(control.measures(DEPTH), None);
+        control.apply(Change::Open(true), DEPTH, None);
+        assert!(control.measures(DEPTH).is_some());
+        assert_eq!(control.measures(Shown::Buffer(Buffer::TriangleId)), None, "names have no range");
+        control.apply(Change::Open(false), DEPTH, None);
+        control.apply(Change::Tab(true), DEPTH, None);
+        assert!(control.measures(DEPTH).is_some());
+    }
+
+    #[test]
+    fn a_range_is_finite_and_in_order() {
+        let mut control = RangeControl::default();
+        control.apply(Change::Rule(Rule::Fixed(Range { low: 2.0, high: 1.0 })), DEPTH, None);
+        let ordered = Rule::Fixed(Range { low: 1.0, high: 2.0 });
+        assert_eq!(control.setting(DEPTH).display.rule, ordered);
+        control.apply(Change::Rule(Rule::Fixed(Range { low: f32::NAN, high: 1.0 })), DEPTH, None);
+        assert_eq!(control.setting(DEPTH).display.rule, ordered);
+    }
+
+    #[test]
+    fn a_drawn_rectangle_ends_the_drawing() {
+        let mut control = RangeControl { draws_region: true, ..RangeControl::default() };
+        let region = Region { left: 1, top: 2, right: 3, bottom: 4 };
+        control.apply(Change::Region(Some(region)), DEPTH, None);
+        assert_eq!((control.region, control.draws_region, control.open), (Some(region), false, true));
+    }
+}

@@ -1,0 +1,79 @@
+//! The tab "Histogram": the histogram of the whole picture in full width, and the figures of every channel.
+
+use eframe::egui::{Grid, RichText, ScrollArea, Ui, vec2};
+
+use super::Change;
+use super::figures::{COLUMNS, texts};
+use super::plot::Plot;
+use crate::inspect::range::Rule;
+use crate::inspect::statistics::Statistics;
+use crate::ui::command::Command;
+use crate::ui::look::kind;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, space, tokens};
+use crate::ui::widgets::empty_state;
+
+/// Width of the table of figures, in points; the histogram has the rest.
+const TABLE: f32 = 700.0;
+
+/// Draws the tab.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let Some((view, measured)) = session.view.as_ref().and_then(|view| Some((view, view.looked.measured.as_deref()?)))
+    else {
+        let how = "Choose a buffer that holds quantities, such as Depth, in the bar over the picture.";
+        empty_state(ui, Icon::ChartColumn, "What is shown are names: they have no histogram", how);
+        return;
+    };
+    let shown = view.request.shown;
+    ui.horizontal_top(|ui| {
+        let size = vec2((ui.available_width() - TABLE).max(240.0), (ui.available_height() - space::S).max(60.0));
+        let plot = Plot { view, setting: session.range.setting(shown), log_counts: session.range.log_counts };
+        let dragged = plot.ui(ui, size);
+        commands.extend(dragged.map(|range| Command::Range(Change::Rule(Rule::Fixed(range)))));
+        ui.add_space(space::M);
+        ScrollArea::both().id_salt("figures").auto_shrink(false).show(ui, |ui| {
+            Grid::new("figures").num_columns(9).spacing([12.0, 4.0]).striped(true).show(ui, |ui| {
+                for (name, help) in [("", ""), ("channel", "")].into_iter().chain(COLUMNS) {
+                    ui.label(RichText::new(name).small().color(tokens(ui).text_weak)).on_hover_text(help);
+                }
+                ui.end_row();
+                let names = kind(shown).channels();
+                rows(ui, "picture", names, &measured.whole);
+                if let Some((_, part)) = &measured.part {
+                    rows(ui, "box", names, part);
+                }
+            });
+        });
+    });
+}
+
+/// The controls beside the tabs.
+pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut log = session.range.log_counts;
+    if ui.checkbox(&mut log, "log counts").on_hover_text("Rare values are seen, too").changed() {
+        commands.push(Command::Range(Change::LogCounts(log)));
+    }
+    let mut open = session.range.open;
+    let help = "The same histogram on the picture, with all that sets the range";
+    if ui.checkbox(&mut open, "on the picture").on_hover_text(help).changed() {
+        commands.push(Command::Range(Change::Open(open)));
+    }
+}
+
+/// Says whether the tab is open: only then its figures are computed.
+pub fn tell(is_open: bool, session: &Session, commands: &mut Vec<Command>) {
+    if session.range.tab != is_open {
+        commands.push(Command::Range(Change::Tab(is_open)));
+    }
+}
+
+fn rows(ui: &mut Ui, of: &str, names: &[&str], channels: &[Statistics]) {
+    for (name, channel) in names.iter().zip(channels) {
+        ui.label(RichText::new(of).color(tokens(ui).text_weak));
+        ui.label(*name);
+        for text in texts(channel) {
+            ui.label(RichText::new(text).monospace());
+        }
+        ui.end_row();
+    }
+}

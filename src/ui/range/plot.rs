@@ -1,0 +1,197 @@
+//! The histogram with a handle for each end of the range, over a strip of the colours that stand for the values.
+
+use eframe::egui::{
+    self, Align2, Color32, CursorIcon, FontId, Id, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
+};
+
+use super::Setting;
+use crate::image::Rgba8;
+use crate::inspect::Buffer;
+use crate::inspect::display::Kind;
+use crate::inspect::histogram::Histogram;
+use crate::inspect::view::Range;
+use crate::ui::engine::{Shown, View};
+use crate::ui::format;
+use crate::ui::look::kind;
+use crate::ui::theme::{self, RADIUS, font_size, space, tokens};
+
+/// Height of the strip of colours, in points.
+const STRIP: f32 = 7.0;
+
+/// Height of the numbers along the axis, in points.
+const NUMBERS: f32 = 14.0;
+
+/// Half the width of a handle's grip, in points.
+const GRIP: f32 = 5.0;
+
+/// What a plot is of.
+#[derive(Clone, Copy)]
+pub struct Plot<'a> {
+    /// What is on screen, with its histograms.
+    pub view: &'a View,
+    /// How it is shown.
+    pub setting: Setting,
+    /// Whether bars are as high as the logarithm of the counts.
+    pub log_counts: bool,
+}
+
+impl Plot<'_> {
+    /// Draws it `size` large. Returns the range that a handle was dragged to.
+    pub fn ui(self, ui: &mut Ui, size: egui::Vec2) -> Option<Range> {
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Histogram"));
+        let bars = Rect::from_min_max(rect.min, rect.max - vec2(0.0, STRIP + NUMBERS));
+        ui.painter().rect_filled(bars, RADIUS, tokens(ui).field);
+        let measured = self.view.looked.measured.as_deref()?;
+        let Some(axis) = measured.histograms.first().map(|histogram| histogram.range) else {
+            let font = FontId::proportional(font_size::SMALL);
+            let text = "Nothing finite to count";
+            ui.painter().text(bars.center(), Align2::CENTER_CENTER, text, font, tokens(ui).text_weak);
+            return None;
+        };
+        let range = self.view.range?;
+        let most = measured.histograms.iter().map(Histogram::most).max().unwrap_or(0);
+        for (channel, histogram) in measured.histograms.iter().enumerate() {
+            self.bars(ui, bars, channel, histogram, most);
+        }
+        self.strip(ui, Rect::from_min_size(bars.left_bottom(), vec2(bars.width(), STRIP)), axis);
+        axis_numbers(ui, rect, axis, most, self.log_counts);
+        let dragged = handles(ui, &response, bars, axis, range);
+        tooltip(response, bars, &measured.histograms, kind(self.view.request.shown));
+        dragged
+    }
+
+    fn bars(&self, ui: &Ui, rect: Rect, channel: usize, histogram: &Histogram, most: u64) {
+        let height = |count: u64| {
+            let (count, most) = (count as f32, most.max(1) as f32);
+            if self.log_counts { count.ln_1p() / most.ln_1p() } else { count / most }
+        };
+        let several = kind(self.view.request.shown).channels().len() > 1;
+        let color = if several { theme::WEIGHTS[channel].gamma_multiply(0.6) } else { tokens(ui).text_weak };
+        let step = rect.width() / histogram.bins.len() as f32;
+        for (bin, count) in histogram.bins.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let left = rect.left() + bin as f32 * step;
+            // Even a single value can be seen.
+            let top = rect.bottom() - (height(*count) * rect.height()).max(1.0);
+            let bar = Rect::from_min_max(pos2(left, top), pos2(left + step.max(1.0), rect.bottom()));
+            ui.painter().rect_filled(bar, 0.0, color);
+        }
+    }
+
+    /// The colours that stand for the values along the axis.
+    fn strip(&self, ui: &Ui, rect: Rect, axis: Range) {
+        let Some(range) = self.view.range else { return };
+        for point in 0..rect.width() as u32 {
+            let share = point as f32 / rect.width();
+            let value = axis.low + (axis.high - axis.low) * share;
+            let [r, g, b, _] = color_of(self.view.request.shown, &self.setting, range, value);
+            let column = Rect::from_min_size(rect.min + vec2(point as f32, 0.0), vec2(1.0, rect.height()));
+            ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
+        }
+    }
+}
+
+/// The colour that stands for a number; for channels how bright they are at it.
+pub fn color_of(shown: Shown, setting: &Setting, range: Range, number: f32) -> Rgba8 {
+    if kind(shown) == Kind::Numbers {
+        return setting.display.number_color(buffer_of(shown), range, number);
+    }
+    let grey = (range.position(number) * 255.0).round() as u8;
+    [grey, grey, grey, 255]
+}
+
+fn buffer_of(shown: Shown) -> Option<Buffer> {
+    if let Shown::Buffer(buffer) = shown { Some(buffer) } else { None }
+}
+
+/// The ends of the axis, and what the highest bar stands for.
+fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
+    let font = FontId::monospace(font_size::SMALL);
+    let color = tokens(ui).text_weak;
+    let painter = ui.painter();
+    painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, short(axis.low), font.clone(), color);
+    painter.text(rect.right_bottom(), Align2::RIGHT_BOTTOM, short(axis.high), font, color);
+    let scale = if log { "log counts" } else { "linear counts" };
+    let text = format!("{scale}, highest {}", format::count(most));
+    painter.text(rect.center_bottom(), Align2::CENTER_BOTTOM, text, FontId::proportional(font_size::SMALL), color);
+}
+
+/// A number of an axis: whole if it is, else with seven digits.
+pub fn short(value: f32) -> String {
+    if value.fract() == 0.0 && value.abs() < 1e9 { format::fixed(f64::from(value), 0) } else { format::f32_full(value) }
+}
+
+/// Draws both handles and moves the one that was taken hold of: the nearer one when dragging began.
+fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) -> Option<Range> {
+    let width = f64::from(axis.high) - f64::from(axis.low);
+    let place = |value: f32| {
+        let share = if width > 0.0 { (f64::from(value) - f64::from(axis.low)) / width } else { 0.0 };
+        bars.left() + share.clamp(0.0, 1.0) as f32 * bars.width()
+    };
+    let ends = [place(range.low), place(range.high)];
+    let held_id: Id = response.id.with("held");
+    let mut dragged = None;
+    if let Some(pointer) = response.interact_pointer_pos() {
+        if response.drag_started() {
+            let (from_low, from_high) = ((pointer.x - ends[0]).abs(), (pointer.x - ends[1]).abs());
+            // Where both stand in one place, the side of the pointer decides.
+            let high = if from_low == from_high { pointer.x > ends[1] } else { from_high < from_low };
+            ui.data_mut(|data| data.insert_temp(held_id, high));
+        }
+        if response.dragged() {
+            let share = f64::from(((pointer.x - bars.left()) / bars.width()).clamp(0.0, 1.0));
+            let value = (f64::from(axis.low) + width * share) as f32;
+            let high = ui.data(|data| data.get_temp(held_id)).unwrap_or(false);
+            dragged = Some(if high {
+                Range { low: range.low, high: value.max(range.low) }
+            } else {
+                Range { low: value.min(range.high), high: range.high }
+            });
+        }
+    }
+    if response.hovered() {
+        ui.set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    let hidden = Color32::from_black_alpha(if ui.visuals().dark_mode { 90 } else { 40 });
+    ui.painter().rect_filled(bars.with_max_x(ends[0]), 0.0, hidden);
+    ui.painter().rect_filled(bars.with_min_x(ends[1]), 0.0, hidden);
+    for (x, fill) in [(ends[0], Color32::BLACK), (ends[1], Color32::WHITE)] {
+        let line = Stroke::new(1.5, tokens(ui).accent);
+        ui.painter().vline(x, bars.y_range(), line);
+        let grip = [
+            pos2(x, bars.bottom() - GRIP),
+            pos2(x + GRIP, bars.bottom() + STRIP),
+            pos2(x - GRIP, bars.bottom() + STRIP),
+        ];
+        ui.painter().add(Shape::convex_polygon(grip.to_vec(), fill, Stroke::new(1.0, tokens(ui).accent)));
+    }
+    dragged
+}
+
+/// What the bar under the pointer counts.
+fn tooltip(response: Response, bars: Rect, histograms: &[Histogram], kind: Kind) {
+    let Some(pointer) = response.hover_pos().filter(|pointer| bars.contains(*pointer)) else { return };
+    let share = ((pointer.x - bars.left()) / bars.width()).clamp(0.0, 1.0);
+    response.on_hover_ui_at_pointer(|ui| {
+        ui.spacing_mut().item_spacing.y = space::XS / 2.0;
+        for (name, histogram) in kind.channels().iter().zip(histograms) {
+            let bin = ((share * histogram.bins.len() as f32) as usize).min(histogram.bins.len() - 1);
+            let (from, to) = histogram.span_of(bin);
+            let count = format::count(histogram.bins[bin]);
+            let text = format!("{name} {} … {}: {count} pixels", short(from as f32), short(to as f32));
+            ui.label(egui::RichText::new(text).monospace());
+        }
+        ui.weak("Drag a handle: what lies outside gets the colour of that end");
+    });
+}
+
+/// A bar of the colours of a range, from its low to its high end.
+pub fn legend_strip(ui: &Ui, rect: Rect, shown: Shown, setting: &Setting, range: Range) {
+    for point in 0..rect.width() as u32 {
+        let share = point as f32 / (rect.width() - 1.0).max(1.0);
+        let [r, g, b, _] = setting.display.legend_color(buffer_of(shown), range, share);
+        let column = Rect::from_min_size(rect.min + vec2(point as f32, 0.0), vec2(1.0, rect.height()));
+        ui.painter().rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
+    }
+}

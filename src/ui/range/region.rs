@@ -1,0 +1,95 @@
+//! A rectangle of the picture, dragged on the canvas.
+
+use eframe::egui::{CursorIcon, Painter, PointerButton, Rect, Response, Stroke, StrokeKind, Ui};
+
+use super::Change;
+use crate::measure::region::Region;
+use crate::ui::command::Command;
+use crate::ui::session::{PointerMode, Session};
+use crate::ui::theme::{MARK_EDGE, tokens};
+use crate::ui::zoom::Placement;
+
+/// The rectangle that is being dragged: the pixels at its two corners.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Dragging {
+    corners: Option<[(u32, u32); 2]>,
+}
+
+impl Dragging {
+    /// Follows the pointer; true if dragging is taken for a rectangle now. `size` is that of the picture.
+    pub fn follow(
+        &mut self,
+        ui: &Ui,
+        response: &Response,
+        (placement, size): (Placement, (u32, u32)),
+        session: &Session,
+        commands: &mut Vec<Command>,
+    ) -> bool {
+        // In camera mode Shift moves the view.
+        let inspects = session.pointer_mode == PointerMode::Inspect;
+        let wanted = session.range.draws_region || inspects && ui.input(|i| i.modifiers.shift_only());
+        if !wanted && self.corners.is_none() {
+            return false;
+        }
+        if session.range.draws_region && response.hovered() {
+            ui.set_cursor_icon(CursorIcon::Crosshair);
+        }
+        let pixel = response.interact_pointer_pos().and_then(|pointer| nearest(placement, pointer, size));
+        if response.drag_started_by(PointerButton::Primary) {
+            self.corners = pixel.map(|pixel| [pixel; 2]);
+        } else if let (true, Some([_, end]), Some(pixel)) =
+            (response.dragged_by(PointerButton::Primary), &mut self.corners, pixel)
+        {
+            *end = pixel;
+        }
+        if response.drag_stopped()
+            && let Some(corners) = self.corners.take()
+        {
+            commands.push(Command::Range(Change::Region(Some(between(corners)))));
+            return true;
+        }
+        wanted || self.corners.is_some()
+    }
+
+    /// Draws the rectangle that is being dragged, or else the one that was.
+    pub fn paint(&self, ui: &Ui, painter: &Painter, placement: Placement, session: &Session) {
+        let Some(region) = self.corners.map(between).or(session.range.region) else { return };
+        let (first, last) =
+            (placement.rect_of(region.left, region.top), placement.rect_of(region.right, region.bottom));
+        let rect = Rect::from_min_max(first.min, last.min);
+        painter.rect_stroke(rect, 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Middle);
+        painter.rect_stroke(rect, 0.0, Stroke::new(1.0, tokens(ui).accent), StrokeKind::Middle);
+    }
+}
+
+/// The pixel of a picture nearest to a place on the window; none if there are no pixels.
+fn nearest(placement: Placement, pointer: eframe::egui::Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
+    let place = placement.to_picture(pointer);
+    let clamp = |at: f32, size: u32| Some((at.max(0.0) as u32).min(size.checked_sub(1)?));
+    Some((clamp(place.x, width)?, clamp(place.y, height)?))
+}
+
+/// The rectangle with both pixels in it.
+fn between([a, b]: [(u32, u32); 2]) -> Region {
+    Region { left: a.0.min(b.0), top: a.1.min(b.1), right: a.0.max(b.0) + 1, bottom: a.1.max(b.1) + 1 }
+}
+
+/// The pixels of a picture that are on the canvas.
+pub fn visible(placement: Placement, size: (u32, u32)) -> Option<Region> {
+    let (columns, rows) = placement.visible(size);
+    let region = Region { left: columns.start, top: rows.start, right: columns.end, bottom: rows.end };
+    (!columns.is_empty() && !rows.is_empty()).then_some(region)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_corners_belong_to_the_rectangle_whichever_came_first() {
+        let region = Region { left: 2, top: 3, right: 6, bottom: 10 };
+        assert_eq!(between([(2, 9), (5, 3)]), region);
+        assert_eq!(between([(5, 3), (2, 9)]), region);
+        assert_eq!(between([(7, 7); 2]), Region { left: 7, top: 7, right: 8, bottom: 8 });
+    }
+}

@@ -1,0 +1,113 @@
+//! Overlays on the canvas: the list, the stack, values under the pointer, steps from fault to fault, totals as a file.
+
+use eframe::egui::{Key, Modifiers, Role, Vec2};
+use egui_kittest::kittest::Queryable as _;
+use rasterscope::inspect::Buffer;
+use rasterscope::inspect::overlays::{Overlay, compose};
+use rasterscope::inspect::view::Value;
+use rasterscope::pipeline::settings::FillRule;
+use rasterscope::ui::command::Command;
+use rasterscope::ui::engine::Shown;
+use rasterscope::ui::overlays::Change;
+
+use crate::bench::Bench;
+
+fn lay(bench: &mut Bench, overlay: Overlay) {
+    bench.session_mut().apply(Command::Overlays(Change::Toggle(overlay)));
+    bench.rest();
+}
+
+#[test]
+fn the_list_lays_overlays_over_the_picture_and_takes_them_away() {
+    let mut bench = Bench::small("interpenetrating");
+    let image = bench.image();
+    bench.press(Key::O);
+    bench.window.get_by_role_and_label(Role::CheckBox, "Facing").click();
+    bench.rest();
+    assert_eq!(bench.session().overlays.layers.len(), 1);
+    assert!(bench.says("Overlays (1)") || bench.mentions("Overlays (1)"));
+    let view = bench.view();
+    assert_ne!(*view.picture, image);
+    assert_eq!(*view.picture, compose(&image, [(&*view.looked.sheets[0], bench.session().overlays.layers[0].opacity)]));
+    assert_eq!(bench.image(), image, "the frame itself stays");
+    bench.window.get_by_role_and_label(Role::CheckBox, "Facing").click();
+    bench.rest();
+    assert_eq!(*bench.view().picture, image);
+    bench.press(Key::O);
+    assert!(!bench.session().overlays.open);
+}
+
+#[test]
+fn the_inspector_tells_the_value_under_the_pointer() {
+    let mut bench = Bench::small("triangle");
+    lay(&mut bench, Overlay::Rasterized);
+    let middle = bench.place_of((84, 44));
+    bench.window.hover_at(middle);
+    bench.rest();
+    assert!(bench.says("1 fragment"));
+    let corner = bench.place_of((1, 1));
+    bench.window.hover_at(corner + Vec2::splat(0.5));
+    bench.rest();
+    assert!(!bench.says("1 fragment"));
+}
+
+#[test]
+fn j_goes_from_one_fault_of_an_overlay_to_the_next() {
+    let mut bench = Bench::small("shared-edges");
+    bench.session_mut().state.recipe.pipeline.fill_rule = FillRule::Exclusive;
+    lay(&mut bench, Overlay::ExactOwner);
+    bench.session_mut().pick = None;
+    bench.rest();
+    let sheet = bench.view().looked.sheets[0].clone();
+    let first = sheet.beside(None, true).expect("the rule leaves pixels out");
+    bench.press(Key::J);
+    assert_eq!(bench.session().pick, Some(first));
+    bench.press(Key::J);
+    assert_eq!(bench.session().pick, sheet.beside(Some(first), true));
+}
+
+#[test]
+fn lines_lie_in_pixels_while_these_are_small_and_between_them_when_large() {
+    let mut bench = Bench::new("triangle");
+    let image = bench.image();
+    lay(&mut bench, Overlay::Wireframe);
+    assert_ne!(*bench.view().picture, image);
+    let middle = bench.canvas().center();
+    bench.wheel(middle, 800.0, Modifiers::NONE);
+    assert!(bench.session().overlays.vectors);
+    assert_eq!(*bench.view().picture, image, "lines are drawn over it, not into it");
+    assert!(!bench.view().looked.sheets[0].lines.is_empty());
+}
+
+#[test]
+fn values_of_another_buffer_make_another_sheet_only_where_they_matter() {
+    let mut bench = Bench::small("triangle");
+    lay(&mut bench, Overlay::Rasterized);
+    lay(&mut bench, Overlay::Clipped);
+    let sheets = bench.view().looked.sheets.clone();
+    bench.press(Key::N);
+    let again = bench.view().looked.sheets.clone();
+    assert!(std::sync::Arc::ptr_eq(&sheets[0], &again[0]));
+    assert!(!std::sync::Arc::ptr_eq(&sheets[1], &again[1]));
+}
+
+#[test]
+fn totals_and_exact_values_are_written_into_the_folder() {
+    let mut bench = Bench::small("triangle");
+    let folder = tempfile::tempdir().unwrap();
+    bench.session_mut().folder = folder.path().to_owned();
+    lay(&mut bench, Overlay::Rasterized);
+    bench.press(Key::O);
+    bench.click("Save all totals as CSV into the current folder");
+    let table = std::fs::read_to_string(folder.path().join("overlays.csv")).unwrap();
+    assert!(table.starts_with("overlay,total,value,unit\nrasterized,in all,"));
+    bench.session_mut().apply(Command::Show(Shown::Buffer(Buffer::Depth)));
+    bench.rest();
+    bench.press_with(Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
+    let bytes = std::fs::read(folder.path().join("depth.pfm")).unwrap();
+    let header = b"Pf\n160 90\n-1.0\n";
+    assert_eq!(bytes.len(), header.len() + 4 * 160 * 90);
+    let Value::Number(depth) = bench.view().value(84, 44) else { panic!("the triangle is there") };
+    let at = header.len() + 4 * ((89 - 44) * 160 + 84);
+    assert_eq!(bytes[at..at + 4], depth.to_le_bytes());
+}
