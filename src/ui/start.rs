@@ -64,8 +64,9 @@ impl Seen {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
-        session.triangle_limit = self.moment.map(|moment| moment.triangles);
-        session.scrub.fragment_limit = self.moment.and_then(|moment| moment.fragments);
+        if let Some(moment) = self.moment {
+            session.begin_at(moment);
+        }
         if let Some(Viewport { width, height }) = self.picture {
             session.state.size = PictureSize::Fixed(width, height);
         }
