@@ -75,7 +75,7 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw(args.triangles)?;
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let (buffer, captured) = match args.buffer {
         Either::First(buffer) => (buffer, None),
         Either::Second(number) => (Buffer::Color, Some(intermediate::capture(&scene, &recipe, &frame, number))),
