@@ -14,7 +14,7 @@ use rasterscope::pipeline::settings::{Choice as _, Culling, DepthTest};
 use rasterscope::pipeline::viewport::ScreenTriangle;
 use rasterscope::scene::{DepthMapping, Scene, TriangleId};
 
-use common::{SceneBuilder, cube, for_seeds, render, soup};
+use common::{SceneBuilder, for_seeds, render, soup};
 
 /// Odd on purpose, and small: every triangle is asked for every pixel.
 const SIZE: (u32, u32) = (37, 29);
@@ -27,7 +27,7 @@ fn scene(rng: &mut fastrand::Rng) -> Scene {
     let at = |x: f32, z: f32| Mat4::from_translation(Vec3::new(x, 0.0, z));
     SceneBuilder::new(Vec3::new(0.2, 0.3, 1.4))
         .with(soup(rng, 14), Mat4::from_scale(Vec3::splat(1.2)), None)
-        .with(cube(), at(-0.4, -0.6) * Mat4::from_scale(Vec3::splat(0.3)), None)
+        .with(soup(rng, 6), at(-0.4, -0.6) * Mat4::from_scale(Vec3::splat(0.5)), None)
         .with_opacity(soup(rng, 9), at(0.2, -0.2), None, 0.5)
         .0
 }

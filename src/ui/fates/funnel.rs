@@ -1,8 +1,9 @@
 //! The funnel: a bar for each bin with its number and share, first what comes in, last what is seen.
 
-use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, vec2};
+use eframe::egui::{Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 use super::Change;
+use super::tab::elided;
 use crate::inspect::fates::{Bin, FragmentFate, TriangleFate};
 use crate::pipeline::settings::Choice;
 use crate::ui::command::Command;
@@ -11,6 +12,9 @@ use crate::ui::theme::{RADIUS, Tokens, font_size, space, tokens};
 
 /// Height of a bar with its words, in points.
 const ROW: f32 = 19.0;
+
+/// Width of the number, in points.
+const COUNT: f32 = 52.0;
 
 /// Width of the share, in points.
 const SHARE: f32 = 58.0;
@@ -101,7 +105,8 @@ fn bar<E: Ending>(ui: &mut Ui, ending: E, (count, sum): (u64, u64), chosen: bool
     painter.rect_filled(bar, 2.0, ending.color(tokens(ui)).gamma_multiply(OPACITY));
     let text = tokens(ui).text_strong;
     let body = FontId::proportional(font_size::BODY);
-    painter.text(row.left_center() + vec2(space::XS, 0.0), Align2::LEFT_CENTER, name, body, text);
+    let words = elided(ui, name, body, text, row.width() - SHARE - COUNT);
+    painter.galley(pos2(row.left() + space::XS, row.center().y - words.size().y / 2.0), words, text);
     let mono = FontId::monospace(font_size::SMALL);
     let at = |from_right: f32| row.right_center() - vec2(from_right, 0.0);
     painter.text(at(space::XS), Align2::RIGHT_CENTER, format::percent(share), mono.clone(), tokens(ui).text);

@@ -71,7 +71,8 @@ impl Scrub {
 impl Session {
     /// The moment that is asked for.
     pub fn moment(&self) -> Moment {
-        let triangles = self.triangle_limit.unwrap_or(self.triangle_count());
+        let all = self.triangle_count();
+        let triangles = self.triangle_limit.map_or(all, |limit| limit.min(all));
         Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
     }
 

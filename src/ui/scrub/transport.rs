@@ -12,7 +12,7 @@ use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
-use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, space, tokens};
+use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
 
 /// Height of the bar, in points.
@@ -75,28 +75,32 @@ fn buttons(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::ChevronLast, "After the last triangle  (End)").clicked() {
         commands.push(Command::LimitTriangles(None));
     }
-    choices(ui, session.scrub, commands);
     touching(ui, session, commands);
+    choices(ui, session.scrub, commands);
 }
 
 /// How far a step goes, and how many of them there are in a second.
 fn choices(ui: &mut Ui, Scrub { mut unit, mut speed, .. }: Scrub, commands: &mut Vec<Command>) {
     let (unit_before, speed_before) = (unit, speed);
-    let by_unit = combo("scrub-unit", unit.name(), 84.0).show_ui(ui, |ui| {
+    /// Widths of the two lists, in points; a narrow bar does without the second.
+    const WIDTHS: [f32; 2] = [84.0, 82.0];
+    let by_unit = combo("scrub-unit", unit.name(), WIDTHS[0].min(ui.available_width())).show_ui(ui, |ui| {
         for choice in Unit::ALL {
             ui.selectable_value(&mut unit, *choice, choice.name()).on_hover_text(choice.help());
         }
     });
     by_unit.response.on_hover_text("How far the buttons step, and what follows each other while playing");
-    let name = |speed: f32| format!("{} /s", format::count(speed as u64));
-    let by_speed = combo("scrub-speed", &name(speed), 82.0).show_ui(ui, |ui| {
-        for choice in SPEEDS {
-            ui.selectable_value(&mut speed, choice, name(choice));
-        }
-    });
-    by_speed
-        .response
-        .on_hover_text("Steps per second while playing, as far as the picture keeps up: else it skips some");
+    if ui.available_width() >= WIDTHS[1] {
+        let name = |speed: f32| format!("{} /s", format::count(speed as u64));
+        let by_speed = combo("scrub-speed", &name(speed), WIDTHS[1]).show_ui(ui, |ui| {
+            for choice in SPEEDS {
+                ui.selectable_value(&mut speed, choice, name(choice));
+            }
+        });
+        by_speed
+            .response
+            .on_hover_text("Steps per second while playing, as far as the picture keeps up: else it skips some");
+    }
     if unit != unit_before {
         commands.push(Command::Scrub(Change::Unit(unit)));
     }
@@ -144,7 +148,7 @@ fn figures(ui: &mut Ui, session: &Session, known: Option<&Timeline>) {
 fn triangles(ui: &mut Ui, session: &Session, known: Option<&Arc<Timeline>>, width: f32, commands: &mut Vec<Command>) {
     let all = session.triangle_count();
     let mut drawn = session.moment().triangles.min(all);
-    ui.spacing_mut().slider_width = width;
+    ui.spacing_mut().slider_width = width.floor();
     let slider = ui
         .add_enabled(all > 0, Slider::new(&mut drawn, 0..=all).show_value(false))
         .on_hover_text("Triangles drawn, in the order in which they are rasterized. Ticks are those at the picked pixel: green were written, red rejected");
@@ -162,9 +166,10 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
     let all = known.map_or(0, |known| known.fragments[0]);
     let mut drawn = moment.fragments.unwrap_or(all).min(all);
     let text = format!("{} / {}", format::count(drawn as u64), format::count(all as u64));
-    /// Room for the numbers, in points.
-    const NUMBERS: f32 = 104.0;
-    ui.spacing_mut().slider_width = (width - NUMBERS).max(40.0);
+    /// Room for the numbers, in points; without them where the slider would be shorter than half of that.
+    const NUMBERS: f32 = 122.0;
+    let has_numbers = width >= 1.5 * NUMBERS;
+    ui.spacing_mut().slider_width = (if has_numbers { width - NUMBERS - space::M } else { width }).floor();
     let is_known = all > 0 && moment.triangles > 0;
     let slider = ui
         .add_enabled(is_known, Slider::new(&mut drawn, 0..=all.max(1)).show_value(false))
@@ -177,9 +182,15 @@ fn fragments(ui: &mut Ui, session: &Session, known: Option<&Timeline>, width: f3
         let fragments = (drawn < all).then_some(drawn);
         commands.push(Command::Scrub(Change::Go(Moment { fragments, ..moment })));
     }
-    let color = if is_known { tokens(ui).text } else { tokens(ui).text_weak };
-    let text = if is_known { text } else { "–".to_owned() };
-    ui.label(RichText::new(text).monospace().color(color)).on_hover_text("Fragments of the last triangle drawn / all");
+    if has_numbers {
+        let color = if is_known { tokens(ui).text } else { tokens(ui).text_weak };
+        let text = RichText::new(if is_known { text } else { "–".to_owned() }).monospace().size(font_size::SMALL);
+        let size = vec2(ui.available_width().min(NUMBERS), CONTROL_HEIGHT);
+        ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Center), |ui| {
+            ui.add(egui::Label::new(text.color(color)).truncate())
+                .on_hover_text("Fragments of the last triangle drawn / all");
+        });
+    }
 }
 
 /// A tick for each fragment at the picked pixel.
