@@ -389,6 +389,12 @@ impl Frame {
         &self.drawn.depth_scale
     }
 
+    /// Draws the list of triangles once more, after it was changed, with one sample for each pixel.
+    pub fn redraw(&mut self, scene: &Scene, recipe: &Recipe) {
+        let drawn = redraw(scene, recipe, self, Until::Shade, &mut ());
+        *self = self.at_moment(recipe, drawn, Geometry::clone(&self.geometry));
+    }
+
     /// The frame as it was at an earlier moment: `drawn` is what was drawn by then, with one sample for each pixel, and
     /// `geometry` has the triangles that were drawn.
     pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {

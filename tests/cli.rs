@@ -811,3 +811,65 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
     }
     assert_failure(&run(&folder(), &["bench", "--threads", "0"]), 2, "--threads");
 }
+
+#[test]
+fn diff_counts_the_pixels_that_two_pictures_differ_in() {
+    let folder = folder();
+    let draw = |rule: &str| {
+        let set = format!("fill_rule={rule}");
+        let name = format!("{rule}.png");
+        assert_success(&run(&folder, &["render", "shared-edges", "--size", "96x64", "--set", &set, "-o", &name]));
+        picture(&folder, &name)
+    };
+    let (before, after) = (draw("top-left"), draw("inclusive"));
+    let changed: Vec<_> = before.pixels().iter().zip(after.pixels()).map(|(a, b)| a != b).collect();
+    let count = changed.iter().filter(|changed| **changed).count();
+    let common = ["diff", "shared-edges", "--size", "96x64", "--set", "fill_rule=inclusive", "--rounds", "1"];
+    let told =
+        run(&folder, &[&common[..], &["--against", "fill_rule=top-left", "--json", "-o", "marked.png"]].concat());
+    assert_success(&told);
+    let json: serde_json::Value = serde_json::from_str(stdout(&told)).unwrap();
+    assert!(count > 0);
+    assert_eq!(json["changed_pixels"], count);
+    assert_eq!(json["fields"], serde_json::json!([["fill_rule", "top-left", "inclusive"]]));
+    let marked = picture(&folder, "marked.png");
+    for ((pixel, changed), of_b) in marked.pixels().iter().zip(&changed).zip(after.pixels()) {
+        assert!(if *changed { pixel == of_b } else { pixel[0] == pixel[1] && pixel[1] == pixel[2] });
+    }
+    let none = run(&folder, &[&common[..], &["--against", "execution=classic"]].concat());
+    assert!(stdout(&none).contains("color: 0 of 6144 pixels changed (0.0000 %)"), "{}", stdout(&none));
+    assert_failure(&run(&folder, &[&common[..], &["--against", "fill_rule=x"]].concat()), 2, "--against fill_rule: ");
+}
+
+#[test]
+fn every_triangle_and_fragment_is_told_in_one_bin_and_the_sums_match() {
+    let size = ["--size", "64x48"];
+    let told = run(&folder(), &[&["fates", "near-plane"], &size[..]].concat());
+    assert_success(&told);
+    for words in ["triangles", "fragments", "outside the view", "corridor", "All sums match"] {
+        assert!(stdout(&told).contains(words), "{words}: {}", stdout(&told));
+    }
+    let json = run(&folder(), &[&["fates", "near-plane", "--json"], &size[..]].concat());
+    let json: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
+    let sum = |of: &serde_json::Value| of.as_object().unwrap().values().map(|n| n.as_u64().unwrap()).sum::<u64>();
+    let scene = builtin::by_id("near-plane").unwrap().build();
+    assert_eq!(sum(&json["triangles"]), scene.triangle_count() as u64);
+    assert_eq!(sum(&json["fragments"]), json["account"]["fragments_in"].as_u64().unwrap());
+    assert_eq!(json["balanced"].as_bool(), Some(true));
+    let objects = json["objects"].as_array().unwrap();
+    assert_eq!(objects.len(), scene.instances.len());
+    assert_eq!(objects.iter().map(|object| sum(&object["fragments"])).sum::<u64>(), sum(&json["fragments"]));
+}
+
+#[test]
+fn every_triangle_can_be_stepped_to_and_bench_tells_what_that_costs() {
+    let args = ["bench", "cubes", "--scrub", "--size", "64x48", "--frames", "2"];
+    let told = run(&folder(), &args);
+    assert_success(&told);
+    for words in ["first walk", "copies", "one triangle on", "one triangle back", "one fragment on", "jump"] {
+        assert!(stdout(&told).contains(words), "{words}: {}", stdout(&told));
+    }
+    let json = run(&folder(), &[&args[..], &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
+    assert_eq!(json["steps"].as_array().unwrap().len(), 4);
+}

@@ -15,7 +15,7 @@ use rasterscope::ui::app::Workbench;
 use rasterscope::ui::headless::Headless;
 use rasterscope::ui::session::Session;
 use rasterscope::ui::worker::Worker;
-use rasterscope::ui::{ScreenshotRequest, Theme, WindowStart, screenshot};
+use rasterscope::ui::{ScreenshotRequest, Seen, Theme, WindowStart, screenshot};
 
 /// Window sizes in px, each with pixels per point.
 const WINDOWS: [(f32, f32, f32); 6] = [
@@ -254,6 +254,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             camera,
             mirrored: false,
             resume: false,
+            seen: Seen::default(),
         };
         let size = Viewport { width, height };
         let request = ScreenshotRequest {
@@ -263,12 +264,14 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             theme: Theme::Light,
             selected: None,
             measure: false,
+            probe: false,
+            mesh: None,
             compare: None,
-            changes: Vec::new(),
             tab: None,
             moment: None,
             fate: None,
             lab: None,
+            first: Vec::new(),
         };
         assert_eq!(screenshot(&request).map(|image| image.size()), Ok((width, height)));
         let outside = ScreenshotRequest { selected: Some((width, 0)), ..request };

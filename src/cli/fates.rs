@@ -36,7 +36,7 @@ struct Told<'a> {
 
 /// Draws, counts, and prints where everything went.
 pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw()?;
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
     let fates = Fates::of(&scene, &recipe, &frame);
     let Viewport { width, height } = frame.viewport;
     if args.json {

@@ -6,6 +6,7 @@
 mod bench;
 mod bench_scrub;
 mod case;
+mod diff;
 mod failure;
 mod fates;
 mod lab;
@@ -14,12 +15,14 @@ mod parse;
 mod pixel;
 mod pixel_text;
 mod plan;
+mod probe;
 mod render;
 mod report;
 mod scaling;
 mod scene_args;
 mod scenes;
 mod screenshot;
+mod seen_args;
 mod stability;
 mod vector;
 mod window;
@@ -35,7 +38,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use failure::Failure;
-use scene_args::SceneArgs;
+use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
 ///
@@ -48,7 +51,7 @@ struct Cli {
     command: Option<Command>,
 
     #[command(flatten)]
-    start: SceneArgs,
+    start: WindowArgs,
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible";
@@ -57,7 +60,7 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot
 enum Command {
     /// Open the window, and fail where that is impossible
     #[command(after_help = EXIT_CODES)]
-    Window(SceneArgs),
+    Window(WindowArgs),
     /// Draw one frame, or one of its buffers, into a PNG
     #[command(after_help = EXIT_CODES)]
     Render(render::RenderArgs),
@@ -70,6 +73,9 @@ enum Command {
     /// Tell what each draw runs and leaves out, and why
     #[command(after_help = EXIT_CODES)]
     Plan(plan::PlanArgs),
+    /// Tell what other settings change in a view: which pixels, how far, and what it costs
+    #[command(after_help = EXIT_CODES)]
+    Diff(diff::DiffArgs),
     /// Draw the whole workbench into a PNG, without a window
     #[command(after_help = EXIT_CODES)]
     Screenshot(screenshot::ScreenshotArgs),
@@ -85,6 +91,9 @@ enum Command {
     /// Judge the engine: stiff and extreme cases against every rasterizer, arithmetic and depth format
     #[command(after_help = EXIT_CODES)]
     Stability(stability::StabilityArgs),
+    /// Move camera or vertices by a few units in the last place, and tell which pixels and triangles do not stand firm
+    #[command(after_help = EXIT_CODES)]
+    Probe(probe::ProbeArgs),
     /// Measure error against run time of every upscaler, and write a page, a table and JSON
     #[command(after_help = EXIT_CODES)]
     Report(report::ReportArgs),
@@ -122,11 +131,13 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Pixel(args)) => pixel::run(args),
         Some(Command::Fates(args)) => fates::run(args),
         Some(Command::Plan(args)) => plan::run(args),
+        Some(Command::Diff(args)) => diff::run(args),
         Some(Command::Screenshot(args)) => screenshot::run(args),
         Some(Command::Bench(args)) => bench::run(args),
         Some(Command::Scaling(args)) => scaling::run(args),
         Some(Command::Case(args)) => case::run(args),
         Some(Command::Stability(args)) => stability::run(args),
+        Some(Command::Probe(args)) => probe::run(args),
         Some(Command::Report(args)) => report::run(args),
         Some(Command::Vector(args)) => vector::run(args),
         Some(Command::Lab(args)) => lab::run(args),
@@ -143,3 +154,7 @@ fn usage(error: &clap::Error) -> Result<(), Failure> {
     let first = text.split("\n\n").next().unwrap_or(&text);
     Err(Failure::Usage(first.trim_start_matches("error: ").to_owned()))
 }
+
+// Without the window nothing reads all of a view, and that is said where it is declared.
+#[cfg(all(test, feature = "ui"))]
+mod tests;

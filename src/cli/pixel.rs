@@ -18,6 +18,18 @@ pub(crate) struct PixelArgs {
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     at: (u32, u32),
 
+    /// Draw only the first so many of the rasterized triangles
+    #[arg(long, value_name = "N")]
+    triangles: Option<usize>,
+
+    /// Taken so that a copied command works here too, and of no use: all about the pixel is told
+    #[arg(long, hide = true)]
+    buffer: Option<String>,
+
+    /// As `buffer`
+    #[arg(long, hide = true)]
+    stage: Option<String>,
+
     /// Print JSON instead of text
     #[arg(long)]
     json: bool,
@@ -31,7 +43,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     if x >= picture.width || y >= picture.height {
         return Err(outside());
     }
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw()?;
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw(args.triangles)?;
     let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
     if args.json {
         let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;

@@ -48,6 +48,13 @@ pub(crate) struct RenderArgs {
     /// Also write the exact values of the buffer as 32-bit floats
     #[arg(long, value_name = "FILE.pfm", conflicts_with = "stage")]
     data: Option<PathBuf>,
+    /// Draw only the first so many of the rasterized triangles
+    #[arg(long, value_name = "N")]
+    triangles: Option<usize>,
+
+    /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
+    #[arg(long, value_name = "X,Y", hide = true)]
+    at: Option<String>,
 
     /// Also print the time of each stage, each the median of this many frames
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -60,8 +67,9 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw()?;
-    let shown = Shown { buffer: args.buffer, scene: &scene, recipe: &recipe, frame: &frame };
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw(args.triangles)?;
+    let is_whole = args.triangles.is_none();
+    let shown = Shown { buffer: args.buffer, scene: &scene, recipe: &recipe, frame: &frame, is_whole };
     let buffers = (args.stage.is_none() && args.buffer != Buffer::Color)
         .then(|| capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame));
     let faults = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref()).map(Hits::summary);
@@ -106,6 +114,8 @@ struct Shown<'a> {
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
+    /// Whether all triangles were drawn.
+    is_whole: bool,
 }
 
 impl Shown<'_> {
@@ -120,7 +130,7 @@ impl Shown<'_> {
             scene: self.scene,
             recipe: self.recipe,
             frame: self.frame,
-            is_whole: true,
+            is_whole: self.is_whole,
             watched: &watched,
             shown: &|x, y| self.value(buffers, x, y),
             range: Display::default().range(self.buffer, self.frame, buffers),

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use clap::Args;
-use rasterscope::chain::{Frame, Recipe, Renderer};
+use rasterscope::chain::{Frame, Recipe, Renderer, run};
+use rasterscope::inspect::scrub::{Moment, Scrubber};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::Loaded;
@@ -35,14 +36,15 @@ pub(crate) struct SceneArgs {
     #[arg(long)]
     mirror_z: bool,
 
-    /// The view, from a JSON file
+    /// The view, as JSON or from a file of it
     #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
     camera: Option<PathBuf>,
 }
 
-const CAMERA_HELP: &str = "The view, from a JSON file such as\n\
+const CAMERA_HELP: &str = "The view, from a file of JSON, or that JSON itself, such as\n\
     {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \"near\": 0.1, \"far\": 100}\n\
-    in world space; `up` may be left out. Without a file the scene's own view is taken";
+    in world space; `up` may be left out, and `height` instead of the angle gives a view without perspective. If omitted, \
+    the scene's own view is taken";
 
 /// The help of `--set`: every key, its values, and what it is if nothing is said.
 fn set_help() -> String {
@@ -77,7 +79,7 @@ impl SceneArgs {
     /// Reads everything; warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<View, Failure> {
         let recipe = self.recipe()?;
-        let camera = self.camera.as_deref().map(camera_file::read).transpose()?;
+        let camera = self.camera.as_deref().map(camera).transpose()?;
         let source = source(self.scene.as_deref())?;
         let Loaded { scene, warnings } = source.load()?;
         if std::env::var_os(WARNED).is_none() {
@@ -110,6 +112,14 @@ impl SceneArgs {
     }
 }
 
+/// A view: from a file, or from the text itself if that is no path.
+fn camera(given: &Path) -> Result<Camera, Failure> {
+    match given.to_str().filter(|text| text.trim_start().starts_with('{')) {
+        Some(text) => camera_file::parse(text).map_err(|reason| Failure::Usage(format!("--camera: {reason}"))),
+        None => Ok(camera_file::read(given)?),
+    }
+}
+
 /// Where a scene comes from: the first built-in one, a built-in one by its id, or a file.
 pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     let Some(name) = name else { return Ok(SceneSource::default()) };
@@ -129,9 +139,12 @@ pub(crate) struct FrameArgs {
     scene: SceneArgs,
 
     /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
+    #[arg(long, visible_alias = "picture", value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
     size: Viewport,
 }
+
+/// Bytes for a single step through the making of a frame.
+const NO_CHECKPOINTS: usize = 0;
 
 /// A frame and what it was drawn from.
 #[derive(Clone, Debug)]
@@ -153,10 +166,19 @@ impl FrameArgs {
         self.scene.view()
     }
 
-    /// Draws the frame.
-    pub(crate) fn draw(&self) -> Result<Drawn, Failure> {
+    /// Draws the frame, of the first so many rasterized triangles if there is a limit.
+    pub(crate) fn draw(&self, triangles: Option<usize>) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.view()?;
-        let frame = Renderer::default().render_settled(&scene, &camera, &recipe, self.size);
+        let frame = match triangles {
+            None => Renderer::default().render_settled(&scene, &camera, &recipe, self.size),
+            Some(limit) => {
+                let frame = run(&scene, &camera, &recipe, self.size, &mut ());
+                let mut scrubber = Scrubber::new(&scene, &recipe, &frame, NO_CHECKPOINTS);
+                let moment = Moment::after(limit);
+                let drawn = scrubber.go(moment);
+                frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment))
+            }
+        };
         Ok(Drawn { scene, camera, recipe, frame })
     }
 }

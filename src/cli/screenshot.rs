@@ -5,14 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::inspect::Buffer;
 use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::mesh_view::MeshStyle;
 use rasterscope::inspect::overlays::Overlay;
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::SceneArgs;
+use super::seen_args::SeenArgs;
 use super::{output, parse, workbench};
 
 /// What `screenshot` takes.
@@ -23,6 +25,13 @@ pub(crate) struct ScreenshotArgs {
 
     #[command(flatten)]
     look: Look,
+
+    #[command(flatten)]
+    seen: SeenArgs,
+
+    /// Show what changes where one setting was this before; may be given several times
+    #[arg(long, value_name = "KEY=VALUE")]
+    against: Vec<String>,
 
     /// The PNG file to write
     #[arg(short, long, value_name = "FILE.png")]
@@ -60,11 +69,7 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
-    /// The quantity on the canvas
-    #[arg(long, value_parser = parse::choice::<Buffer>())]
-    pub(crate) buffer: Option<Buffer>,
-
-    /// Show its range and histogram on the picture
+    /// Show range and histogram of the buffer on the picture
     #[arg(long)]
     pub(crate) range: bool,
 
@@ -75,17 +80,28 @@ pub(crate) struct Look {
     /// Show the list of overlays
     #[arg(long)]
     pub(crate) overlays: bool,
-    /// Draw only the first triangles
-    #[arg(long, value_name = "TRIANGLES")]
-    pub(crate) triangles: Option<usize>,
 
-    /// Of the last of them draw only the first fragments
-    #[arg(long, value_name = "FRAGMENTS", requires = "triangles")]
-    pub(crate) fragments: Option<usize>,
+    /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
+    #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
+    pub(crate) moment: Option<Moment>,
 
     /// Select the triangles that ended so, and open the tab of fates
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
     pub(crate) fate: Option<TriangleFate>,
+    /// Watch the selected pixel
+    #[arg(long)]
+    pub(crate) watch: bool,
+
+    /// What is open over the workbench
+    #[arg(long)]
+    pub(crate) open: Option<Open>,
+    /// Probe how firmly the picture stands, with the default probe, and show it
+    #[arg(long)]
+    pub(crate) probe: bool,
+
+    /// Show the scene from outside beside the picture, its triangles drawn so; by their fate if nothing is said
+    #[arg(long, value_name = "STYLE", num_args = 0..=1, default_missing_value = "fate", value_parser = parse::choice::<MeshStyle>())]
+    pub(crate) mesh: Option<MeshStyle>,
 
     /// Show this page of the 2D lab
     #[arg(long, value_name = "PAGE", value_parser = parse::choice::<Page>())]
@@ -106,13 +122,15 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
-            buffer: None,
             range: false,
             overlay: Vec::new(),
             overlays: false,
-            triangles: None,
-            fragments: None,
+            moment: None,
             fate: None,
+            watch: false,
+            open: None,
+            probe: false,
+            mesh: None,
             lab: None,
             lab_step: None,
         }
@@ -145,6 +163,17 @@ pub(crate) enum Compare {
     Difference,
 }
 
+/// What lies over the workbench.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum Open {
+    /// All keys by topic
+    Keys,
+    /// Everything that can be done, to be searched
+    Palette,
+    /// The list of bookmarks, of which there is one
+    Bookmarks,
+}
+
 /// Tabs along the bottom.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(crate) enum Tab {
@@ -164,8 +193,20 @@ pub(crate) enum Tab {
     Scaling,
     /// How the engine does on hard cases
     Stability,
+    /// What all buffers hold at watched pixels
+    Watch,
+    /// The vertices of the picked triangle at every stage
+    Vertices,
+    /// How firmly the picture stands
+    Probe,
     /// Messages
     Log,
+}
+
+fn moment(text: &str) -> Result<Moment, String> {
+    let number = |text: &str| text.trim().parse().map_err(|_| format!("`{text}` is not a whole number"));
+    let (triangles, fragments) = text.split_once(',').map_or((text, None), |(first, second)| (first, Some(second)));
+    Ok(Moment { triangles: number(triangles)?, fragments: fragments.map(number).transpose()? })
 }
 
 fn scale(text: &str) -> Result<f32, String> {
@@ -175,7 +216,11 @@ fn scale(text: &str) -> Result<f32, String> {
 
 /// Draws the workbench into a file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
-    save(&workbench::draw(args.scene.view()?, &args.look)?, &args.output)
+    let view = args.scene.view()?;
+    let mut against = view.recipe;
+    against.set_all(&args.against)?;
+    let against = (!args.against.is_empty()).then_some(against);
+    save(&workbench::draw(view, &args.look, args.seen, against)?, &args.output)
 }
 
 /// Writes a picture of the workbench and says in one line what was made.

@@ -6,23 +6,24 @@
 use std::path::Path;
 
 use super::failure::Failure;
-use super::scene_args::SceneArgs;
 use super::screenshot::{self, Look};
+use super::seen_args::WindowArgs;
 use super::{output, workbench};
 
 /// What a plain start leaves behind where no window can open.
 const FALLBACK_PICTURE: &str = "rasterscope.png";
 
 /// Opens the window and returns when it is closed.
-pub(crate) fn run(args: &SceneArgs) -> Result<(), Failure> {
-    workbench::open(args.view()?).map_err(Failure::NoWindow)
+pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
+    workbench::open(args.scene.view()?, args).map_err(Failure::NoWindow)
 }
 
 /// Opens the window; draws the workbench into a picture where there can be none.
-pub(crate) fn run_or_draw(args: &SceneArgs) -> Result<(), Failure> {
-    let view = args.view()?;
-    let Err(reason) = workbench::open(view.clone()) else { return Ok(()) };
-    let image = workbench::draw(view, &Look::default())?;
+pub(crate) fn run_or_draw(args: &WindowArgs) -> Result<(), Failure> {
+    let view = args.scene.view()?;
+    let Err(reason) = workbench::open(view.clone(), args) else { return Ok(()) };
+    let look = Look { at: args.at, ..Look::default() };
+    let image = workbench::draw(view, &look, args.seen, None)?;
     // Said before the picture is written: should that fail too, both reasons are told.
     output::complain("note", format!("{reason}; the workbench is drawn into {FALLBACK_PICTURE} instead"));
     screenshot::save(&image, Path::new(FALLBACK_PICTURE))

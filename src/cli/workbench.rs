@@ -6,26 +6,30 @@
 
 use std::panic::{self, AssertUnwindSafe};
 
+use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::inspect::scrub::Moment;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::engine::Shown;
 use rasterscope::ui::overlays;
 use rasterscope::ui::panels::bottom;
+use rasterscope::ui::place;
 use rasterscope::ui::range;
-use rasterscope::ui::{self, ScreenshotRequest, WindowStart};
+use rasterscope::ui::watch;
+use rasterscope::ui::what_if;
+use rasterscope::ui::{self, ScreenshotRequest, Seen, WindowStart};
 
 use super::failure::Failure;
 use super::scene_args::{View, WARNED};
-use super::screenshot::{Compare, Look, Tab, Theme};
+use super::screenshot::{Compare, Look, Open, Tab, Theme};
+use super::seen_args::{SeenArgs, WindowArgs};
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
-pub(crate) fn open(view: View) -> Result<(), String> {
+pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
     if needs_display() && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET") && !is_set("DISPLAY") {
         return Err("no window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned());
     }
-    let outcome = without_library_panics(|| ui::run_window(start(view)));
+    let outcome = without_library_panics(|| ui::run_window(start(view, seen(args.seen, args.at))));
     if outcome.is_err() {
         retry_on_x11();
     }
@@ -33,9 +37,9 @@ pub(crate) fn open(view: View) -> Result<(), String> {
 }
 
 /// The whole workbench as a picture.
-pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
+pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Recipe>) -> Result<Image<Rgba8>, Failure> {
     let request = ScreenshotRequest {
-        start: start(view),
+        start: start(view, seen(shown, look.at)),
         size: look.size,
         pixels_per_point: look.scale,
         theme: match look.theme {
@@ -46,10 +50,18 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
-        changes: look_changes(look),
-        moment: look.triangles.map(|triangles| Moment { triangles, fragments: look.fragments }),
+        moment: look.moment,
         fate: look.fate,
+        probe: look.probe,
+        mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
+        first: against
+            .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
+            .into_iter()
+            .chain(look.watch.then_some(Command::Watch(watch::Change::AddPick)))
+            .chain(look.open.into_iter().flat_map(open_first))
+            .chain(laid_over(look))
+            .collect(),
     };
     ui::screenshot(&request).map_err(|picture| {
         let (x, y) = look.at.unwrap_or_default();
@@ -57,13 +69,12 @@ pub(crate) fn draw(view: View, look: &Look) -> Result<Image<Rgba8>, Failure> {
     })
 }
 
-/// What is shown on the canvas.
-fn look_changes(look: &Look) -> Vec<Command> {
-    let show = look.buffer.map(|buffer| Command::Show(Shown::Buffer(buffer)));
+/// What lies over the picture on the canvas.
+fn laid_over(look: &Look) -> impl Iterator<Item = Command> {
     let range = look.range.then_some(Command::Range(range::Change::Open(true)));
     let layers = look.overlay.iter().map(|overlay| Command::Overlays(overlays::Change::Toggle(*overlay)));
     let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
-    show.into_iter().chain(range).chain(layers).chain(list).collect()
+    range.into_iter().chain(layers).chain(list)
 }
 
 fn comparison(compare: Compare) -> Change {
@@ -77,6 +88,14 @@ fn comparison(compare: Compare) -> Change {
     }
 }
 
+fn open_first(open: Open) -> Vec<Command> {
+    match open {
+        Open::Keys => vec![Command::ToggleKeys],
+        Open::Palette => vec![Command::OpenPalette],
+        Open::Bookmarks => vec![Command::Place(place::Change::Bookmark), Command::Place(place::Change::Manage)],
+    }
+}
+
 fn tab(tab: Tab) -> bottom::Tab {
     match tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
@@ -87,13 +106,21 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
+        Tab::Watch => bottom::Tab::Watch,
+        Tab::Vertices => bottom::Tab::Vertices,
+        Tab::Probe => bottom::Tab::Probe,
         Tab::Log => bottom::Tab::Log,
     }
 }
 
-fn start(view: View) -> WindowStart {
+fn seen(SeenArgs { buffer, stage, triangles, picture }: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
+    let shown = stage.map(Shown::Stage).or(buffer.map(Shown::Buffer));
+    Seen { pixel, shown, triangles, picture }
+}
+
+fn start(view: View, seen: Seen) -> WindowStart {
     let View { source, scene, warnings, recipe, camera, mirrored, is_default } = view;
-    WindowStart { source, scene, warnings, recipe, camera, mirrored, resume: is_default }
+    WindowStart { source, scene, warnings, recipe, camera, mirrored, resume: is_default, seen }
 }
 
 /// Whether windows come from a server that is named in the environment.

@@ -1,20 +1,27 @@
 //! What stands for the workbench in builds without it (feature `ui` off): a sentence that says so.
 
+use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
 
 use super::failure::Failure;
 use super::scene_args::View;
 use super::screenshot::Look;
+use super::seen_args::{SeenArgs, WindowArgs};
 
 const BUILT_WITHOUT: &str = "this program was built without its window (feature `ui`); \
     the commands render, pixel, case and scenes work";
 
 /// There is no window to open.
-pub(crate) fn open(_view: View) -> Result<(), String> {
+pub(crate) fn open(_view: View, _args: &WindowArgs) -> Result<(), String> {
     Err(BUILT_WITHOUT.to_owned())
 }
 
 /// There is nothing to draw.
-pub(crate) fn draw(_view: View, _look: &Look) -> Result<Image<Rgba8>, Failure> {
+pub(crate) fn draw(
+    _view: View,
+    _look: &Look,
+    _seen: SeenArgs,
+    _against: Option<Recipe>,
+) -> Result<Image<Rgba8>, Failure> {
     Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }

@@ -19,7 +19,7 @@ use crate::image::Image;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{Scissor, Span, cover_within};
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
-use crate::pipeline::triangle_list::{PixelBox, TriangleList, box_around};
+use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::TriangleId;
 
@@ -187,8 +187,12 @@ impl<'a> Search<'a> {
         Self { list: Some(list), ..Self::new(list, settings, frame.drawn.grid, scissor) }
     }
 
-    fn box_of(&self, place: usize) -> PixelBox {
-        self.list.map_or_else(|| box_around(self.triangles[place].corners_px()), |list| list.box_of(place))
+    /// Whether a triangle of the list may have samples within the scissor.
+    fn may_meet(&self, place: usize) -> bool {
+        match self.list {
+            Some(list) => self.scissor.may_meet_box(list.box_of(place)),
+            None => self.scissor.may_meet(self.triangles[place].corners_px()),
+        }
     }
 
     fn run(&self) -> Hits {
@@ -224,7 +228,7 @@ impl<'a> Search<'a> {
         };
         let mut spans: Vec<Span> = Vec::new();
         for (index, triangle) in self.triangles.iter().enumerate() {
-            if !self.scissor.may_meet(self.box_of(index)) {
+            if !self.may_meet(index) {
                 continue;
             }
             let corners_px = match way {

@@ -16,11 +16,17 @@ pub mod fates;
 
 pub mod feeds;
 
+pub mod fields;
+
+pub mod find;
+
 pub mod histogram;
 
 pub mod hits;
 
 pub mod measured;
+
+pub mod mesh_view;
 
 pub mod outline;
 
@@ -28,7 +34,11 @@ pub mod overlays;
 
 pub mod pixel;
 
+pub mod place;
+
 pub mod planes;
+
+pub mod probe;
 
 pub mod range;
 
@@ -42,12 +52,19 @@ pub mod statistics;
 
 mod verdict;
 
+pub mod vertices;
+
 pub mod view;
+
+pub mod watch;
+
+pub mod what_if;
 
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
+pub use place::Place;
 pub use selection::TriangleSelection;
 pub use stages::Stage;

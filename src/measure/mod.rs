@@ -12,6 +12,8 @@ pub mod flip;
 
 pub mod leaving_out;
 
+pub mod pair;
+
 pub mod reference;
 
 pub mod region;

@@ -365,7 +365,7 @@ fn draw_in<N: Numbers, O: Observer>(
         .collect();
     let mut spans: Vec<Span> = Vec::new();
     for place in extent.triangles.clone() {
-        if !extent.scissor.may_meet(geometry.triangles.box_of(place)) {
+        if !extent.scissor.may_meet_box(geometry.triangles.box_of(place)) {
             continue;
         }
         let triangle = &geometry.triangles[place];

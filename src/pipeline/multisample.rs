@@ -82,7 +82,7 @@ impl<'a> Job<'a> {
     /// The triangles that may have samples here, in drawing order.
     fn triangles(&self) -> impl Iterator<Item = (&ScreenTriangle, &Shader<'a>)> {
         let all = &self.geometry.triangles;
-        let near = self.extent.triangles.clone().filter(|place| self.extent.scissor.may_meet(all.box_of(*place)));
+        let near = self.extent.triangles.clone().filter(|place| self.extent.scissor.may_meet_box(all.box_of(*place)));
         let near = near.map(|place| &all[place]);
         near.map(|triangle| (triangle, &self.shaders[triangle.instance as usize]))
     }

@@ -33,6 +33,11 @@ impl TriangleList {
         self.len = self.len.min(len);
     }
 
+    /// Keeps none.
+    pub fn clear(&mut self) {
+        self.truncate(0);
+    }
+
     /// Finds the boxes.
     pub fn find_boxes(&mut self) {
         self.boxes = Some(self.iter().map(|triangle| box_around(triangle.corners_px())).collect());

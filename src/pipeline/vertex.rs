@@ -78,6 +78,12 @@ impl DrawMatrices {
         let normal = if linear.determinant() == 0.0 { linear } else { linear.inverse().transpose() };
         Self { clip_from_model: product.as_mat4(), world_from_model_normal: normal.as_mat3() }
     }
+
+    /// A position in clip space.
+    #[inline]
+    pub fn clip_position(&self, model: Vec3) -> Vec4 {
+        self.clip_from_model * model.extend(1.0)
+    }
 }
 
 /// Rounding errors of a transformed vertex, relative to the sum of the magnitudes that it is the sum of: four products
@@ -130,7 +136,7 @@ pub fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan
             if colors {
                 varyings.color = to_working_space(mesh.colors[i], settings.color_space);
             }
-            let position = matrices.clip_from_model * mesh.positions[i].extend(1.0);
+            let position = matrices.clip_position(mesh.positions[i]);
             ClipVertex { position, cut_at: None, varyings }
         })
         .collect()

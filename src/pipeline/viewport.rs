@@ -136,8 +136,9 @@ impl Viewport {
         [self.project_vertex(a, scale), self.project_vertex(b, scale), self.project_vertex(c, scale)]
     }
 
+    /// Projects one corner, whose w is positive.
     #[inline]
-    fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
+    pub fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
         let inv_w = 1.0 / vertex.position.w;
         let position_px = self.pixels_from_ndc(vertex.position.truncate() * inv_w);
         ScreenVertex::at(position_px.into(), scale.of_vertex(vertex), inv_w, vertex.varyings)

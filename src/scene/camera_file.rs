@@ -1,13 +1,14 @@
 //! Views in files: JSON that people write by hand.
 //!
 //! In: the path of a file such as `{"eye": [0, 1, 5], "target": [0, 0, 0], "up": [0, 1, 0], "fov_y_degrees": 45,
-//! "near": 0.1, "far": 100}`, in world space. Out: a perspective [`Camera`] that can be drawn from, or an error that
-//! names the file and, where there is one, the line.
+//! "near": 0.1, "far": 100}`, in world space. Out: a [`Camera`] that can be drawn from, or an error that names the file
+//! and, where there is one, the line. Instead of `fov_y_degrees` there may be `fov_y_radians`, or `height` in world
+//! units for a view without perspective. [`text`] writes a view so that reading it gives the same one, bit for bit.
 
 use std::path::Path;
 
 use glam::Vec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::{Camera, Projection, SceneError};
 use crate::disk;
@@ -16,14 +17,19 @@ use crate::disk;
 const MAX_BYTES: u64 = 1 << 20;
 
 /// A view as it is written.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 struct CameraFile {
     eye: Vec3,
     target: Vec3,
     #[serde(default = "y_up")]
     up: Vec3,
-    fov_y_degrees: f32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    fov_y_degrees: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    fov_y_radians: Option<f32>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    height: Option<f32>,
     near: f32,
     far: f32,
 }
@@ -36,11 +42,44 @@ impl TryFrom<CameraFile> for Camera {
     type Error = String;
 
     fn try_from(file: CameraFile) -> Result<Self, String> {
-        let CameraFile { eye, target, up, fov_y_degrees, near, far } = file;
-        let projection = Projection::Perspective { fov_y: fov_y_degrees.to_radians() };
+        let CameraFile { eye, target, up, fov_y_degrees, fov_y_radians, height, near, far } = file;
+        let projection = match (fov_y_degrees, fov_y_radians, height) {
+            (Some(degrees), None, None) => Projection::Perspective { fov_y: degrees.to_radians() },
+            (None, Some(fov_y), None) => Projection::Perspective { fov_y },
+            (None, None, Some(height)) => Projection::Orthographic { height },
+            (None, None, None) => return Err("missing field `fov_y_degrees`".to_owned()),
+            _ => return Err("only one of fov_y_degrees, fov_y_radians and height can hold".to_owned()),
+        };
         let camera = Self { eye, target, up, projection, near, far, window: None };
         camera.check().map(|()| camera)
     }
+}
+
+impl From<&Camera> for CameraFile {
+    fn from(camera: &Camera) -> Self {
+        let Camera { eye, target, up, projection, near, far, window: _ } = *camera;
+        let (mut fov_y_degrees, mut fov_y_radians, mut height) = (None, None, None);
+        match projection {
+            // Degrees are for people; not every angle has one that leads back to it.
+            Projection::Perspective { fov_y } => match fov_y.to_degrees() {
+                degrees if degrees.to_radians() == fov_y => fov_y_degrees = Some(degrees),
+                _ => fov_y_radians = Some(fov_y),
+            },
+            Projection::Orthographic { height: slab } => height = Some(slab),
+        }
+        Self { eye, target, up, fov_y_degrees, fov_y_radians, height, near, far }
+    }
+}
+
+/// A view in one line, as [`parse`] and [`read`] take it.
+pub fn text(camera: &Camera) -> String {
+    // Three numbers and names: nothing that JSON cannot hold.
+    serde_json::to_string(&CameraFile::from(camera)).unwrap_or_default()
+}
+
+/// A view from its text. Errors: not the JSON above, or what [`Camera::check`] says.
+pub fn parse(text: &str) -> Result<Camera, String> {
+    serde_json::from_str::<CameraFile>(text).map_err(|error| error.to_string()).and_then(Camera::try_from)
 }
 
 /// Reads a view. Errors: not a regular file of at most 1 MiB, not the JSON above, or what [`Camera::check`] says.
@@ -92,6 +131,19 @@ mod tests {
             let error = read_text(text).unwrap_err();
             assert!(error.starts_with(message), "{error}");
         }
+    }
+
+    #[test]
+    fn a_view_comes_back_from_its_text_bit_for_bit() {
+        let mut camera = Camera::look_at(Vec3::new(0.1, -2.0, 1e-7), Vec3::new(1.0 / 3.0, 0.0, 5e6));
+        let angles = (1..300).map(|step| Projection::Perspective { fov_y: step as f32 * 0.010_432_1 });
+        for projection in angles.chain([Projection::Orthographic { height: 0.7 }]) {
+            camera.projection = projection;
+            assert_eq!(parse(&text(&camera)), Ok(camera), "{}", text(&camera));
+        }
+        assert!(text(&Camera::look_at(Vec3::Z, Vec3::ZERO)).contains("\"fov_y_degrees\":45.0"));
+        let two = r#"{"eye": [1,2,3], "target": [0,0,0], "fov_y_degrees": 45, "height": 2, "near": 1, "far": 2}"#;
+        assert!(parse(two).unwrap_err().contains("only one"));
     }
 
     #[cfg(unix)]

@@ -74,7 +74,16 @@ impl Library {
 
     /// The same library with every mesh mirrored in z; identifiers stay valid.
     pub fn mirrored_z(&self) -> Self {
-        Self { meshes: self.meshes.iter().map(Mesh::mirrored_z).collect(), ..self.clone() }
+        self.with_meshes(Mesh::mirrored_z)
+    }
+
+    /// The same library with every mesh made anew by `make`; identifiers stay valid.
+    pub fn with_meshes(&self, make: impl FnMut(&Mesh) -> Mesh) -> Self {
+        Self {
+            meshes: self.meshes.iter().map(make).collect(),
+            materials: self.materials.clone(),
+            textures: self.textures.clone(),
+        }
     }
 
     /// All meshes.

@@ -19,23 +19,29 @@ use super::fates;
 use super::fates::finder::Finder;
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
+use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
 use super::overlays;
+use super::palette::Palette;
 use super::panels::bottom::Tab;
 use super::panels::case::CaseView;
 use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
+use super::place;
+use super::probe;
 use super::range;
 use super::scrub;
 use super::session::{Level, Measuring, PointerMode, Session};
 use super::task::{Listening, Task};
 use super::theme;
+use super::what_if;
 use super::worker::{Answer, Job, Worker};
 use crate::case::{Case, MinimalCase};
 use crate::drawing;
 use crate::image::file::write_png;
 use crate::inspect::Buffer;
+use crate::inspect::find::{self, Found, Wanted};
 use crate::inspect::outline::{OutlineKind, outline};
 use crate::lab::drawing::write_recording;
 use crate::measure::leaving_out::savings;
@@ -81,8 +87,11 @@ pub struct Workbench {
     case_view: CaseView,
     saving: Option<Receiver<Result<PathBuf, String>>>,
     canvas: Canvas,
+    mesh: MeshPane,
     tiles: TilesView,
     asked_to_compare: Option<CompareRequest>,
+    asked_to_watch: Vec<(u32, u32)>,
+    finding: Option<Task<(), (Wanted, Found)>>,
     inspector: Inspector,
     fates: Finder,
     dialog: Dialog,
@@ -91,6 +100,8 @@ pub struct Workbench {
     look: (bool, f32),
     /// Whether models are loaded while the window waits, as screenshots and tests want it.
     waits: bool,
+    /// What was asked for from outside of the window, to be done with the next frame.
+    asked_for: Vec<Command>,
 }
 
 impl Workbench {
@@ -109,14 +120,18 @@ impl Workbench {
             saving: None,
             asked_at: None,
             canvas: Canvas::default(),
+            mesh: MeshPane::default(),
             tiles: TilesView::default(),
             asked_to_compare: None,
+            asked_to_watch: Vec::new(),
+            finding: None,
             inspector: Inspector::default(),
             fates: Finder::default(),
             dialog: Dialog::default(),
             tab: Tab::default(),
             look: (false, 1.0),
             waits,
+            asked_for: Vec::new(),
         }
     }
 
@@ -135,10 +150,15 @@ impl Workbench {
         self.tab = tab;
     }
 
+    /// Does all this with the next frame, as if a person had asked for it.
+    pub fn ask_for(&mut self, commands: Vec<Command>) {
+        self.asked_for.extend(commands);
+    }
+
     /// One frame of the window.
     pub fn show(&mut self, ui: &mut Ui) {
         self.listen();
-        let mut commands = Vec::new();
+        let mut commands = std::mem::take(&mut self.asked_for);
         self.keys(ui, &mut commands);
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
@@ -151,6 +171,8 @@ impl Workbench {
         self.ask(ui);
         self.ask_to_compare(ui);
         self.fates.tend(ui, &mut self.session, self.tab == Tab::Fates, self.waits);
+        self.ask_what_if(ui);
+        self.ask_to_watch(ui);
         self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
     }
 
@@ -205,6 +227,21 @@ impl Workbench {
                 compare::bar::ui(ui, &self.session, self.canvas.scale(), commands);
             });
         }
+        let asks = self.session.what_if.open && !compares && self.session.case.is_none();
+        if asks {
+            Panel::top("what-if").frame(frame).show(ui, |ui| what_if::bar::ui(ui, &self.session, commands));
+        }
+        if self.session.mesh_view.open && self.session.case.is_none() {
+            let half = ui.available_width() / 2.0;
+            Panel::right("mesh")
+                .frame(theme::canvas_frame(ui))
+                .resizable(true)
+                .default_size(half)
+                .min_size(200.0)
+                .show(ui, |ui| self.mesh.ui(ui, &self.session, self.waits, commands));
+        } else {
+            self.mesh.hovered = false;
+        }
         CentralPanel::no_frame().show(ui, |ui| {
             let canvas = ui.max_rect();
             let size = if compares { TilesView::picture_size(canvas, &self.session) } else { ui.available_size() };
@@ -216,6 +253,7 @@ impl Workbench {
                 self.canvas.hovered = self.tiles.ui(ui, &mut self.canvas.zoom, &self.session, commands);
             } else {
                 self.canvas.ui(ui, &self.session, commands);
+                what_if::bar::label(ui, canvas, &self.session);
             }
             self.drop_hint(ui);
             self.busy_mark(ui);
@@ -247,7 +285,7 @@ impl Workbench {
             return;
         }
         // In camera mode the letters that fly are no commands.
-        let flies = self.session.pointer_mode == PointerMode::Camera;
+        let flies = self.session.pointer_mode == PointerMode::Camera || self.mesh.hovered;
         for binding in BINDINGS {
             let is_taken = flies && binding.modifiers == egui::Modifiers::NONE && FLYING_KEYS.contains(&binding.key);
             if !is_taken && ui.input_mut(|i| i.consume_shortcut(&binding.shortcut())) {
@@ -298,6 +336,8 @@ impl Workbench {
                 self.asked_at = None;
             }
             Answer::Compared(compared) => self.session.compared = Some(*compared),
+            Answer::Watched(rows) => self.session.watch.hear(rows),
+            Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
             Answer::Stages(figures) => self.session.stages = Some(*figures),
             Answer::Sample { upscaling, milliseconds, progress } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
@@ -349,6 +389,50 @@ impl Workbench {
         }
     }
 
+    /// Says which pixels are watched if that has changed.
+    fn ask_to_watch(&mut self, ui: &Ui) {
+        if self.asked_to_watch != self.session.watch.pixels {
+            self.asked_to_watch.clone_from(&self.session.watch.pixels);
+            self.worker.send(Job::Watch(self.asked_to_watch.clone()));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
+    /// Looks for something in the frame on screen, on a thread of its own.
+    fn find(&mut self, ui: &Ui, wanted: Wanted) {
+        let Some(view) = self.session.view.clone() else { return };
+        let look = move || {
+            let found = find::find(&view.request.scene, &view.request.recipe, &view.frame, &wanted);
+            (wanted, found)
+        };
+        if self.waits {
+            self.found(&look());
+        } else {
+            self.finding = Some(Task::start(ui.ctx().clone(), move |_, _| Some(look())));
+        }
+    }
+
+    fn found(&mut self, (wanted, found): &(Wanted, Found)) {
+        if let Some(pixel) = self.session.take_found(wanted, found) {
+            self.canvas.bring_into_view(pixel, self.session.canvas_px);
+        }
+    }
+
+    /// Asks what a change did if that is looked at and something is new.
+    fn ask_what_if(&mut self, ui: &Ui) {
+        let request = self.session.what_if_request().filter(|_| self.session.canvas_px != (0, 0));
+        if self.session.what_if.asks_anew(request.as_ref()) {
+            self.worker.send(Job::WhatIf(request.map(Box::new)));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
     fn run(&mut self, ui: &Ui, command: Command) {
         let Some(command) = self.session.apply(command) else { return };
         match command {
@@ -357,6 +441,7 @@ impl Workbench {
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             Command::SaveCase => self.save_case(),
             Command::RunStability => self.judge(ui),
+            Command::Probe(change) => self.probe(ui, change),
             Command::MeasurePlan => self.measure_plan(ui),
             Command::CancelPlan => {
                 if let Some(task) = &self.measuring_savings {
@@ -374,7 +459,7 @@ impl Workbench {
                     judging.cancel();
                 }
             }
-            Command::CancelLoading => self.loading = None,
+            Command::CancelLoading => (self.loading, self.session.places.pending) = (None, None),
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
                 self.session.measuring = None;
@@ -388,6 +473,12 @@ impl Workbench {
             }
             Command::StepFault(step) => self.step_fault(step > 0),
             Command::Overlays(overlays::Change::SaveTotals) => self.save(ui, overlays::save::totals(&self.session)),
+            Command::WhatIf(what_if::Change::Step(step)) => {
+                if let Some(pixel) = self.session.change_beside_pick(step > 0) {
+                    self.session.pick = Some(pixel);
+                    self.canvas.bring_into_view(pixel, self.session.canvas_px);
+                }
+            }
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
             Command::SaveData => self.save(ui, range::save::data(&self.session)),
@@ -399,7 +490,15 @@ impl Workbench {
                 ui.ctx().set_theme(if dark { egui::Theme::Light } else { egui::Theme::Dark });
             }
             Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
-            Command::ToggleKeys => self.dialog = Dialog::Keys,
+            Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
+            Command::OpenTab(tab) => self.tab = tab,
+            Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
+            Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
+            Command::Place(place::Change::Copy) => {
+                ui.ctx().copy_text(self.session.command_line());
+                self.session.report(Level::Info, format!("Copied: {}", self.session.command_line()));
+            }
             Command::AskForPixel => self.dialog = Dialog::Pixel(String::new()),
             Command::Escape => self.escape(),
             _ => {}
@@ -425,6 +524,9 @@ impl Workbench {
             return;
         }
         if self.session.pick.take().is_some() {
+            return;
+        }
+        if self.session.probing.hide() {
             return;
         }
         if self.session.comparison.is_on() {
@@ -493,6 +595,7 @@ impl Workbench {
 
     /// Takes what long measurements have said.
     fn hear_tasks(&mut self) {
+        probe::listen(&mut self.session);
         let session = &mut self.session;
         let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
             session.stability.report = Some(Arc::from(report));
@@ -505,8 +608,22 @@ impl Workbench {
             | hear(&mut self.measuring_growth, &mut session.growth.progress, |found| {
                 session.growth.found = Some(Arc::from(found));
             });
+        let mut found = None;
+        let broke_off = broke_off | hear(&mut self.finding, &mut None, |what| found = Some(what));
         if broke_off {
             session.report(Level::Error, "A measurement stopped by an error of the program");
+        }
+        if let Some(what) = found {
+            self.found(&what);
+        }
+    }
+
+    /// Changes what is known of how firmly the picture stands.
+    fn probe(&mut self, ui: &Ui, change: probe::Change) {
+        match probe::apply(&mut self.session, ui.ctx(), change) {
+            probe::Rest::Nothing => {}
+            probe::Rest::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
+            probe::Rest::Write(case) => self.write_case(&case),
         }
     }
 
@@ -522,11 +639,14 @@ impl Workbench {
         let settings = &view.request.recipe.pipeline;
         let triangle = &view.frame.geometry.triangles[submission];
         let minimal = MinimalCase::new(triangle, (x, y), view.frame.viewport, settings, &view.request.scene.name);
+        self.write_case(&minimal);
+    }
+
+    fn write_case(&mut self, minimal: &MinimalCase) {
         let path = free_name(&self.session.folder, &minimal.id, "json");
         match std::fs::write(&path, minimal.to_json()) {
             Ok(()) => {
-                self.session
-                    .report(Level::Info, format!("Saved triangle {} as the case {}", triangle.id.0, path.display()));
+                self.session.report(Level::Info, format!("Saved {} as the case {}", minimal.id, path.display()));
                 self.tab = Tab::Log;
             }
             Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),
@@ -567,7 +687,10 @@ impl Workbench {
                 self.canvas.fit();
                 self.warn(&warnings);
             }
-            Err(error) => self.session.report(Level::Error, error.to_string()),
+            Err(error) => {
+                self.session.places.pending = None;
+                self.session.report(Level::Error, error.to_string());
+            }
         }
     }
 

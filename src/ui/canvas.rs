@@ -18,10 +18,14 @@ use super::format;
 use super::look::kind;
 use super::navigate::navigate;
 use super::overlays::{self, marks};
+use super::probe;
 use super::range::plot::{legend_strip, short};
 use super::range::{self, card, region};
 use super::session::Session;
 use super::theme::{MARK_EDGE, ON_PIXEL, PIXEL_GRID, RADIUS, font_size, space, tokens};
+use super::vertices;
+use super::watch;
+use super::what_if;
 use super::zoom::{Placement, Zoom};
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
@@ -101,7 +105,7 @@ impl Canvas {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Rendered picture"));
         ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);
-        let Some(view) = &session.view else {
+        let Some(view) = what_if::seen(ui, session) else {
             ui.painter().text(
                 rect.center(),
                 Align2::CENTER_CENTER,
@@ -128,7 +132,9 @@ impl Canvas {
         if visible != session.range.visible {
             commands.push(Command::Range(range::Change::Visible(visible)));
         }
-        if session.range.open || session.shown != Shown::Buffer(Buffer::Color) {
+        if session.probing.picture(view).is_some() {
+            probe::legend(ui, rect, &session.probing);
+        } else if session.range.open || session.shown != Shown::Buffer(Buffer::Color) {
             let frame = if session.range.open {
                 card::ui(ui, rect, session, view, commands)
             } else {
@@ -155,18 +161,26 @@ impl Canvas {
 
     fn paint(&mut self, ui: &Ui, placement: Placement, session: &Session, view: &View) {
         let (width, height) = view.picture.size();
-        let texture = self.texture.show(ui, &view.picture);
+        let heat = session.probing.picture(view);
+        let shown = heat.unwrap_or(&view.picture);
+        let texture = self.texture.show(ui, shown);
         let painter = ui.painter().with_clip_rect(placement.canvas);
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture, placement.rect_of_all((width, height)), uv, Color32::WHITE);
         self.selection.paint(ui, &painter, placement, session);
         grid(&painter, placement, (width, height));
-        numbers(&painter, placement, &view.picture, ui.input(|i| i.modifiers.alt), |x, y| view.value(x, y));
+        let value = |x, y| match heat {
+            Some(_) => Value::Count(session.probing.count((x, y)).unwrap_or(0).into()),
+            None => view.value(x, y),
+        };
+        numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
         marks::paint(&painter, placement, session, view);
         self.boxing.paint(ui, &painter, placement, session);
+        watch::markers(&painter, placement, session, (width, height), tokens(ui));
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }
+        vertices::mark(ui, &painter, placement, session);
     }
 }
 

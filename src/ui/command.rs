@@ -12,11 +12,18 @@ use super::engine::Shown;
 use super::fates;
 use super::judging::StabilityView;
 use super::lab;
+use super::mesh_view;
 use super::overlays;
+use super::panels::bottom::Tab;
+use super::place;
+use super::probe;
 use super::range;
 use super::scrub;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
+use super::vertices;
+use super::watch;
+use super::what_if;
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::Fit;
@@ -54,6 +61,12 @@ pub enum Command {
     MeasurePlan,
     /// Stop measuring that.
     CancelPlan,
+    /// Change what is known of how firmly the picture stands.
+    Probe(probe::Change),
+    /// Change what of the vertices is shown.
+    Vertices(vertices::Change),
+    /// Change how the scene is seen from outside.
+    MeshView(mesh_view::Change),
     /// Measure how cost grows with triangles, pixels, layers and threads.
     MeasureGrowth,
     /// Stop measuring that.
@@ -150,6 +163,16 @@ pub enum Command {
     Fates(fates::Change),
     /// Select these triangles in the picture, or none.
     Select(TriangleSelection),
+    /// Open a tab along the bottom.
+    OpenTab(Tab),
+    /// Open the palette, where everything is found by a few letters.
+    OpenPalette,
+    /// Ask what the last change of the settings did.
+    WhatIf(what_if::Change),
+    /// Change which pixels are watched.
+    Watch(watch::Change),
+    /// Keep a place, or go to one.
+    Place(place::Change),
 }
 
 /// A key, what it does, and the words for it.
@@ -166,6 +189,14 @@ pub struct Binding {
 
 const fn bind(modifiers: Modifiers, key: Key, command: fn() -> Command, what: &'static str) -> Binding {
     Binding { key, modifiers, command, what }
+}
+
+/// Control and shift.
+const CONTROL_SHIFT: Modifiers = Modifiers::COMMAND.plus(Modifiers::SHIFT);
+
+/// A key that goes to a bookmark.
+const fn jump(key: Key, command: fn() -> Command) -> Binding {
+    bind(Modifiers::COMMAND, key, command, "Go to a bookmark")
 }
 
 impl Binding {
@@ -185,10 +216,24 @@ pub const BINDINGS: &[Binding] = &[
         "Save the exact values as floats (PFM)",
     ),
     bind(Modifiers::COMMAND, Key::S, || Command::SavePicture, "Save the picture as PNG"),
+    bind(CONTROL_SHIFT, Key::C, || Command::Place(place::Change::Copy), "Copy as command: all of this in one line"),
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
     bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last setting"),
-    bind(Modifiers::COMMAND, Key::G, || Command::AskForPixel, "Go to a pixel"),
+    bind(Modifiers::COMMAND, Key::G, || Command::AskForPixel, "Go to a pixel, triangle or object"),
+    bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
+    bind(Modifiers::COMMAND, Key::B, || Command::Place(place::Change::Bookmark), "Bookmark this place"),
+    jump(Key::Num1, || Command::Place(place::Change::Jump(0))),
+    jump(Key::Num2, || Command::Place(place::Change::Jump(1))),
+    jump(Key::Num3, || Command::Place(place::Change::Jump(2))),
+    jump(Key::Num4, || Command::Place(place::Change::Jump(3))),
+    jump(Key::Num5, || Command::Place(place::Change::Jump(4))),
+    jump(Key::Num6, || Command::Place(place::Change::Jump(5))),
+    jump(Key::Num7, || Command::Place(place::Change::Jump(6))),
+    jump(Key::Num8, || Command::Place(place::Change::Jump(7))),
+    jump(Key::Num9, || Command::Place(place::Change::Jump(8))),
+    bind(Modifiers::ALT, Key::ArrowLeft, || Command::Place(place::Change::Back), "Back to what was looked at before"),
+    bind(Modifiers::ALT, Key::ArrowRight, || Command::Place(place::Change::Forward), "Forward again"),
     bind(Modifiers::NONE, Key::F, || Command::ZoomFit, "Fit the picture into the canvas"),
     bind(Modifiers::NONE, Key::Num0, || Command::ZoomOne, "One picture pixel per screen pixel"),
     bind(Modifiers::NONE, Key::OpenBracket, || Command::StepStage(-1), "Show the stage before"),
@@ -242,19 +287,20 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::NONE, Key::ArrowRight, || Command::NudgePick(1, 0), "Picked pixel to the right"),
     bind(Modifiers::NONE, Key::ArrowUp, || Command::NudgePick(0, -1), "Picked pixel up"),
     bind(Modifiers::NONE, Key::ArrowDown, || Command::NudgePick(0, 1), "Picked pixel down"),
-    bind(Modifiers::NONE, Key::Num1, || Command::ChooseUpscaler(0), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num2, || Command::ChooseUpscaler(1), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num4, || Command::ChooseUpscaler(3), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num5, || Command::ChooseUpscaler(4), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num6, || Command::ChooseUpscaler(5), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num7, || Command::ChooseUpscaler(6), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num8, || Command::ChooseUpscaler(7), "1 … 9: choose the upscaler"),
-    bind(Modifiers::NONE, Key::Num9, || Command::ChooseUpscaler(8), "1 … 9: choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num1, || Command::ChooseUpscaler(0), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num2, || Command::ChooseUpscaler(1), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num3, || Command::ChooseUpscaler(2), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num4, || Command::ChooseUpscaler(3), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num5, || Command::ChooseUpscaler(4), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num6, || Command::ChooseUpscaler(5), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num7, || Command::ChooseUpscaler(6), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num8, || Command::ChooseUpscaler(7), "Choose the upscaler"),
+    bind(Modifiers::NONE, Key::Num9, || Command::ChooseUpscaler(8), "Choose the upscaler"),
     bind(Modifiers::NONE, Key::T, || Command::Compare(Change::Toggle(Mode::Tiles)), "Compare in tiles, and back"),
     bind(Modifiers::NONE, Key::W, || Command::Compare(Change::Toggle(Mode::Wipe)), "Wipe A over B, and back"),
     bind(Modifiers::NONE, Key::B, || Command::Compare(Change::Toggle(Mode::Flip)), "Flip between A and B, and back"),
     bind(Modifiers::NONE, Key::D, || Command::Compare(Change::Toggle(Mode::Difference)), "Difference, and back"),
+    bind(Modifiers::NONE, Key::X, || Command::WhatIf(what_if::Change::Toggle), "What did the last change do? And back"),
     bind(Modifiers::NONE, Key::S, || Command::Compare(Change::Swap), "Swap A and B"),
     bind(
         Modifiers::NONE,
@@ -264,8 +310,10 @@ pub const BINDINGS: &[Binding] = &[
     ),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
+    bind(Modifiers::NONE, Key::M, || Command::MeshView(mesh_view::Change::Toggle), "The scene from outside, and back"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),
+    bind(Modifiers::NONE, Key::Enter, || Command::Watch(watch::Change::AddPick), "Watch the picked pixel"),
     bind(Modifiers::NONE, Key::Escape, || Command::Escape, "Drop the pick, then the stage or buffer shown"),
     bind(Modifiers::SHIFT, Key::Slash, || Command::ToggleKeys, "Show the keys"),
     bind(Modifiers::NONE, Key::Questionmark, || Command::ToggleKeys, "Show the keys"),
@@ -284,6 +332,7 @@ pub const MOUSE: &[(&str, &str)] = &[
     ("Hold Alt", "Numbers in pixels as bits"),
     ("Shift + drag", "Figures of a box of the picture"),
     ("Comparing: hold Shift", "See the other picture"),
+    ("What changed: hold Shift", "See what was drawn before"),
     ("Comparing: R, then drag", "Measure a rectangle"),
     ("C, then drag, wheel, W A S D Q E", "Camera mode: turn, come closer, fly"),
 ];

@@ -129,6 +129,7 @@ impl Engine {
     /// Answers a request, reusing what the last answer has in common.
     pub fn answer(&mut self, request: Request) -> View {
         let mut last = self.last.take();
+        self.reel.take_if(|reel| !reel.is_of(&request));
         let whole = last.as_ref().filter(|view| view.is_whole_for(&request)).map(|view| view.frame.clone());
         let stale = |view: &mut View| !view.request.same_frame(&request) || view.wants_another();
         if let Some(view) = last.take_if(stale) {

@@ -36,6 +36,8 @@ pub mod worker;
 
 pub mod lab;
 
+pub mod probe;
+
 pub mod command;
 
 pub mod timings;
@@ -46,18 +48,32 @@ pub mod open_case;
 
 pub mod session;
 
+pub mod place;
+
+pub mod what_if;
+
+pub mod watch;
+
 pub mod fault_bar;
 
 pub mod zoom;
+
+pub mod vertices;
 
 pub mod navigate;
 
 pub mod canvas;
 
+pub mod mesh_view;
+
 pub mod panels;
+
+pub mod palette;
+
+pub mod key_sheet;
 
 pub mod app;
 
 mod start;
 
-pub use start::{ScreenshotRequest, Theme, WindowStart, run_window, screenshot};
+pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, run_window, screenshot};

@@ -8,13 +8,13 @@ use super::session::{PointerMode, Session};
 use super::zoom::{Placement, Zoom};
 
 /// How fast the wheel enlarges: e^(points · this).
-const WHEEL_RATE: f32 = 0.004;
+pub(super) const WHEEL_RATE: f32 = 0.004;
 
 /// How fast dragging turns the scene, radians per point.
-const ORBIT_RATE: f32 = 0.008;
+pub(super) const ORBIT_RATE: f32 = 0.008;
 
 /// How fast a held key flies, in distances to the target per second.
-const FLY_RATE: f32 = 0.8;
+pub(super) const FLY_RATE: f32 = 0.8;
 
 /// Keys that fly in camera mode: right, left, up, down, forwards, backwards.
 pub const FLYING_KEYS: [egui::Key; 6] =
@@ -80,12 +80,17 @@ fn wheel(
     }
 }
 
-fn fly(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+/// Where the flying keys that are held lead, right, up and forwards, and the seconds since the last frame.
+pub(super) fn flying(ui: &Ui) -> (glam::Vec3, f32) {
     let [right, left, up, down, forwards, backwards] = FLYING_KEYS;
-    let (steps, dt) = ui.input(|i| {
+    ui.input(|i| {
         let axis = |plus, minus| f32::from(i8::from(i.key_down(plus)) - i8::from(i.key_down(minus)));
         (glam::Vec3::new(axis(right, left), axis(up, down), axis(forwards, backwards)), i.stable_dt.min(0.1))
-    });
+    })
+}
+
+fn fly(ui: &Ui, session: &Session, commands: &mut Vec<Command>) {
+    let (steps, dt) = flying(ui);
     if steps != glam::Vec3::ZERO {
         let mut camera = session.state.camera;
         camera.fly(steps * FLY_RATE * dt);

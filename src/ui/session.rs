@@ -16,11 +16,17 @@ use super::fates::FatesView;
 use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::look::Look;
+use super::mesh_view::{self, MeshView};
 use super::open_case::{self, OpenCase};
 use super::overlays::Overlays;
+use super::place::{Bookmark, Places};
+use super::probe::Probing;
 use super::range::{self, RangeControl};
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::vertices::Vertices;
+use super::watch::Watch;
+use super::what_if::WhatIf;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
@@ -146,6 +152,10 @@ pub struct Preferences {
     pub light_theme: bool,
     /// Interface scale; 0 means 1.
     pub scale: f32,
+    /// Places that were kept.
+    pub bookmarks: Vec<Bookmark>,
+    /// Pixels that are watched.
+    pub watched: Vec<(u32, u32)>,
 }
 
 /// The state of the window.
@@ -191,6 +201,12 @@ pub struct Session {
     pub savings: PlanSavings,
     /// How cost grows.
     pub growth: Growth,
+    /// How firmly the picture stands.
+    pub probing: Probing,
+    /// What of the vertices is shown.
+    pub vertices: Vertices,
+    /// How the scene is seen from outside.
+    pub mesh_view: MeshView,
     /// The 2D lab.
     pub lab: Lab,
     /// Ranges and colours of what is shown.
@@ -201,6 +217,12 @@ pub struct Session {
     pub selection: TriangleSelection,
     /// Where triangles and fragments went.
     pub fates: FatesView,
+    /// Places that are kept, and the way back.
+    pub places: Places,
+    /// What the last change of the settings did.
+    pub what_if: WhatIf,
+    /// Pixels that are watched.
+    pub watch: Watch,
     /// The error to show until it is read.
     pub error: Option<String>,
     /// All messages.
@@ -255,11 +277,17 @@ impl Session {
             stability: Stability::default(),
             savings: PlanSavings::default(),
             growth: Growth::default(),
+            probing: Probing::default(),
+            vertices: Vertices::default(),
+            mesh_view: MeshView::default(),
             lab: Lab::default(),
             range: RangeControl::default(),
             overlays: Overlays::default(),
             selection: TriangleSelection::default(),
             fates: FatesView::default(),
+            places: Places::default(),
+            what_if: WhatIf::default(),
+            watch: Watch::default(),
             error: None,
             log: VecDeque::new(),
             recent: Vec::new(),
@@ -290,7 +318,7 @@ impl Session {
             viewport: self.viewport(),
             shown: self.shown,
             triangle_limit: self.triangle_limit,
-            fragment_limit: self.scrub.fragment_limit,
+            fragment_limit: self.scrub.fragment_limit(self.triangle_limit),
             pick: self.pick,
             look: Look {
                 display: self.range.setting(self.shown).display,
@@ -331,6 +359,8 @@ impl Session {
             hint_closed: self.hint_closed,
             light_theme,
             scale,
+            bookmarks: self.places.bookmarks.clone(),
+            watched: self.watch.pixels.clone(),
         }
     }
 
@@ -357,12 +387,15 @@ impl Session {
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
-        (self.triangle_limit, self.scrub.fragment_limit, self.scrub.playing) = (None, None, 0);
+        (self.triangle_limit, self.scrub.playing) = (None, 0);
+        self.vertices.selected = None;
+        self.mesh_view.leave_scene();
         (self.pick, self.first_pick) = (None, FirstPick::Due);
         (self.stages, self.measuring, self.compared) = (None, None, None);
         (self.selection, self.fates) = Default::default();
         self.timings.clear();
         self.error = None;
+        self.arrive();
         // Undo never leads back into another scene's view.
         self.undo.clear();
         self.redo.clear();
@@ -372,6 +405,7 @@ impl Session {
     /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
     /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
     pub fn settle(&mut self, now: f64) {
+        self.note_visit(now);
         self.state.tiles.store(self.state.recipe);
         if self.state == self.settled {
             return;
@@ -388,6 +422,7 @@ impl Session {
             self.undo.push(self.settled.clone());
         }
         self.redo.clear();
+        self.what_if.settled(&self.settled.recipe, &self.state.recipe);
         self.settled = self.state.clone();
     }
 
@@ -426,6 +461,9 @@ impl Session {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
+            Command::Place(change) => return self.change_places(change),
+            Command::WhatIf(change) => return self.change_what_if(change),
+            Command::Watch(change) => self.change_watch(change),
             Command::SetRecipe(recipe) => self.state.recipe = recipe,
             Command::ChooseUpscaler(place) => {
                 let method = upscale::ALL.get(place).map(|u| u.id());
@@ -443,6 +481,8 @@ impl Session {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
                 self.comparison.apply(change, tiles, recipe);
             }
+            Command::Vertices(change) => self.vertices.apply(change),
+            Command::MeshView(change) => mesh_view::apply(self, change),
             Command::MirrorZ => self.mirror_z(),
             Command::SetCamera(camera) => self.state.camera = camera,
             Command::SetSize(size) => self.state.size = size,
@@ -475,7 +515,7 @@ impl Session {
             }
             Command::OpenWorst(column, json) => self.open_worst(column, &json),
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
-            Command::Select(selection) => self.selection = selection,
+            Command::Select(selection) => self.fates.give_way(selection, &mut self.selection),
             Command::ShowStability(view) => self.stability.view = view,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
@@ -564,6 +604,7 @@ impl Session {
         let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
         if let Some(state) = from.pop() {
             to.push(std::mem::replace(&mut self.state, state));
+            self.what_if.settled(&self.settled.recipe, &self.state.recipe);
             self.settled = self.state.clone();
             self.camera_moved_at = f64::NEG_INFINITY;
         }

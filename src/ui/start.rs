@@ -8,16 +8,19 @@ use eframe::egui::{self, Vec2, ViewportBuilder};
 use super::app::Workbench;
 use super::command::Command;
 use super::compare::Change;
+use super::engine::Shown;
 use super::fates;
 use super::headless::Headless;
 use super::lab;
 use super::panels::bottom::Tab;
-use super::session::{Preferences, Session};
+use super::session::{PictureSize, Preferences, Session};
 use super::theme;
+use super::watch;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::inspect::fates::{Bin, TriangleFate};
+use crate::inspect::mesh_view::MeshStyle;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
@@ -40,6 +43,32 @@ pub struct WindowStart {
     pub mirrored: bool,
     /// Whether a window takes up scene, recipe and view where it was left instead.
     pub resume: bool,
+    /// What is looked at.
+    pub seen: Seen,
+}
+
+/// What of the frame is looked at from the start; where nothing is said, as always.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seen {
+    /// The questioned pixel.
+    pub pixel: Option<(u32, u32)>,
+    /// A buffer or the picture after a stage.
+    pub shown: Option<Shown>,
+    /// Only the first so many rasterized triangles.
+    pub triangles: Option<usize>,
+    /// Size of the picture.
+    pub picture: Option<Viewport>,
+}
+
+impl Seen {
+    fn show(self, session: &mut Session) {
+        session.pick = self.pixel;
+        session.shown = self.shown.unwrap_or(session.shown);
+        session.triangle_limit = self.triangles;
+        if let Some(Viewport { width, height }) = self.picture {
+            session.state.size = PictureSize::Fixed(width, height);
+        }
+    }
 }
 
 /// Colours of the workbench.
@@ -64,10 +93,12 @@ pub struct ScreenshotRequest {
     pub theme: Theme,
     /// Whether all upscalers are timed first, which takes some seconds, so that their frame times are shown.
     pub measure: bool,
+    /// Whether it is probed first how firmly the picture stands.
+    pub probe: bool,
+    /// Whether the scene is shown from outside, too, and how.
+    pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
-    /// What else is changed before the picture is taken.
-    pub changes: Vec<Command>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
     /// How much of the frame is drawn, if not all.
@@ -78,6 +109,8 @@ pub struct ScreenshotRequest {
     pub selected: Option<(u32, u32)>,
     /// The page of the lab to show, and how many of its steps, instead of the pipeline.
     pub lab: Option<(Page, Option<usize>)>,
+    /// What is done first, as by keys.
+    pub first: Vec<Command>,
 }
 
 /// Passes of a picture: the first finds the canvas's size, the second has a frame, the rest let sizes settle.
@@ -141,8 +174,12 @@ fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Wo
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;
+    session.places.bookmarks = preferences.bookmarks;
+    session.watch.pixels = preferences.watched;
+    session.watch.pixels.truncate(watch::MOST);
     session.mirrored = start.mirrored;
     session.state.size = preferences.size.checked();
+    start.seen.show(&mut session);
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
@@ -160,19 +197,19 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let size_points = Vec2::new(width as f32, height as f32) / request.pixels_per_point;
     let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
     let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
-    app.session_mut().pick = request.selected;
+    app.session_mut().pick = request.selected.or(request.start.seen.pixel);
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
     }
-    for command in request.changes.iter().cloned() {
-        app.session_mut().apply(command);
+    if let Some(style) = request.mesh {
+        let mesh = &mut app.session_mut().mesh_view;
+        (mesh.open, mesh.style) = (true, style);
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
     }
-    if let Some(Moment { triangles, fragments }) = request.moment {
-        app.session_mut().triangle_limit = Some(triangles);
-        app.session_mut().scrub.fragment_limit = fragments;
+    if let Some(moment) = request.moment {
+        app.session_mut().begin_at(moment);
     }
     if let Some(fate) = request.fate {
         app.open_tab(Tab::Fates);
@@ -184,6 +221,7 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
             app.session_mut().lab.apply(change);
         });
     }
+    app.ask_for(request.first.clone());
     for _ in 0..SCREENSHOT_PASSES {
         headless.pass(Vec::new(), |ui| app.show(ui));
     }
@@ -193,6 +231,10 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let picture = app.session().viewport();
     if request.selected.is_some_and(|(x, y)| x >= picture.width || y >= picture.height) {
         return Err(picture);
+    }
+    if request.probe {
+        super::probe::probe_now(app.session_mut());
+        headless.pass(Vec::new(), |ui| app.show(ui));
     }
     if request.measure {
         app.measure();
@@ -212,7 +254,6 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::ui::session::PictureSize;
 
     fn start() -> WindowStart {
         let source = SceneSource::default();
@@ -225,6 +266,7 @@ mod tests {
             recipe: Recipe::default(),
             mirrored: false,
             resume: true,
+            seen: Seen::default(),
         }
     }
 

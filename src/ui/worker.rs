@@ -10,8 +10,11 @@ use std::time::Duration;
 
 use super::compare::compute::{CompareRequest, Compared, Comparer};
 use super::engine::{Engine, Figuring, Request, StageFigures, View};
+use super::watch::watcher::Watcher;
+use super::what_if::drawer::{Drawer, Found, WhatIfRequest};
 use crate::chain::{KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
+use crate::inspect::watch::Watched;
 use crate::measure::against::{Figures, figures};
 use crate::measure::reference::Reference;
 use crate::upscale::Upscaling;
@@ -32,6 +35,10 @@ pub enum Job {
     Show(Box<Request>),
     /// Compare these; nothing any more if none.
     Compare(Option<Box<CompareRequest>>),
+    /// Find out what a change does; nothing any more if none.
+    WhatIf(Option<Box<WhatIfRequest>>),
+    /// Tell what every new frame holds at these pixels.
+    Watch(Vec<(u32, u32)>),
     /// Time every upscaler on this request's scene.
     Measure(Box<Request>),
     /// Stop timing.
@@ -45,6 +52,10 @@ pub enum Answer {
     View(Box<View>),
     /// What is known by now of what is compared.
     Compared(Box<Compared>),
+    /// What the newest frame holds at the watched pixels.
+    Watched(Vec<Watched>),
+    /// What is known by now of what a change does.
+    WhatIf(Box<Found>),
     /// Counts and times of the stages of the last frame.
     Stages(Box<StageFigures>),
     /// One timed frame of a measurement, and how much of it is done, in [0, 1].
@@ -127,6 +138,9 @@ pub struct Loop {
     to_show: Option<Box<Request>>,
     comparer: Comparer,
     to_compare: Option<Box<CompareRequest>>,
+    drawer: Drawer,
+    watcher: Watcher,
+    to_ask: Option<Box<WhatIfRequest>>,
     /// The present request, if one more frame of it is better than the last.
     to_improve: Option<Box<Request>>,
     to_time: Option<Box<Figuring>>,
@@ -178,14 +192,15 @@ impl Loop {
     /// and a moment before taking apart a frame that the next one may replace.
     fn wait(&self, inbox: &Receiver<Job>) -> Result<Option<Job>, RecvError> {
         let is_asked = self.to_show.is_some() || self.to_improve.is_some() || self.to_compare.is_some();
-        if is_asked || self.measurement.is_some() {
+        if is_asked || self.to_ask.is_some() || self.watcher.has_work() || self.measurement.is_some() {
             return Ok(None);
         }
         let figuring = self.to_time.as_ref();
-        if figuring.is_none() && !self.comparer.has_work() {
+        if figuring.is_none() && !self.comparer.has_work() && !self.drawer.has_work() {
             return inbox.recv().map(Some);
         }
-        if self.comparer.has_begun() || figuring.is_some_and(|figuring| figuring.has_begun()) {
+        if self.comparer.has_begun() || self.drawer.has_begun() || figuring.is_some_and(|figuring| figuring.has_begun())
+        {
             return Ok(None);
         }
         match inbox.recv_timeout(SETTLED) {
@@ -203,6 +218,13 @@ impl Loop {
                 self.comparer.clear();
             }
             Job::Compare(request) => self.to_compare = request,
+            Job::Watch(pixels) => self.watcher.set(pixels),
+            Job::WhatIf(request) => {
+                if request.is_none() {
+                    self.drawer.clear();
+                }
+                self.to_ask = request;
+            }
             Job::Measure(request) => {
                 let methods = Upscaling::every().collect();
                 let renderer = Renderer::default();
@@ -217,10 +239,16 @@ impl Loop {
         if let Some(request) = self.to_show.take().or_else(|| self.to_improve.take()) {
             self.to_improve = None;
             self.show(*request);
+        } else if self.watcher.has_work() {
+            self.watch();
         } else if let Some(request) = self.to_compare.take() {
             self.compare(|comparer| Some(comparer.ask(*request)));
+        } else if let Some(request) = self.to_ask.take() {
+            self.ask(|drawer| drawer.ask(*request).cloned());
         } else if self.comparer.has_work() {
             self.compare(Comparer::step);
+        } else if self.drawer.has_work() {
+            self.ask(|drawer| drawer.step().cloned());
         } else if let Some(mut figuring) = self.to_time.take() {
             match catch_unwind(AssertUnwindSafe(|| figuring.step())) {
                 Ok(Some(figures)) => self.done.push_back(Answer::Stages(Box::new(figures))),
@@ -258,6 +286,30 @@ impl Loop {
         }
     }
 
+    /// Replays the watched pixels. If that panicked they are watched no more.
+    fn watch(&mut self) {
+        let watcher = &mut self.watcher;
+        match catch_unwind(AssertUnwindSafe(|| watcher.step())) {
+            Ok(rows) => self.done.extend(rows.map(Answer::Watched)),
+            Err(panic) => {
+                self.watcher = Watcher::default();
+                self.done.push_back(Answer::Panicked(panic_text(&*panic)));
+            }
+        }
+    }
+
+    /// Does one piece of finding out what a change does. One that panicked is given up.
+    fn ask(&mut self, piece: impl FnOnce(&mut Drawer) -> Option<Found>) {
+        let drawer = &mut self.drawer;
+        match catch_unwind(AssertUnwindSafe(|| piece(drawer))) {
+            Ok(found) => self.done.extend(found.map(|found| Answer::WhatIf(Box::new(found)))),
+            Err(panic) => {
+                self.drawer.clear();
+                self.done.push_back(Answer::Panicked(panic_text(&*panic)));
+            }
+        }
+    }
+
     fn show(&mut self, request: Request) {
         let mut engine = std::mem::take(&mut self.engine);
         match catch_unwind(AssertUnwindSafe(|| (engine.answer(request), engine))) {
@@ -268,6 +320,7 @@ impl Loop {
                 } else if view.fresh {
                     self.to_time = Some(Box::new(Figuring::new(view.clone())));
                 }
+                self.watcher.look_at(&view);
                 self.done.push_back(Answer::View(Box::new(view)));
             }
             Err(panic) => self.done.push_back(Answer::Panicked(panic_text(&*panic))),

@@ -1,6 +1,6 @@
 //! Who is in a bin, and who of those answers to a few words.
 
-use super::{Fates, FragmentFate, TriangleFate};
+use super::{Fates, FragmentFate, ObjectFates, TriangleFate};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::TriangleId;
 
@@ -30,12 +30,14 @@ pub struct Filter {
     id: Option<u32>,
     /// Area on the screen at least and at most, px².
     area: [Option<f64>; 2],
-    /// Part of the object's name, in lower case.
+    /// Whether it must have been cut by a plane of the view.
+    is_cut: bool,
+    /// Part of the name of the object or of its material, in lower case.
     name: String,
 }
 
 impl Filter {
-    /// Reads words such as `tri 123`, `area<1`, `area>=20` and parts of an object's name, in any order.
+    /// Reads words such as `tri 123`, `area<1`, `area>=20`, `is:cut` and parts of a name, in any order.
     pub fn parse(text: &str) -> Self {
         let mut filter = Self::default();
         let spaced =
@@ -50,6 +52,8 @@ impl Filter {
                 filter.id = words.next().and_then(number);
             } else if let Some(id) = word.strip_prefix('#').and_then(|digits| digits.parse().ok()) {
                 filter.id = Some(id);
+            } else if word == "is:cut" {
+                filter.is_cut = true;
             } else {
                 name.push(word);
             }
@@ -65,8 +69,11 @@ impl Filter {
         let in_range = |area: f64| least.is_none_or(|least| area >= least) && most.is_none_or(|most| area < most);
         self.id.is_none_or(|id| id == triangle.0)
             && (!asks_area || fates.area_px(triangle).is_some_and(in_range))
-            && (self.name.is_empty()
-                || fates.objects[fates.object_of(triangle)].name.to_lowercase().contains(&self.name))
+            && (!self.is_cut || fates.cut.contains(triangle))
+    }
+
+    fn names(&self, object: &ObjectFates) -> bool {
+        [&object.name, &object.material].iter().any(|name| name.to_lowercase().contains(&self.name))
     }
 }
 
@@ -84,10 +91,9 @@ fn area_bound(word: &str) -> Option<(usize, f64)> {
 impl Fates {
     /// The triangles of a bin, or all, of one object, or of all, that pass a filter; in the order of the scene.
     pub fn members(&self, bin: Option<Bin>, object: Option<usize>, filter: &Filter) -> Vec<TriangleId> {
-        let ids = match object.and_then(|object| self.objects.get(object)) {
-            Some(object) => object.first.0..object.first.0 + object.triangles.sum() as u32,
-            None => 0..self.triangles.len() as u32,
-        };
+        let is_asked = |place: usize| object.is_none_or(|object| object == place) && filter.names(&self.objects[place]);
+        let objects = (0..self.objects.len()).filter(|place| is_asked(*place)).map(|place| &self.objects[place]);
+        let ids = objects.flat_map(|object| object.first.0..object.first.0 + object.triangles.sum() as u32);
         ids.map(TriangleId).filter(|id| self.is_in(*id, bin) && filter.passes(self, *id)).collect()
     }
 

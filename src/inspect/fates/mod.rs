@@ -20,6 +20,7 @@ use serde::{Serialize, Serializer};
 
 use crate::chain::{Frame, Recipe, prepare_again};
 use crate::image::Image;
+use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::settings::{Choice, Culling, choice};
@@ -132,6 +133,8 @@ impl<N: Copy + Into<u64>> Serialize for FragmentCounts<N> {
 pub struct ObjectFates {
     /// Its name.
     pub name: String,
+    /// The name of its material.
+    pub material: String,
     /// Its first triangle.
     #[serde(rename = "first_triangle")]
     pub first: TriangleId,
@@ -152,6 +155,8 @@ pub struct Fates {
     pub objects: Vec<ObjectFates>,
     /// Whether the sums match.
     pub account: Account,
+    /// Triangles that crossed a plane of the view and were cut.
+    pub cut: TriangleSelection,
     /// The triangle that was written last into each sample that is drawn, packed as the frame's framebuffer is.
     shown: Image<TriangleId>,
     /// What of each triangle reached the screen, whichever side it shows, in the order of the scene.
@@ -186,6 +191,7 @@ impl Fates {
             fragments,
             objects,
             account,
+            cut: TriangleSelection::new("cut by a plane of the view", rejections.cut),
             shown,
             recipe: *recipe,
             sampling: frame.sampling,
@@ -245,7 +251,14 @@ fn objects(scene: &Scene, triangles: &[TriangleFate], fragments: &[FragmentCount
         let range = first.0 as usize..first.0 as usize + scene.library.mesh(instance.mesh).triangles.len();
         let mut counts = TriangleCounts::default();
         triangles[range.clone()].iter().for_each(|fate| counts.0[*fate as usize] += 1);
-        ObjectFates { name: instance.name.clone(), first, triangles: counts, fragments: sum(&fragments[range]) }
+        let material = scene.library.material(instance.material).name.clone();
+        ObjectFates {
+            name: instance.name.clone(),
+            material,
+            first,
+            triangles: counts,
+            fragments: sum(&fragments[range]),
+        }
     };
     places.map(object).collect()
 }

@@ -18,11 +18,13 @@ pub(super) struct Rejections {
     pub(super) fates: Vec<Option<TriangleFate>>,
     /// Triangles that were rejected more than once.
     pub(super) again: Vec<TriangleId>,
+    /// Triangles that crossed a plane of the view and were cut.
+    pub(super) cut: Vec<TriangleId>,
 }
 
 impl Rejections {
     pub(super) fn new(triangles: usize) -> Self {
-        Self { fates: vec![None; triangles], again: Vec::new() }
+        Self { fates: vec![None; triangles], again: Vec::new(), cut: Vec::new() }
     }
 }
 
@@ -31,6 +33,10 @@ impl Observer for Rejections {
         if self.fates[id.0 as usize].replace(fate.into()).is_some() {
             self.again.push(id);
         }
+    }
+
+    fn clipped(&mut self, id: TriangleId, _pieces: usize) {
+        self.cut.push(id);
     }
 }
 

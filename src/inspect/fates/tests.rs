@@ -158,6 +158,7 @@ fn each_triangle_of_a_stage_ends_as_it_was_placed() {
     assert_eq!(found(None, "#4"), [4]);
     assert_eq!(found(None, "area<1"), [6]);
     assert_eq!(found(None, "behind"), [1, 5]);
+    assert_eq!(found(None, "PLAIN").len(), cast.len(), "their material is called so");
     assert_eq!(found(Some(Bin::Triangles(TriangleFate::Outside)), "the eye"), [5]);
     assert_eq!(found(Some(Bin::Fragments(FragmentFate::Overwritten)), ""), [7]);
     assert_eq!(fates.members(None, Some(8), &Filter::default()), [TriangleId(8)]);
@@ -172,6 +173,10 @@ fn clipped_pieces_of_one_triangle_are_one_triangle() {
     let fates = Fates::of(&scene, &recipe, &frame);
     let rasterized = fates.triangles.iter().filter(|fate| **fate as usize >= TriangleFate::NoCentre as usize).count();
     assert!(rasterized < pieces, "{rasterized} triangles, {pieces} pieces: nothing was cut");
+    let several = |id: &TriangleId| frame.geometry.triangles.iter().filter(|piece| piece.id == *id).count() > 1;
+    let cut = fates.members(None, None, &Filter::parse("is:cut"));
+    assert!((0..fates.triangles.len() as u32).map(TriangleId).filter(several).all(|id| cut.contains(&id)));
+    assert!(!cut.is_empty() && cut.len() == fates.cut.len());
     assert!(fates.account.is_balanced());
 }
 

@@ -11,7 +11,7 @@ mod checkpoints;
 mod touches;
 
 pub use timeline::{Timeline, Unit};
-pub use touches::{Touch, touches};
+pub use touches::{Count, MOST_FRAGMENTS, Touch, touches};
 
 use std::sync::Arc;
 

@@ -120,7 +120,7 @@ fn touches_are_the_moments_at_which_the_replay_has_one_fragment_more() {
     let scrubber = Scrubber::new(&scene, &recipe, &frame, BUDGET);
     let area = (frame.sampling.grid(), frame.raster);
     for pixel in [(26, 18), (20, 20), (10, 30), (40, 12)] {
-        let found = touches(&scene, &recipe, scrubber.geometry(), area, pixel);
+        let found = touches(&scene, &recipe, scrubber.geometry(), area, pixel, Count::Fragments);
         let report = inspect(&scene, &recipe, &frame, pixel.0, pixel.1).unwrap();
         let expected: Vec<_> =
             report.fragments.iter().map(|f| (f.triangle, f.submission + 1, f.shading.is_some())).collect();
@@ -131,7 +131,11 @@ fn touches_are_the_moments_at_which_the_replay_has_one_fragment_more() {
             for (fragments, expected) in [(fragments - 1, count), (fragments, count + 1)] {
                 let moment = Moment { fragments: Some(fragments), ..touch.moment };
                 let geometry = scrubber.geometry_at(moment);
-                assert_eq!(touches(&scene, &recipe, &geometry, area, pixel).len(), expected, "{moment:?}");
+                assert_eq!(
+                    touches(&scene, &recipe, &geometry, area, pixel, Count::Fragments).len(),
+                    expected,
+                    "{moment:?}"
+                );
             }
         }
     }

@@ -12,8 +12,17 @@ use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Geometry, Until, draw, partial};
 use crate::scene::{Scene, TriangleId};
 
-/// Fragments are counted for so many touches; of further ones only the triangle is known.
-const MOST_COUNTED: usize = 256;
+/// How far fragments are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Count {
+    /// Not at all: of a touch only the triangle is known.
+    Triangles,
+    /// As long as the triangles so far have no more than [`MOST_FRAGMENTS`] together.
+    Fragments,
+}
+
+/// Fragments that are gone through to count those before a touch: a fraction of a second.
+pub const MOST_FRAGMENTS: usize = 8_000_000;
 
 /// A fragment that touched a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +42,7 @@ pub fn touches(
     geometry: &Geometry,
     (grid, raster): (SampleGrid, Viewport),
     (x, y): (u32, u32),
+    count: Count,
 ) -> Vec<Touch> {
     let Some(sample) = grid.sample_at(x, y) else { return Vec::new() };
     let settings = &recipe.pipeline;
@@ -41,9 +51,14 @@ pub fn touches(
     let mut watch = Watch { geometry, touches: Vec::new() };
     draw(scene, geometry, settings, &extent, Until::Shade, &mut one, &mut watch);
     let mut touches = watch.touches;
-    for touch in touches.iter_mut().take(MOST_COUNTED) {
+    let mut counted = 0;
+    for touch in &mut touches {
         let Some(triangle) = geometry.triangles.get(touch.moment.triangles - 1) else { continue };
+        if count == Count::Triangles || counted > MOST_FRAGMENTS {
+            break;
+        }
         let samples = partial::samples_of(triangle, settings, (grid, raster));
+        counted += partial::count(&samples);
         touch.moment.fragments = partial::place_of(&samples, sample).map(|place| place + 1);
     }
     touches

@@ -38,7 +38,7 @@ use numbers::Numbers;
 
 use super::grid::SampleGrid;
 use super::settings::{self, FillRule, Rasterizer};
-use super::triangle_list::PixelBox;
+use super::triangle_list::{PixelBox, box_around};
 use super::viewport::Viewport;
 use crate::math::fixed::{snap, to_pixels};
 
@@ -95,7 +95,12 @@ impl Scissor {
 
     /// Whether the box around a triangle comes near enough for any rasterizer to find samples within. Spares setting up what
     /// is far away, which is nearly everything when a single pixel is drawn.
-    pub(crate) fn may_meet(&self, [left, right, top, bottom]: PixelBox) -> bool {
+    pub(crate) fn may_meet(&self, corners_px: [[f32; 2]; 3]) -> bool {
+        self.may_meet_box(box_around(corners_px))
+    }
+
+    /// The same for the box around a triangle.
+    pub(crate) fn may_meet_box(&self, [left, right, top, bottom]: PixelBox) -> bool {
         /// Snapping moves corners by a fraction of a pixel, published rasterizers by a whole one.
         const MARGIN_PX: f32 = 2.0;
         let meets = |[least, greatest]: [f32; 2], first: u32, end: u32| {

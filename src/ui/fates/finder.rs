@@ -1,6 +1,7 @@
 //! Finds out the fates of the frame on screen while somebody looks at them, on a thread of its own.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::egui::Ui;
 
@@ -9,11 +10,16 @@ use crate::ui::engine::{Request, View};
 use crate::ui::session::{Level, Session};
 use crate::ui::task::{Listening, Task};
 
+/// A frame that stays this long is counted; while the view moves, all time goes to new frames.
+const SETTLED: Duration = Duration::from_millis(150);
+
 /// The work, and what was asked for last.
 #[derive(Debug, Default)]
 pub struct Finder {
     task: Option<Task<(), Fates>>,
     asked: Option<Request>,
+    /// The frame on screen, and since when it is there.
+    stays: Option<(Request, Instant)>,
 }
 
 impl Finder {
@@ -26,14 +32,23 @@ impl Finder {
         if self.asked.as_ref().is_some_and(|asked| asked.same_complete_frame(&view.request)) {
             return;
         }
-        self.asked = Some(view.request.clone());
         let view = view.clone();
+        if !waits && !self.has_settled(&view.request) {
+            ui.request_repaint_after(SETTLED);
+            return;
+        }
+        self.asked = Some(view.request.clone());
         if waits {
             found(session, find(&view));
             ui.request_repaint();
         } else {
             self.task = Some(Task::start(ui.ctx().clone(), move |_, _| Some(find(&view))));
         }
+    }
+
+    fn has_settled(&mut self, request: &Request) -> bool {
+        self.stays.take_if(|(known, _)| !known.same_complete_frame(request));
+        self.stays.get_or_insert_with(|| (request.clone(), Instant::now())).1.elapsed() >= SETTLED
     }
 
     fn listen(&mut self, session: &mut Session) {
@@ -56,5 +71,8 @@ fn find(View { request, frame, .. }: &View) -> Fates {
 }
 
 fn found(session: &mut Session, fates: Fates) {
+    for complaint in fates.account.complaints() {
+        session.report(Level::Error, format!("Fates do not add up, which is a fault of this program: {complaint}"));
+    }
     session.fates.take(Arc::new(fates), &mut session.selection);
 }

@@ -18,8 +18,8 @@ const ROW: f32 = 20.0;
 /// Where each column ends, as a share of the width; numbers stand at its right end, words at the left end of the next.
 const ENDS: [f32; 5] = [0.15, 0.40, 0.62, 0.76, 1.0];
 
-/// Draws the filter and the rows.
-pub fn ui(ui: &mut Ui, view: &FatesView, fates: &Fates, commands: &mut Vec<Command>) {
+/// Draws the filter and the rows; that of the triangle that the picked pixel shows stands out.
+pub fn ui(ui: &mut Ui, view: &FatesView, fates: &Fates, picked: Option<TriangleId>, commands: &mut Vec<Command>) {
     filter(ui, view, commands);
     let (head, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let headings = ["Triangle", "Object", "Ended", "px²", "seen / all px"].map(str::to_owned);
@@ -27,7 +27,7 @@ pub fn ui(ui: &mut Ui, view: &FatesView, fates: &Fates, commands: &mut Vec<Comma
     ui.spacing_mut().item_spacing.y = 0.0;
     ScrollArea::vertical().id_salt("members").auto_shrink(false).show_rows(ui, ROW, view.members.len(), |ui, rows| {
         for triangle in &view.members[rows] {
-            row(ui, fates, *triangle, commands);
+            row(ui, fates, *triangle, picked == Some(*triangle), commands);
         }
     });
 }
@@ -38,7 +38,7 @@ fn filter(ui: &mut Ui, view: &FatesView, commands: &mut Vec<Command>) {
         let hint = "filter: tri 123, area<1, a name";
         let edit = TextEdit::singleline(&mut text).hint_text(hint).desired_width(ui.available_width() * 0.55);
         let response = ui.add(edit).on_hover_text(
-            "By number (tri 123), by area on the screen in px² (area<1, area>20), by a part of the object's name",
+            "By number (tri 123), by area on the screen in px² (area<1, area>20), cut by a plane of the view (is:cut), by a part of the name of an object or its material",
         );
         response.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Filter triangles"));
         if text != view.text {
@@ -51,7 +51,7 @@ fn filter(ui: &mut Ui, view: &FatesView, commands: &mut Vec<Command>) {
     });
 }
 
-fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, commands: &mut Vec<Command>) {
+fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, is_picked: bool, commands: &mut Vec<Command>) {
     let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
     let name = &fates.objects[fates.object_of(triangle)].name;
     let (fate, fragments) = (fates.triangles[triangle.0 as usize], fates.fragments[triangle.0 as usize]);
@@ -59,8 +59,9 @@ fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, commands: &mut Vec<Comm
     let area = fates.area_px(triangle).map_or_else(|| "–".to_owned(), |area| format::fixed(area, 1));
     let label = format!("Triangle {} of {name}: {}", triangle.0, fate.name().to_lowercase());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
-    if response.hovered() {
-        ui.painter().rect_filled(row, RADIUS, tokens(ui).raised);
+    if is_picked || response.hovered() {
+        let fill = if is_picked { tokens(ui).accent_fill } else { tokens(ui).raised };
+        ui.painter().rect_filled(row, RADIUS, fill);
     }
     let texts = [
         triangle.0.to_string(),
@@ -69,7 +70,8 @@ fn row(ui: &mut Ui, fates: &Fates, triangle: TriangleId, commands: &mut Vec<Comm
         area,
         format!("{} / {}", format::count(seen), format::count(fragments.sum())),
     ];
-    let (text, weak) = (tokens(ui).text, tokens(ui).text_weak);
+    let text = tokens(ui).text;
+    let weak = if is_picked { text } else { tokens(ui).text_weak };
     cells(ui, row, &texts, [text, text, weak, text, text], &FontId::monospace(font_size::BODY));
     let response = response.on_hover_text("Go to one of its pixels");
     if response.clicked() {

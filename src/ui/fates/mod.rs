@@ -59,6 +59,12 @@ impl FatesView {
         *selection = self.selection();
     }
 
+    /// Asks for nobody any more, as somebody else selects.
+    pub fn give_way(&mut self, others: TriangleSelection, selection: &mut TriangleSelection) {
+        self.apply(Change::Clear, selection);
+        *selection = others;
+    }
+
     /// Takes the fates of a new view; the same are asked for as before.
     pub fn take(&mut self, fates: Arc<Fates>, selection: &mut TriangleSelection) {
         self.object = self.object.filter(|object| *object < fates.objects.len());

@@ -41,6 +41,8 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         empty_state(ui, Icon::ListChecks, "Counting where triangles and fragments went …", how);
         return;
     };
+    let report = session.view.as_ref().and_then(|view| view.report.as_ref());
+    let picked = report.and_then(|report| report.visible()).map(|fragment| fragment.triangle);
     let size = ui.available_size();
     ui.horizontal_top(|ui| {
         ui.spacing_mut().item_spacing.x = space::M;
@@ -72,7 +74,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             });
         });
         column(ui, SHARES[2], &mut |ui| objects::ui(ui, &fates.objects, view.object, commands));
-        column(ui, 1.0 - SHARES.iter().sum::<f32>(), &mut |ui| list::ui(ui, view, fates, commands));
+        column(ui, 1.0 - SHARES.iter().sum::<f32>(), &mut |ui| list::ui(ui, view, fates, picked, commands));
     });
 }
 

@@ -5,8 +5,11 @@ use eframe::egui::{ScrollArea, Ui};
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
+use crate::ui::probe;
 use crate::ui::range::panel;
 use crate::ui::session::Session;
+use crate::ui::vertices;
+use crate::ui::watch;
 
 /// A tab.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -28,11 +31,18 @@ pub enum Tab {
     Scaling,
     /// How the engine does on hard cases.
     Stability,
+    /// What all buffers hold at watched pixels.
+    Watch,
+    /// The vertices of the picked triangle at every stage.
+    Vertices,
+    /// How firmly the picture stands.
+    Probe,
     /// Messages.
     Log,
 }
 
-const TABS: [(Tab, &str, &str); 9] = [
+/// All tabs, with name and explanation.
+pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
     (
@@ -49,6 +59,13 @@ const TABS: [(Tab, &str, &str); 9] = [
         "Stability",
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
+    (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
+    (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
+    (
+        Tab::Probe,
+        "Probe",
+        "Which pixels and triangles do not stand firm when all moves by a few units in the last place",
+    ),
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
@@ -56,7 +73,7 @@ const TABS: [(Tab, &str, &str); 9] = [
 pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         for (value, name, help) in TABS {
-            ui.selectable_value(tab, value, name).on_hover_text(help);
+            ui.selectable_value(tab, *value, *name).on_hover_text(*help);
         }
         match tab {
             Tab::FrameTime => {
@@ -87,6 +104,18 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 fates::controls(ui, session);
             }
+            Tab::Watch => {
+                ui.separator();
+                watch::panel::controls(ui, session, commands);
+            }
+            Tab::Vertices => {
+                ui.separator();
+                vertices::controls(ui, session, commands);
+            }
+            Tab::Probe => {
+                ui.separator();
+                probe::controls(ui, session, commands);
+            }
             Tab::Xray | Tab::Log => {}
         }
     });
@@ -99,7 +128,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),
+        Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
+        Tab::Vertices => vertices::ui(ui, session, commands),
+        Tab::Probe => probe::ui(ui, session, commands),
         Tab::Plan => {
             ScrollArea::vertical().auto_shrink(false).show(ui, |ui| plan::ui(ui, session));
         }

@@ -1,12 +1,16 @@
-//! Windows over the window: opening a model, going to a pixel, the key sheet.
+//! Windows over the window: opening a model, going to a pixel, the key sheet, the palette, bookmarks.
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-use eframe::egui::{Frame, Grid, Id, Key, Modal, RichText, ScrollArea, TextEdit, Ui};
+use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
-use crate::ui::command::{BINDINGS, Command, MOUSE};
+use crate::inspect::find::Wanted;
+use crate::ui::command::Command;
+use crate::ui::key_sheet;
+use crate::ui::palette::Palette;
+use crate::ui::place::{Change, bookmarks};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 
@@ -23,8 +27,12 @@ pub enum Dialog {
     Open(OpenDialog),
     /// Going to a pixel.
     Pixel(String),
-    /// The key sheet.
-    Keys,
+    /// The key sheet, and the letters that its lines are filtered by.
+    Keys(String),
+    /// The command palette.
+    Palette(Box<Palette>),
+    /// The list of bookmarks.
+    Bookmarks,
 }
 
 /// Opening a model: by path, from the recent ones, or by the system's file dialog.
@@ -41,8 +49,13 @@ impl Dialog {
         let stays = match self {
             Self::Closed => true,
             Self::Open(dialog) => dialog.ui(ui, session, commands),
-            Self::Pixel(text) => pixel(ui, text, session, commands),
-            Self::Keys => keys(ui),
+            Self::Pixel(text) => go_to(ui, text, session, commands),
+            Self::Keys(filter) => modal_of_width(ui, "Keys and mouse", key_sheet::width(ui), |ui| {
+                key_sheet::ui(ui, filter);
+                ui.button("Close").clicked()
+            }),
+            Self::Palette(palette) => palette.ui(ui, session, commands),
+            Self::Bookmarks => modal(ui, "Bookmarks", |ui| bookmarks::ui(ui, session, commands)),
         };
         if !stays {
             *self = Self::Closed;
@@ -57,9 +70,15 @@ impl Dialog {
 
 /// Shows `content` as a dialog; `content` returns true to close it. Returns whether it stays open.
 fn modal(ui: &Ui, title: &str, content: impl FnOnce(&mut Ui) -> bool) -> bool {
+    /// Width of a dialog of some words and a field, in points.
+    const WIDTH: f32 = 440.0;
+    modal_of_width(ui, title, WIDTH, content)
+}
+
+fn modal_of_width(ui: &Ui, title: &str, width: f32, content: impl FnOnce(&mut Ui) -> bool) -> bool {
     let modal =
         Modal::new(Id::unique(("dialog", title.to_owned()))).frame(Frame::window(ui.style())).show(ui.ctx(), |ui| {
-            ui.set_width(440.0);
+            ui.set_width(width);
             ui.heading(title);
             ui.add_space(8.0);
             content(ui)
@@ -157,86 +176,28 @@ fn recent(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
     done
 }
 
-fn pixel(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<Command>) -> bool {
+fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<Command>) -> bool {
     modal(ui, "Go to a pixel", |ui| {
         let viewport = session.viewport();
         ui.label(format!("Column and row, from 0,0 to {},{}.", viewport.width - 1, viewport.height - 1));
-        let field = ui.add(TextEdit::singleline(text).hint_text("x,y").desired_width(120.0));
+        ui.label("Or a triangle (tri 12) or the name of an object: a pixel that shows it is picked.");
+        let field = ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  a name").desired_width(240.0));
         field.request_focus();
-        let pixel = parse_pixel(text).filter(|(x, y)| *x < viewport.width && *y < viewport.height);
+        let wanted = Wanted::parse(text, &session.scene, viewport);
         let entered = ui.input(|i| i.key_pressed(Key::Enter));
-        let go = ui.add_enabled(pixel.is_some(), eframe::egui::Button::new("Go"));
-        if pixel.is_some() && (go.clicked() || entered) {
-            commands.push(Command::Pick(pixel));
-            return true;
+        let go = ui.add_enabled(wanted.is_ok(), eframe::egui::Button::new("Go"));
+        // Always there, so that nothing jumps while one types.
+        let complaint = wanted.as_ref().err().map_or("", String::as_str);
+        ui.label(RichText::new(complaint).color(tokens(ui).warning));
+        match wanted {
+            Ok(wanted) if go.clicked() || entered => {
+                commands.push(match wanted {
+                    Wanted::Pixel(x, y) => Command::Pick(Some((x, y))),
+                    wanted => Command::Place(Change::Find(wanted)),
+                });
+                true
+            }
+            _ => false,
         }
-        false
     })
-}
-
-fn parse_pixel(text: &str) -> Option<(u32, u32)> {
-    let mut numbers = text.split([',', ';', ' ']).filter(|part| !part.is_empty()).map(str::parse);
-    let (x, y) = (numbers.next()?.ok()?, numbers.next()?.ok()?);
-    numbers.next().is_none().then_some((x, y))
-}
-
-fn keys(ui: &mut Ui) -> bool {
-    modal(ui, "Keys and mouse", |ui| {
-        let height = (ui.ctx().content_rect().height() * 0.7).max(120.0);
-        ScrollArea::vertical().max_height(height).show(ui, |ui| {
-            Grid::new("keys").num_columns(2).striped(true).spacing([24.0, 4.0]).show(ui, |ui| {
-                let mut row = |keys: String, what: &str| {
-                    ui.label(RichText::new(keys).monospace().color(tokens(ui).text_strong));
-                    ui.label(what);
-                    ui.end_row();
-                };
-                for (gesture, what) in MOUSE {
-                    row((*gesture).to_owned(), what);
-                }
-                let mut listed: Vec<&str> = Vec::new();
-                for binding in BINDINGS {
-                    // A second key for the same thing is not worth a line.
-                    if !listed.contains(&binding.what) {
-                        listed.push(binding.what);
-                        row(key_name(binding), binding.what);
-                    }
-                }
-            });
-        });
-        ui.add_space(8.0);
-        ui.button("Close").clicked()
-    })
-}
-
-fn key_name(binding: &crate::ui::command::Binding) -> String {
-    let mut name = String::new();
-    if binding.modifiers.command || binding.modifiers.ctrl {
-        name.push_str("Ctrl + ");
-    }
-    if binding.modifiers.shift {
-        name.push_str("Shift + ");
-    }
-    name + match binding.key {
-        // The toolkit's own signs for these are in none of the fonts.
-        Key::ArrowLeft => "←",
-        Key::ArrowRight => "→",
-        Key::ArrowUp => "↑",
-        Key::ArrowDown => "↓",
-        key => key.symbol_or_name(),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pixels_are_read_with_any_usual_separator() {
-        for text in ["12,34", "12 34", " 12 , 34 ", "12;34"] {
-            assert_eq!(parse_pixel(text), Some((12, 34)), "{text}");
-        }
-        assert_eq!(parse_pixel("12"), None);
-        assert_eq!(parse_pixel("1,2,3"), None);
-        assert_eq!(parse_pixel("-1,2"), None);
-    }
 }

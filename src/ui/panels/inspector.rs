@@ -12,8 +12,11 @@ use crate::scene::Transparency;
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::overlays;
+use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::watch;
+use crate::ui::what_if;
 use crate::ui::widgets::{Status, chip, copy_button, empty_state, section_header, swatch, value_row};
 
 /// What a step of the depth buffer is.
@@ -96,7 +99,7 @@ impl Inspector {
 /// What the shown buffer holds under the pointer.
 fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
     let here = hovered.and_then(|(x, y)| {
-        let view = session.view.as_ref()?;
+        let view = what_if::seen(ui, session)?;
         let color = view.picture.get(x, y)?;
         Some((x, y, color, view.value(x, y)))
     });
@@ -145,6 +148,10 @@ fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
             copy_button(ui, "everything about this pixel as JSON", || {
                 serde_json::to_string_pretty(report).unwrap_or_default()
             });
+            if crate::ui::widgets::icon_button(ui, Icon::Pin, "Watch this pixel  (Enter)").clicked() {
+                commands.push(Command::Watch(watch::Change::Add(report.x, report.y)));
+                commands.push(Command::OpenTab(Tab::Watch));
+            }
             if crate::ui::widgets::icon_button(ui, Icon::X, "Drop the pick  (Esc)").clicked() {
                 commands.push(Command::Pick(None));
             }

@@ -11,8 +11,10 @@ use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
+use crate::ui::place;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
+use crate::ui::what_if;
 use crate::ui::widgets::icon_button;
 
 /// Interface scales to choose from.
@@ -25,6 +27,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.menu_button("Edit", |ui| edit(ui, session, commands));
         ui.menu_button("Scene", |ui| scene(ui, commands));
         ui.menu_button("View", |ui| view(ui, session, commands));
+        ui.menu_button("Go", |ui| place::menu::ui(ui, session, commands));
         ui.menu_button("Compare", |ui| compare(ui, session, commands));
         ui.menu_button("Help", |ui| help(ui, commands));
         ui.separator();
@@ -93,6 +96,7 @@ fn file(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         }
     });
     entry(ui, "Copy picture", Command::CopyPicture, commands);
+    entry(ui, "Copy as command", Command::Place(place::Change::Copy), commands);
     entry(ui, "Save triangle as case", Command::SaveCase, commands);
     ui.separator();
     if ui.add(Button::new("Quit").shortcut_text("Ctrl+Q")).clicked() {
@@ -121,6 +125,7 @@ fn compare(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         entry(ui, name, Command::Compare(Change::Toggle(mode)), commands);
     }
     ui.separator();
+    entry(ui, "What did the last change do?", Command::WhatIf(what_if::Change::Toggle), commands);
     entry(ui, "All upscalers in tiles", Command::Compare(Change::Every), commands);
     let is_on = session.comparison.is_on();
     entry_if(ui, is_on, "Swap A and B", Command::Compare(Change::Swap), commands);
@@ -161,6 +166,7 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 
 fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     entry(ui, "Keys and mouse", Command::ToggleKeys, commands);
+    entry(ui, "Find anything …", Command::OpenPalette, commands);
     ui.separator();
     ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
 }

@@ -7,10 +7,12 @@ use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
+use crate::ui::mesh_view;
 use crate::ui::overlays;
 use crate::ui::range;
 use crate::ui::session::{PointerMode, Session};
 use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
 /// Draws the bar over the canvas: what is shown, how large, and what the pointer does. `scale` is the enlargement on
@@ -35,7 +37,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         Shown::Buffer(buffer) => buffer.name(),
         Shown::Stage(stage) => stage.name(),
     };
-    combo("shown", name, (ui.available_width() - 352.0).clamp(64.0, 140.0))
+    combo("shown", name, (ui.available_width() - 408.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -71,6 +73,12 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.overlays.open, &name));
     if response.clicked() {
         commands.push(Command::Overlays(overlays::Change::ToggleOpen));
+    }
+    if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
+        commands.push(Command::WhatIf(what_if::Change::Toggle));
+    }
+    if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
+        commands.push(Command::MeshView(mesh_view::Change::Toggle));
     }
 }
 

@@ -20,8 +20,8 @@ const FASTEST_STAGES: f32 = 2.0;
 /// How somebody goes through the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scrub {
-    /// Of the last triangle that is drawn only so many fragments; all if none.
-    pub fragment_limit: Option<usize>,
+    /// The moment within a triangle that was asked for last; it holds as long as no other number of triangles is asked for.
+    partial: Option<Moment>,
     /// How far the buttons step, and what follows each other while playing.
     pub unit: Unit,
     /// Forwards 1, backwards −1, not at all 0.
@@ -36,7 +36,7 @@ pub struct Scrub {
 
 impl Default for Scrub {
     fn default() -> Self {
-        Self { fragment_limit: None, unit: Unit::Triangle, playing: 0, speed: 60.0, touching: false, due: 0.0 }
+        Self { partial: None, unit: Unit::Triangle, playing: 0, speed: 60.0, touching: false, due: 0.0 }
     }
 }
 
@@ -61,18 +61,31 @@ pub enum Change {
     Tick(f32),
 }
 
+impl Scrub {
+    /// Of the last of so many triangles only these fragments are drawn; all if none.
+    pub fn fragment_limit(&self, triangle_limit: Option<usize>) -> Option<usize> {
+        self.partial.filter(|moment| Some(moment.triangles) == triangle_limit)?.fragments
+    }
+}
+
 impl Session {
     /// The moment that is asked for.
     pub fn moment(&self) -> Moment {
         let triangles = self.triangle_limit.unwrap_or(self.triangle_count());
-        Moment { triangles, fragments: self.scrub.fragment_limit }
+        Moment { triangles, fragments: self.scrub.fragment_limit(self.triangle_limit) }
     }
 
     /// Goes to a moment; all triangles are no limit.
-    pub fn go_to(&mut self, Moment { triangles, fragments }: Moment) {
+    pub fn go_to(&mut self, moment: Moment) {
+        let Moment { triangles, fragments } = moment;
         let is_all = triangles > self.triangle_count() || (triangles == self.triangle_count() && fragments.is_none());
         self.triangle_limit = (!is_all).then_some(triangles);
-        self.scrub.fragment_limit = fragments.filter(|_| !is_all && triangles > 0);
+        self.scrub.partial = Some(moment).filter(|_| triangles > 0 && fragments.is_some());
+    }
+
+    /// Asks for a moment before there is a frame that would tell whether it has one like that.
+    pub fn begin_at(&mut self, moment: Moment) {
+        (self.triangle_limit, self.scrub.partial) = (Some(moment.triangles), Some(moment));
     }
 
     /// What is known of the moments around the one on screen, if a frame is there.

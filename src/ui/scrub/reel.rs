@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::chain::{Frame, run};
-use crate::inspect::scrub::{BUDGET, Moment, Scrubber, Timeline, touches};
+use crate::inspect::scrub::{BUDGET, Count, Moment, Scrubber, Timeline, touches};
 use crate::pipeline::partial;
 use crate::ui::engine::Request;
 
@@ -23,8 +23,13 @@ impl Reel {
     /// Puts the reel of a request into `slot` unless it is there already. `whole` is the frame with all of its triangles, if
     /// it was just drawn.
     pub fn load<'a>(slot: &'a mut Option<Self>, request: &Request, whole: Option<Arc<Frame>>) -> &'a mut Self {
-        slot.take_if(|reel| !reel.of.same_complete_frame(request));
+        slot.take_if(|reel| !reel.is_of(request));
         slot.get_or_insert_with(|| Self::new(request, whole))
+    }
+
+    /// Whether a request asks for a moment of its frame, or for all of it.
+    pub fn is_of(&self, request: &Request) -> bool {
+        self.of.same_complete_frame(request)
     }
 
     fn new(request: &Request, whole: Option<Arc<Frame>>) -> Self {
@@ -53,7 +58,7 @@ impl Reel {
         let Self { of, whole, scrubber, timeline, touched } = self;
         if *touched != pixel {
             let area = (whole.sampling.grid(), whole.raster);
-            let of_pixel = |pixel| touches(&of.scene, &of.recipe, scrubber.geometry(), area, pixel);
+            let of_pixel = |pixel| touches(&of.scene, &of.recipe, scrubber.geometry(), area, pixel, Count::Fragments);
             (*touched, timeline.touches) = (pixel, pixel.map_or_else(Vec::new, of_pixel));
         }
         let fragments = |place: Option<usize>| place.map_or(0, |place| scrubber.fragments_of(place));
@@ -62,7 +67,7 @@ impl Reel {
     }
 }
 
-/// What lies around the last moment of a whole frame, with all touches of a drawn pixel.
+/// What lies around the last moment of a whole frame, with the triangles that touch a drawn pixel.
 pub fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) -> Timeline {
     let Request { scene, recipe, .. } = request;
     let area = (frame.sampling.grid(), frame.raster);
@@ -70,7 +75,8 @@ pub fn timeline_of(request: &Request, frame: &Frame, pixel: Option<(u32, u32)>) 
     let samples = last.map_or_else(Vec::new, |triangle| partial::samples_of(triangle, &recipe.pipeline, area));
     Timeline {
         fragments: [partial::count(&samples), 0],
-        touches: pixel.map_or_else(Vec::new, |pixel| touches(scene, recipe, &frame.geometry, area, pixel)),
+        touches: pixel
+            .map_or_else(Vec::new, |pixel| touches(scene, recipe, &frame.geometry, area, pixel, Count::Triangles)),
         ..Timeline::new(&frame.geometry)
     }
 }

@@ -51,7 +51,7 @@ fn a_step_back_and_one_on_lead_to_the_same_picture() {
         assert!(before.key() < Moment::after(all).key(), "{unit:?}");
         assert_eq!(desk.view().request.moment(), Some(before));
         assert_eq!(desk.give(Change::Step(unit, true)), Moment::after(all), "{unit:?}");
-        assert_eq!((desk.session.triangle_limit, desk.session.scrub.fragment_limit), (None, None));
+        assert_eq!((desk.session.triangle_limit, desk.session.request().moment()), (None, None));
         assert_eq!(*desk.view().frame.image(), whole, "{unit:?}");
     }
     let by_object = desk.give(Change::Step(Unit::Draw, false));
@@ -73,6 +73,10 @@ fn a_limit_of_triangles_drops_that_of_fragments() {
     desk.show();
     assert_eq!(desk.session.moment(), Moment::after(2));
     assert_eq!(desk.view().frame.geometry.partial, None);
+    // So does whoever sets it without a word to the transport.
+    desk.give(Change::Go(Moment { triangles: 1, fragments: Some(3) }));
+    desk.session.triangle_limit = Some(3);
+    assert_eq!(desk.session.moment(), Moment::after(3));
 }
 
 #[test]

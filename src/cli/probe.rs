@@ -1,0 +1,133 @@
+//! `rasterscope probe`: how firmly a picture stands when its camera or its vertices move by a few units in the last place.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use rasterscope::case::MinimalCase;
+use rasterscope::image::file::write_png;
+use rasterscope::inspect::probe::{
+    Changed, Fragile, Heat, Jittered, Probe, ProbeResult, Subject, picture, run as probe,
+};
+use rasterscope::pipeline::settings::Choice as _;
+use serde::Serialize;
+
+use super::failure::Failure;
+use super::scene_args::{FrameArgs, View};
+use super::{output, parse};
+
+/// Triangles that are told one by one in text.
+const TOLD: usize = 10;
+
+/// What `probe` takes.
+#[derive(Args, Debug)]
+pub(crate) struct ProbeArgs {
+    #[command(flatten)]
+    frame: FrameArgs,
+
+    /// What is moved
+    #[arg(long, value_name = "WHAT", default_value = "camera", value_parser = parse::choice::<Jittered>())]
+    what: Jittered,
+
+    /// By how many units in the last place at most
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    ulps: u32,
+
+    /// How many times
+    #[arg(long, value_name = "N", default_value_t = 32, value_parser = clap::value_parser!(u16).range(1..))]
+    runs: u16,
+
+    /// Equal seeds give equal jitter
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+
+    /// The respect in which pixels of the heat map are compared
+    #[arg(long, default_value = "owner", value_parser = parse::choice::<Heat>())]
+    heat: Heat,
+
+    /// Print JSON, with all triangles that lost or gained pixels
+    #[arg(long)]
+    json: bool,
+
+    /// The PNG file for the heat map
+    #[arg(short, long, value_name = "HEAT.png")]
+    output: Option<PathBuf>,
+
+    /// The file for the most fragile triangle as a case
+    #[arg(long, value_name = "CASE.json")]
+    save_case: Option<PathBuf>,
+}
+
+/// Probes, writes what was asked for, and tells what was found.
+pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
+    let View { scene, recipe, camera, .. } = args.frame.view()?;
+    let subject = Subject { scene, camera, settings: recipe.pipeline, viewport: args.frame.size() };
+    let what = Probe { what: args.what, ulps: args.ulps, runs: args.runs, seed: args.seed };
+    // Nobody cancels.
+    let Some(found) = probe(&subject, what, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
+    if let Some(path) = &args.output {
+        let (heat, _) = picture(&found, args.heat)
+            .ok_or_else(|| Failure::Usage("--heat depth: there is no depth without a depth test".to_owned()))?;
+        write_png(path, &heat)?;
+    }
+    if let Some(path) = &args.save_case {
+        save_case(&found, path)?;
+    }
+    output::print(&if args.json { json(&found)? } else { text(&found) })
+}
+
+/// Writes the most fragile triangle as a case.
+fn save_case(found: &ProbeResult, path: &PathBuf) -> Result<(), Failure> {
+    let worst = found.ranking.first().and_then(|worst| Some((worst, found.triangle_of(worst)?)));
+    let Some((worst, triangle)) = worst else {
+        return Err(Failure::Usage("--save-case: no triangle lost or gained a pixel".to_owned()));
+    };
+    let Subject { scene, settings, viewport, .. } = &found.subject;
+    let case = MinimalCase::new(&triangle, worst.worst_pixel, *viewport, settings, &scene.name);
+    std::fs::write(path, case.to_json()).map_err(|source| Failure::ResultFile { path: path.clone(), source })
+}
+
+/// All that is told to programs.
+#[derive(Serialize)]
+struct Told<'a> {
+    scene: &'a str,
+    width: u32,
+    height: u32,
+    probe: Probe,
+    summary: rasterscope::inspect::probe::Summary,
+    ranking: &'a [Fragile],
+}
+
+fn json(found: &ProbeResult) -> Result<String, Failure> {
+    let Subject { scene, viewport, .. } = &found.subject;
+    let (width, height) = (viewport.width, viewport.height);
+    let (summary, ranking) = (found.summary(), &found.ranking[..]);
+    let told = Told { scene: &scene.name, width, height, probe: found.probe, summary, ranking };
+    Ok(serde_json::to_string_pretty(&told).map_err(|e| Failure::Output(e.into()))? + "\n")
+}
+
+fn text(found: &ProbeResult) -> String {
+    let Probe { what, ulps, runs, seed } = found.probe;
+    let summary = found.summary();
+    let name = what.name().to_lowercase();
+    let mut text = format!("{runs} runs, {name} moved by up to {ulps} ulp, seed {seed}\n");
+    let mut line = |name: &str, Changed { pixels, most }: Changed| {
+        let percent = pixels as f64 / summary.pixels as f64 * 100.0;
+        text.push_str(&format!(
+            "{name:7} {pixels:9} pixels changed ({percent:.2} %), one pixel in {most} of {runs} runs\n"
+        ));
+    };
+    line("owner", summary.owner);
+    if let Some(depth) = summary.depth {
+        line("depth", depth);
+    }
+    line("colour", summary.color);
+    text.push_str(&format!("{} triangles lost or gained pixels\n", summary.fragile_triangles));
+    for Fragile { triangle, changes, worst_pixel: (x, y), worst_changes } in found.ranking.iter().take(TOLD) {
+        text.push_str(&format!(
+            "  triangle {:8} {changes:9} changes, worst at pixel {x},{y}: {worst_changes} of {runs} runs\n",
+            triangle.0
+        ));
+    }
+    text
+}

@@ -1,0 +1,42 @@
+//! What of a frame is looked at: the options that "Copy as command" adds to scene, view and settings.
+
+use clap::Args;
+use rasterscope::inspect::{Buffer, Stage};
+use rasterscope::pipeline::viewport::Viewport;
+
+use super::parse;
+use super::scene_args::SceneArgs;
+
+/// What the window shows of the frame.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(crate) struct SeenArgs {
+    /// The buffer to show instead of the colour
+    #[arg(long, value_parser = parse::choice::<Buffer>())]
+    pub(crate) buffer: Option<Buffer>,
+
+    /// Show the picture after this stage instead of a buffer
+    #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
+    pub(crate) stage: Option<Stage>,
+
+    /// Draw only the first so many of the rasterized triangles
+    #[arg(long, value_name = "N")]
+    pub(crate) triangles: Option<usize>,
+
+    /// Width and height of the scene's picture in pixels; as large as the canvas if omitted
+    #[arg(long, value_name = "WxH", value_parser = parse::size)]
+    pub(crate) picture: Option<Viewport>,
+}
+
+/// What the window starts with.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct WindowArgs {
+    #[command(flatten)]
+    pub(crate) scene: SceneArgs,
+
+    #[command(flatten)]
+    pub(crate) seen: SeenArgs,
+
+    /// Column and row of the scene's pixel that is selected
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
+    pub(crate) at: Option<(u32, u32)>,
+}

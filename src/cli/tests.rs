@@ -1,0 +1,89 @@
+use rasterscope::inspect::{Buffer, Place, Stage};
+use rasterscope::scene::{Projection, SceneSource};
+
+use super::*;
+
+/// Words as a shell parts them: single quotes keep everything, a backslash the next letter.
+fn words(line: &str) -> Vec<String> {
+    let mut words = vec![String::new()];
+    let (mut quoted, mut letters) = (false, line.chars());
+    while let Some(letter) = letters.next() {
+        let last = words.len() - 1;
+        match letter {
+            '\'' => quoted = !quoted,
+            '\\' if !quoted => words[last].extend(letters.next()),
+            ' ' if !quoted => words.push(String::new()),
+            _ => words[last].push(letter),
+        }
+    }
+    words
+}
+
+/// What a command line leads to.
+fn arrive(line: &str) -> Place {
+    let cli = Cli::try_parse_from(words(line)).unwrap();
+    let Some(Command::Window(args)) = cli.command else { panic!("it opens the window") };
+    let view = args.scene.view().unwrap();
+    Place {
+        scene: view.source.name(),
+        mirrored: view.mirrored,
+        camera: view.camera,
+        recipe: view.recipe,
+        picture: args.seen.picture.map(|size| (size.width, size.height)),
+        buffer: args.seen.buffer.unwrap_or(Buffer::Color),
+        stage: args.seen.stage,
+        triangles: args.seen.triangles,
+        pixel: args.at,
+    }
+}
+
+fn places() -> Vec<Place> {
+    let camera = SceneSource::named("cubes".into()).load().unwrap().scene.home;
+    let plain = Place {
+        scene: "cubes".into(),
+        mirrored: false,
+        camera,
+        recipe: rasterscope::chain::Recipe::default(),
+        picture: Some((320, 200)),
+        buffer: Buffer::Color,
+        stage: None,
+        triangles: None,
+        pixel: None,
+    };
+    let mut turned =
+        Place { pixel: Some((3, 199)), buffer: Buffer::PerspectiveLambda, mirrored: true, ..plain.clone() };
+    for _ in 0..7 {
+        turned.camera.orbit(0.123, -0.045);
+        turned.camera.dolly(0.97);
+    }
+    turned.recipe.set_all(&["upscaler.method=bicubic", "upscaler.scale=3", "light.direction=0.1,-7,1e-9"]).unwrap();
+    let mut flat = Place { stage: Some(Stage::Clip), buffer: Buffer::Color, triangles: Some(0), ..turned.clone() };
+    flat.camera.projection = Projection::Orthographic { height: 1.0 / 3.0 };
+    vec![plain, turned, flat]
+}
+
+#[test]
+fn a_copied_command_leads_to_the_very_same_place() {
+    for place in places() {
+        assert_eq!(arrive(&place.command_line()), place, "{}", place.command_line());
+    }
+}
+
+#[test]
+fn a_copied_command_is_taken_by_the_commands_that_draw_and_tell() {
+    for place in places() {
+        let line = Place { pixel: Some((1, 2)), ..place }.command_line();
+        for (command, more) in [("screenshot", "-o x.png"), ("render", "-o x.png"), ("pixel", "")] {
+            let line = format!("{} {more}", line.replacen("window", command, 1));
+            let cli = Cli::try_parse_from(words(line.trim_end()));
+            assert!(cli.is_ok(), "{line}: {:?}", cli.err());
+        }
+    }
+}
+
+#[test]
+fn a_view_that_cannot_be_is_refused_with_its_reason() {
+    let cli = Cli::try_parse_from(["rasterscope", "window", "--camera", r#"{"eye": [1, 2, 3]}"#]).unwrap();
+    let Some(Command::Window(args)) = cli.command else { panic!("it opens the window") };
+    assert!(args.scene.view().unwrap_err().to_string().starts_with("--camera: missing field"));
+}

@@ -1,0 +1,132 @@
+//! Recipes as words: every setting with its value as `--set` takes it, and what differs between two recipes.
+//!
+//! The keys are those of [`Recipe::keys`], so a setting that is new to the recipe is known here at once.
+
+use serde_json::Value;
+
+use crate::chain::Recipe;
+
+/// What settings of the upscaler begin with: its method decides what the others may be.
+const UPSCALER_KEYS: &str = "upscaler.";
+
+/// A setting that two recipes have different values for, each as [`Recipe::set`] takes it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FieldChange {
+    /// The dotted key.
+    pub key: String,
+    /// The value in the first recipe.
+    pub before: String,
+    /// The value in the second.
+    pub after: String,
+}
+
+impl FieldChange {
+    /// "fill_rule: top-left → inclusive".
+    pub fn words(&self) -> String {
+        format!("{}: {} → {}", self.key, self.before, self.after)
+    }
+}
+
+/// Every key of a recipe with its value as [`Recipe::set`] takes it, in the order of [`Recipe::keys`].
+pub fn fields(recipe: &Recipe) -> Vec<(String, String)> {
+    // A recipe holds nothing that JSON cannot.
+    let tree = serde_json::to_value(recipe).unwrap_or(Value::Null);
+    let value = |key: &str| tree.pointer(&format!("/{}", key.replace('.', "/"))).map(text);
+    Recipe::keys().into_iter().filter_map(|(key, _)| value(&key).map(|value| (key, value))).collect()
+}
+
+/// What differs, in the order of [`Recipe::keys`].
+pub fn changes(before: &Recipe, after: &Recipe) -> Vec<FieldChange> {
+    let pairs = fields(before).into_iter().zip(fields(after));
+    pairs
+        .filter(|((_, before), (_, after))| before != after)
+        .map(|((key, before), (_, after))| FieldChange { key, before, after })
+        .collect()
+}
+
+/// The `key=value` that make a recipe of the default one by [`Recipe::set_all`]; none for the default one.
+pub fn assignments(recipe: &Recipe) -> Vec<String> {
+    let changed = changes(&Recipe::default(), recipe);
+    // Another method brings values of its own for what belongs to it.
+    let other_upscaler = changed.iter().any(|change| change.key.starts_with(UPSCALER_KEYS));
+    let belongs =
+        |key: &str| changed.iter().any(|change| change.key == key) || other_upscaler && key.starts_with(UPSCALER_KEYS);
+    let told = fields(recipe).into_iter().filter(|(key, _)| belongs(key));
+    told.map(|(key, value)| format!("{key}={value}")).collect()
+}
+
+/// The values that a key takes from a closed set, given the rest of the recipe; none where any number is taken.
+pub fn choices(recipe: &Recipe, values: &str, key: &str) -> Vec<String> {
+    let is_taken = |word: &&str| {
+        let mut changed = *recipe;
+        changed.set(&format!("{key}={word}")).is_ok()
+    };
+    // Words about numbers ("number, 0…1") are no value of theirs.
+    values.split([',', ' ']).filter(|word| !word.is_empty()).filter(is_taken).map(str::to_owned).collect()
+}
+
+fn text(value: &Value) -> String {
+    match value {
+        Value::String(word) => word.clone(),
+        Value::Number(number) if !number.is_u64() => {
+            // Settings are 32-bit floats: their own digits, not those of the double that stands for them.
+            number.as_f64().map_or_else(|| number.to_string(), |number| (number as f32).to_string())
+        }
+        Value::Array(items) => items.iter().map(text).collect::<Vec<_>>().join(","),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::upscale::Upscaling;
+
+    /// That a recipe comes back from its assignments.
+    fn comes_back(recipe: &Recipe) {
+        let told = assignments(recipe);
+        let mut again = Recipe::default();
+        assert_eq!(again.set_all(&told), Ok(()), "{told:?}");
+        assert_eq!(again, *recipe, "{told:?}");
+    }
+
+    #[test]
+    fn every_choice_of_every_key_comes_back_from_its_words() {
+        let default = Recipe::default();
+        let mut tried = 0;
+        for (key, values) in Recipe::keys() {
+            for choice in choices(&default, &values, &key) {
+                let mut recipe = default;
+                recipe.set(&format!("{key}={choice}")).unwrap();
+                comes_back(&recipe);
+                tried += 1;
+            }
+        }
+        assert!(tried > 60, "{tried}");
+        for upscaler in Upscaling::every() {
+            comes_back(&Recipe { upscaler, ..default });
+        }
+    }
+
+    #[test]
+    fn numbers_come_back_bit_for_bit() {
+        let mut recipe = Recipe::default();
+        let texts = ["light.direction=0.1,-0.7,1e-7", "light.ambient=0.33333334", "antialias.seed=4294967295"];
+        recipe.set_all(&texts).unwrap();
+        recipe.set("post.mask=1,2,3,4,5,6,7,8,0.1").unwrap();
+        comes_back(&recipe);
+        assert!(fields(&recipe).contains(&("light.ambient".to_owned(), "0.33333334".to_owned())));
+    }
+
+    #[test]
+    fn what_differs_is_said_in_words_and_nothing_else_is() {
+        let before = Recipe::default();
+        assert!(changes(&before, &before).is_empty() && assignments(&before).is_empty());
+        let mut after = before;
+        after.set_all(&["fill_rule=inclusive", "wireframe=true"]).unwrap();
+        let words: Vec<_> = changes(&before, &after).iter().map(FieldChange::words).collect();
+        assert_eq!(words, ["fill_rule: top-left → inclusive", "wireframe: false → true"]);
+        let back: Vec<_> = changes(&after, &before).iter().map(FieldChange::words).collect();
+        assert_eq!(back, ["fill_rule: inclusive → top-left", "wireframe: true → false"]);
+    }
+}

@@ -1,0 +1,244 @@
+//! Finding things in a frame: the pixel where a triangle or an object is seen, or why there is none.
+
+use crate::chain::{Frame, Recipe, redraw};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::Until;
+use crate::pipeline::interpolate::Fragment;
+use crate::pipeline::observe::Observer;
+use crate::pipeline::raster::Sample;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::scene::{Scene, TriangleId};
+use crate::upscale::Sampling;
+
+/// What is looked for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// A pixel, column and row.
+    Pixel(u32, u32),
+    /// A triangle of the scene.
+    Triangle(TriangleId),
+    /// All instances of these numbers, under the name that they were found by.
+    Object(String, Vec<u32>),
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Found {
+    /// It is seen: at this pixel and at so many in all.
+    Seen((u32, u32), usize),
+    /// It covers this pixel and so many in all, and is seen at none.
+    Hidden((u32, u32), usize),
+    /// It covers no pixel; why, in words.
+    Nowhere(String),
+}
+
+impl Wanted {
+    /// Reads "12,34", "tri 56" or the name of an object, or a part of it. The error says what could not be found.
+    pub fn parse(text: &str, scene: &Scene, Viewport { width, height }: Viewport) -> Result<Self, String> {
+        if let Some((x, y)) = parse_pixel(text) {
+            return if x < width && y < height {
+                Ok(Self::Pixel(x, y))
+            } else {
+                Err(format!("The picture ends at {},{}", width - 1, height - 1))
+            };
+        }
+        if let Some(number) = parse_triangle(text) {
+            let count = scene.triangle_count();
+            return match u32::try_from(number).ok().filter(|_| (number as usize) < count) {
+                Some(id) => Ok(Self::Triangle(TriangleId(id))),
+                None => Err(format!("The scene has {count} triangles, numbered from 0")),
+            };
+        }
+        let name = text.trim().to_lowercase();
+        if name.is_empty() {
+            return Err(String::new());
+        }
+        // A name that is meant to the letter is not one among those that contain it.
+        let exact = named(scene, |instance| instance.to_lowercase() == name);
+        let found =
+            if exact.is_empty() { named(scene, |instance| instance.to_lowercase().contains(&name)) } else { exact };
+        if found.is_empty() {
+            return Err(format!("No object is called “{}”", text.trim()));
+        }
+        Ok(Self::Object(text.trim().to_owned(), found))
+    }
+
+    /// As a person calls it.
+    pub fn words(&self) -> String {
+        match self {
+            Self::Pixel(x, y) => format!("Pixel {x}, {y}"),
+            Self::Triangle(id) => format!("Triangle {}", id.0),
+            Self::Object(name, numbers) if numbers.len() == 1 => format!("“{name}”"),
+            Self::Object(name, numbers) => format!("“{name}” ({} objects)", numbers.len()),
+        }
+    }
+}
+
+fn named(scene: &Scene, is_meant: impl Fn(&str) -> bool) -> Vec<u32> {
+    let instances = scene.instances.iter().zip(0..);
+    instances.filter(|(instance, _)| is_meant(&instance.name)).map(|(_, number)| number).collect()
+}
+
+/// Column and row with any usual separator.
+fn parse_pixel(text: &str) -> Option<(u32, u32)> {
+    let mut numbers = text.split([',', ';', ' ']).filter(|part| !part.is_empty()).map(str::parse);
+    let (x, y) = (numbers.next()?.ok()?, numbers.next()?.ok()?);
+    numbers.next().is_none().then_some((x, y))
+}
+
+/// "tri 12", "triangle 12", "t12" or "#12".
+fn parse_triangle(text: &str) -> Option<u64> {
+    let text = text.trim().to_lowercase();
+    let number = ["triangle", "tri", "t", "#"].iter().find_map(|word| text.strip_prefix(word))?;
+    number.trim().parse().ok()
+}
+
+/// Looks for something in a frame, by drawing its triangles once more.
+pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> Found {
+    let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
+        Wanted::Pixel(x, y) => return Found::Seen((*x, *y), 1),
+        Wanted::Triangle(id) => &|triangle| triangle.id == *id,
+        Wanted::Object(_, numbers) => &|triangle| numbers.contains(&triangle.instance),
+    };
+    if !frame.geometry.triangles.iter().any(is_wanted) {
+        let words = wanted.words();
+        return Found::Nowhere(format!("{words} is not rasterized here: culled, clipped away, or outside of the view"));
+    }
+    let (width, height) = frame.drawn.color.size();
+    let mut search =
+        Search { is_wanted, covered: Image::filled(width, height, false), seen: Image::filled(width, height, false) };
+    redraw(scene, recipe, frame, Until::Shade, &mut search);
+    let Search { covered, seen, .. } = search;
+    let in_the_middle = |mask: &Image<bool>| most_central(mask).map(|(sample, count)| (pixel_of(frame, sample), count));
+    match (in_the_middle(&seen), in_the_middle(&covered)) {
+        (Some((pixel, count)), _) => Found::Seen(pixel, count),
+        (None, Some((pixel, count))) => Found::Hidden(pixel, count),
+        (None, None) => Found::Nowhere(format!("{} covers no pixel's centre here", wanted.words())),
+    }
+}
+
+/// Where the wanted triangles are, and where they are what was shaded last.
+struct Search<'a> {
+    is_wanted: &'a dyn Fn(&ScreenTriangle) -> bool,
+    covered: Image<bool>,
+    seen: Image<bool>,
+}
+
+impl Observer for Search<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        if (self.is_wanted)(triangle) {
+            self.covered.set(sample.column, sample.row, true);
+        }
+    }
+
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        self.seen.set(fragment.sample.column, fragment.sample.row, (self.is_wanted)(triangle));
+    }
+}
+
+/// The marked sample nearest to the middle of all that are marked, and how many there are.
+fn most_central(mask: &Image<bool>) -> Option<((u32, u32), usize)> {
+    let (width, height) = mask.size();
+    let marked =
+        || (0..height).flat_map(|row| (0..width).map(move |column| (column, row))).filter(|(x, y)| mask.at(*x, *y));
+    let (count, sum) =
+        marked().fold((0, (0, 0)), |(count, (x, y)), (u, v)| (count + 1, (x + u64::from(u), y + u64::from(v))));
+    let middle = (sum.0.checked_div(count)?, sum.1.checked_div(count)?);
+    let distance =
+        |(x, y): &(u32, u32)| u64::from(*x).abs_diff(middle.0).pow(2) + u64::from(*y).abs_diff(middle.1).pow(2);
+    marked().min_by_key(distance).map(|sample| (sample, count as usize))
+}
+
+/// The pixel of the full picture that a sample stands for.
+fn pixel_of(frame: &Frame, (column, row): (u32, u32)) -> (u32, u32) {
+    match frame.sampling {
+        Sampling::Grid(grid) => grid.pixel(column, row),
+        Sampling::Lattice(_) => {
+            let along = |sample: u32, full: u32, drawn: u32| {
+                ((u64::from(sample) * 2 + 1) * u64::from(full) / (2 * u64::from(drawn.max(1)))) as u32
+            };
+            (
+                along(column, frame.viewport.width, frame.raster.width),
+                along(row, frame.viewport.height, frame.raster.height),
+            )
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::inspect::capture;
+    use crate::scene::builtin;
+
+    const SIZE: Viewport = Viewport { width: 48, height: 32 };
+
+    #[test]
+    fn pixels_are_read_with_any_usual_separator() {
+        for text in ["12,34", "12 34", " 12 , 34 ", "12;34"] {
+            assert_eq!(parse_pixel(text), Some((12, 34)), "{text}");
+        }
+        assert_eq!(parse_pixel("12"), None);
+        assert_eq!(parse_pixel("1,2,3"), None);
+        assert_eq!(parse_pixel("-1,2"), None);
+    }
+
+    #[test]
+    fn triangles_and_objects_are_read_and_what_is_not_there_is_said() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        let parse = |text: &str| Wanted::parse(text, &scene, SIZE);
+        for text in ["tri 7", "Triangle 7", "t7", "#7"] {
+            assert_eq!(parse(text), Ok(Wanted::Triangle(TriangleId(7))), "{text}");
+        }
+        assert!(parse("tri 1536").unwrap_err().contains("1536 triangles"));
+        assert!(parse("48,0").unwrap_err().contains("47,31"));
+        assert!(parse("no such thing").unwrap_err().contains("no such thing"));
+        let name = scene.instances[3].name.clone();
+        let Ok(Wanted::Object(_, numbers)) = parse(&name.to_uppercase()) else { panic!("{name} is an object") };
+        assert!(numbers.contains(&3));
+    }
+
+    #[test]
+    fn a_triangle_is_found_where_it_is_seen_or_hidden_and_else_it_is_said_that_it_is_not() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        let recipe = Recipe::default();
+        let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+        let buffers = capture(&scene, &recipe, &frame);
+        let (mut seen, mut hidden, mut nowhere) = (0, 0, 0);
+        for id in (0..1536).step_by(31).map(TriangleId) {
+            let winners = buffers.triangle.pixels().iter().filter(|winner| **winner == id).count();
+            match find(&scene, &recipe, &frame, &Wanted::Triangle(id)) {
+                Found::Seen((x, y), count) => {
+                    assert_eq!((buffers.triangle.at(x, y), count), (id, winners));
+                    seen += 1;
+                }
+                Found::Hidden(..) => {
+                    assert_eq!(winners, 0);
+                    hidden += 1;
+                }
+                Found::Nowhere(_) => {
+                    assert_eq!(winners, 0);
+                    nowhere += 1;
+                }
+            }
+        }
+        assert!(seen > 3 && hidden + nowhere > 3, "{seen} {hidden} {nowhere}");
+    }
+
+    #[test]
+    fn what_is_drawn_smaller_is_found_at_a_pixel_of_the_full_picture() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe::default();
+        for upscaler in ["nearest", "bilinear", "checkerboard"] {
+            recipe.set(&format!("upscaler.method={upscaler}")).unwrap();
+            let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+            let Found::Seen((x, y), _) = find(&scene, &recipe, &frame, &Wanted::Triangle(TriangleId(0))) else {
+                panic!("it fills the picture")
+            };
+            assert!(x < SIZE.width && y < SIZE.height);
+            let [r, g, b, _] = frame.image().at(x, y);
+            assert_ne!([r, g, b], scene.background, "{upscaler}: {x}, {y}");
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Triangles moved apart, so that it is seen which vertices they share and what lies behind.
+
+use glam::Vec3;
+
+use crate::inspect::vertices::corners_of;
+use crate::scene::mesh::MeshData;
+use crate::scene::{Mesh, Scene, TriangleId};
+
+/// A scene whose triangles are moved away from the middle of their mesh, each by `apart` times its own distance from there;
+/// at 0 they only no longer share vertices. Triangles keep their numbers; texture coordinates and colours are left out.
+pub fn exploded(scene: &Scene, apart: f32) -> Scene {
+    let library = scene.library.with_meshes(|mesh| {
+        let corners = mesh.triangles.iter().flat_map(|corners| moved(mesh, *corners, apart));
+        let positions: Vec<Vec3> = corners.collect();
+        let triangles = (0..mesh.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        let normals = mesh.triangles.iter().flatten().filter_map(|v| mesh.normals.get(*v as usize)).copied().collect();
+        let data =
+            MeshData { name: mesh.name.clone(), positions, normals, uvs: Vec::new(), colors: Vec::new(), triangles };
+        // Only what would be moved beyond all floats stays in its place.
+        Mesh::new(data).unwrap_or_else(|_| mesh.clone())
+    });
+    Scene { library, ..scene.clone() }
+}
+
+/// The corners of a triangle in the mesh, moved.
+fn moved(mesh: &Mesh, corners: [u32; 3], apart: f32) -> [Vec3; 3] {
+    let corners = corners.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or_default());
+    let offset = ((corners[0] + corners[1] + corners[2]) / 3.0 - mesh.bounds().center()) * apart;
+    corners.map(|corner| corner + offset)
+}
+
+/// The corners of a triangle in world space, moved apart as [`exploded`] does; `None` for no triangle of the scene.
+pub fn corners(scene: &Scene, triangle: TriangleId, apart: f32) -> Option<[Vec3; 3]> {
+    let (instance, corners) = corners_of(scene, triangle)?;
+    let instance = scene.instances.get(instance)?;
+    let moved = moved(scene.library.mesh(instance.mesh), corners, apart);
+    Some(moved.map(|corner| instance.world_from_model.transform_point3(corner)))
+}

@@ -1,0 +1,296 @@
+//! What explains the triangles: the view of the render camera, the picked pixel's ray, cut and culled triangles, as lines,
+//! polygons and dots in pixels of the picture from outside.
+
+use glam::{DMat4, DVec3, DVec4, Vec3};
+
+use super::hatch::{Point, hatch};
+use super::{Inner, Met, corners, fates};
+use crate::pipeline::clip::{Cut, Polygon, guard_band_widening};
+use crate::pipeline::observe::Fate;
+use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, DepthMapping, Projection, Scene, TriangleId};
+
+/// Cut and culled triangles that are marked one by one at most; of more only the selected one is.
+const MOST_MARKED: usize = 200;
+
+/// Between the lines of a hatching, along an axis, px.
+const HATCH_PX: f32 = 7.0;
+
+/// The nearest that a point may come to the second camera's eye plane, as a share of its near plane.
+const LEAST_W: f64 = 1e-6;
+
+/// What a mark stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// An edge of the view of the render camera.
+    Frustum,
+    /// Its near plane, as far as the picture reaches: a polygon.
+    NearPlane,
+    /// The eye: a dot.
+    Eye,
+    /// From the eye through the picked pixel to what it shows, or to the end of the view.
+    Ray,
+    /// The ray behind what it hit.
+    RayBehind,
+    /// Where the ray hits: a dot.
+    Hit,
+    /// The selected triangle: a polygon.
+    Selected,
+    /// What is left of a triangle that was cut: its outline.
+    Kept,
+    /// A line over the part of a triangle that was cut away.
+    CutAway,
+    /// A vertex that cutting made, with how far along its edge it lies, in [0, 1]; none if it lies on no edge of the
+    /// triangle: a dot.
+    NewVertex(Option<f32>),
+    /// The outline of a triangle that was culled for its facing.
+    Culled,
+    /// A vertex that is followed: a dot.
+    Vertex,
+}
+
+/// A dot (one point), a line (two) or a closed polygon (more).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// What it stands for.
+    pub kind: Kind,
+    /// Its points, px of the picture from outside.
+    pub points: Vec<Point>,
+}
+
+/// What of the scene is marked.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    /// The picked pixel of the inner picture.
+    pub pixel: Option<(u32, u32)>,
+    /// How far along the line of sight what it shows is, world units; none for the background.
+    pub hit_distance: Option<f64>,
+    /// The selected triangle.
+    pub selected: Option<TriangleId>,
+    /// A vertex that is followed, world space.
+    pub vertex: Option<DVec3>,
+    /// Whether culled triangles are outlined.
+    pub culled: bool,
+    /// How far triangles are moved apart.
+    pub apart: f32,
+}
+
+/// All marks, those that lie above others last.
+pub fn drawn(scene: &Scene, inner: &Inner, look: &Look, outside: &Camera, size: Viewport) -> Vec<Mark> {
+    let mut canvas = Canvas::new(outside, size);
+    let eye = Eye::new(inner, scene);
+    // What was cut or culled belongs to places that exploding leaves.
+    if look.apart == 0.0 {
+        cut_and_culled(scene, inner, look, &mut canvas);
+    }
+    if let Some(corners) = look.selected.and_then(|id| corners(scene, id, look.apart)) {
+        canvas.polygon(Kind::Selected, &corners.map(Vec3::as_dvec3));
+    }
+    eye.frustum(&mut canvas);
+    eye.ray(look, &mut canvas);
+    if let Some(vertex) = look.vertex.filter(|_| look.apart == 0.0) {
+        canvas.dot(Kind::Vertex, vertex);
+    }
+    canvas.marks
+}
+
+/// Marks seen by the second camera.
+struct Canvas {
+    clip_from_world: DMat4,
+    size: Viewport,
+    least_w: f64,
+    marks: Vec<Mark>,
+}
+
+impl Canvas {
+    fn new(outside: &Camera, size: Viewport) -> Self {
+        let clip_from_view = outside.clip_from_view(size.aspect(), DepthMapping::Reversed).as_dmat4();
+        Self {
+            clip_from_world: clip_from_view * outside.view_from_world_f64(),
+            size,
+            least_w: f64::from(outside.near) * LEAST_W,
+            marks: Vec::new(),
+        }
+    }
+
+    fn pixel(&self, clip: DVec4) -> Point {
+        let Viewport { width, height } = self.size;
+        let x = (clip.x / clip.w * 0.5 + 0.5) * f64::from(width);
+        let y = (0.5 - clip.y / clip.w * 0.5) * f64::from(height);
+        [x as f32, y as f32]
+    }
+
+    /// A polygon as far as it lies in front of the second camera, px.
+    fn projected(&self, points: &[DVec3]) -> Vec<Point> {
+        let clip: Vec<DVec4> = points.iter().map(|point| self.clip_from_world * point.extend(1.0)).collect();
+        let mut seen = Vec::with_capacity(points.len() + 1);
+        for (index, a) in clip.iter().enumerate() {
+            let b = clip[(index + 1) % clip.len()];
+            let (da, db) = (a.w - self.least_w, b.w - self.least_w);
+            if da >= 0.0 {
+                seen.push(self.pixel(*a));
+            }
+            if (da >= 0.0) != (db >= 0.0) {
+                seen.push(self.pixel(*a + (b - *a) * (da / (da - db))));
+            }
+        }
+        seen.retain(|point| point.iter().all(|c| c.is_finite()));
+        seen
+    }
+
+    fn polygon(&mut self, kind: Kind, points: &[DVec3]) {
+        let points = self.projected(points);
+        if points.len() >= 3 {
+            self.marks.push(Mark { kind, points });
+        }
+    }
+
+    fn line(&mut self, kind: Kind, from: DVec3, to: DVec3) {
+        let mut points = self.projected(&[from, to]);
+        // A line is walked there and back: where it is cut, the cut comes twice.
+        points.truncate(2);
+        if points.len() == 2 {
+            self.marks.push(Mark { kind, points });
+        }
+    }
+
+    fn dot(&mut self, kind: Kind, at: DVec3) {
+        let clip = self.clip_from_world * at.extend(1.0);
+        if clip.w >= self.least_w {
+            self.marks.push(Mark { kind, points: vec![self.pixel(clip)] });
+        }
+    }
+}
+
+/// The render camera as lines in the world.
+struct Eye<'a> {
+    inner: &'a Inner,
+    /// How far the view is drawn: to its far plane, or to the end of the scene if that is nearer.
+    far: f64,
+}
+
+impl<'a> Eye<'a> {
+    fn new(inner: &'a Inner, scene: &Scene) -> Self {
+        let camera = &inner.camera;
+        let forward = camera.forward().as_dvec3();
+        let depth = |corner: Vec3| forward.dot(corner.as_dvec3() - camera.eye.as_dvec3());
+        let end = scene.bounds().corners().map(depth).into_iter().fold(f64::from(camera.near) * 4.0, f64::max);
+        Self { inner, far: end.min(f64::from(camera.far)) }
+    }
+
+    /// The point of the world that is seen at a place of the picture, in [−1, 1] with y up, at a distance along the line of
+    /// sight.
+    fn at(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
+        let camera = &self.inner.camera;
+        let (right, forward) = (camera.right().as_dvec3(), camera.forward().as_dvec3());
+        let up = right.cross(forward);
+        let aspect = camera.window.map_or_else(|| self.inner.viewport.aspect(), |window| window.aspect);
+        let half_height = match camera.projection {
+            Projection::Perspective { fov_y } => (f64::from(fov_y) * 0.5).tan() * distance,
+            Projection::Orthographic { height } => f64::from(height) * 0.5,
+        };
+        let aside = right * (x * half_height * f64::from(aspect)) + up * (y * half_height);
+        camera.eye.as_dvec3() + forward * distance + aside
+    }
+
+    fn frustum(&self, canvas: &mut Canvas) {
+        const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let near = CORNERS.map(|corner| self.at(corner, self.inner.camera.near.into()));
+        let far = CORNERS.map(|corner| self.at(corner, self.far));
+        canvas.polygon(Kind::NearPlane, &near);
+        for side in 0..4 {
+            canvas.line(Kind::Frustum, near[side], far[side]);
+            canvas.line(Kind::Frustum, near[side], near[(side + 1) % 4]);
+            canvas.line(Kind::Frustum, far[side], far[(side + 1) % 4]);
+            if matches!(self.inner.camera.projection, Projection::Perspective { .. }) {
+                canvas.line(Kind::Frustum, self.inner.camera.eye.as_dvec3(), near[side]);
+            }
+        }
+        canvas.dot(Kind::Eye, self.inner.camera.eye.as_dvec3());
+    }
+
+    fn ray(&self, look: &Look, canvas: &mut Canvas) {
+        let Some((x, y)) = look.pixel else { return };
+        let Viewport { width, height } = self.inner.viewport;
+        let across = |pixel: u32, size: u32| (f64::from(pixel) + 0.5) / f64::from(size) * 2.0 - 1.0;
+        let place = [across(x, width), -across(y, height)];
+        let end = self.at(place, self.far);
+        let hit = look.hit_distance.filter(|distance| distance.is_finite()).map(|distance| self.at(place, distance));
+        canvas.line(Kind::Ray, self.at(place, 0.0), hit.unwrap_or(end));
+        if let Some(hit) = hit {
+            canvas.line(Kind::RayBehind, hit, end);
+            canvas.dot(Kind::Hit, hit);
+        }
+    }
+}
+
+/// Marks triangles that were cut, and outlines those that were culled.
+fn cut_and_culled(scene: &Scene, inner: &Inner, look: &Look, canvas: &mut Canvas) {
+    let fates = fates(scene, inner, inner.settings.culling);
+    let that_met = |wanted: fn(Met) -> bool| {
+        let found: Vec<_> =
+            fates.iter().zip(0..).filter(|(met, _)| wanted(**met)).map(|(_, id)| TriangleId(id)).collect();
+        let few = found.len() <= MOST_MARKED;
+        found.into_iter().filter(move |id| few || look.selected == Some(*id))
+    };
+    if look.culled {
+        let is_culled = |met| matches!(met, Met::Rejected(Fate::BackFacing | Fate::FrontFacing));
+        for corners in that_met(is_culled).filter_map(|id| corners(scene, id, 0.0)) {
+            canvas.polygon(Kind::Culled, &corners.map(Vec3::as_dvec3));
+        }
+    }
+    let is_cut = |met| matches!(met, Met::Cut | Met::Rejected(Fate::ClippedAway));
+    for id in that_met(is_cut) {
+        cut(scene, inner, id, canvas);
+    }
+}
+
+/// Marks one triangle that was cut: what is left, what is gone, and the new vertices.
+fn cut(scene: &Scene, inner: &Inner, id: TriangleId, canvas: &mut Canvas) {
+    let Some((polygon, corners)) = clipped(scene, inner, id) else { return };
+    let world = |vertex: &ClipVertex| {
+        let [a, b, c] = vertex.varyings.source_weights.to_array().map(f64::from);
+        corners[0] * a + corners[1] * b + corners[2] * c
+    };
+    let kept: Vec<DVec3> = polygon.iter().map(world).collect();
+    let (outer, inner_part) = (canvas.projected(&corners), canvas.projected(&kept));
+    let lines = hatch(&outer, &inner_part, HATCH_PX);
+    canvas.marks.extend(lines.into_iter().map(|line| Mark { kind: Kind::CutAway, points: line.to_vec() }));
+    canvas.polygon(Kind::Kept, &kept);
+    for (vertex, place) in polygon.iter().zip(kept) {
+        let weights = vertex.varyings.source_weights;
+        if weights.max_element() < 1.0 {
+            canvas.dot(Kind::NewVertex(along_edge(weights)), place);
+        }
+    }
+}
+
+/// What clipping leaves of a triangle, by the very function that clips, and its corners in the world.
+fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVertex>, [DVec3; 3])> {
+    let (instance, indices) = crate::inspect::vertices::corners_of(scene, id)?;
+    let instance = scene.instances.get(instance)?;
+    let mesh = scene.library.mesh(instance.mesh);
+    let Inner { camera, settings, viewport } = inner;
+    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
+    let mut corner = 0;
+    let triangle = indices.map(|index| {
+        let mut vertex = ClipVertex::at(matrices.clip_position(mesh.positions[index as usize]));
+        vertex.varyings.source_weights = Vec3::AXES[corner];
+        corner += 1;
+        vertex
+    });
+    let mut polygon = Polygon::default();
+    let cut = polygon.clip(&triangle, guard_band_widening(viewport.width, viewport.height));
+    let left = if cut == Ok(Cut::Pieces) { polygon.vertices().to_vec() } else { Vec::new() };
+    let corners = corners(scene, id, 0.0)?.map(Vec3::as_dvec3);
+    Some((left, corners))
+}
+
+/// How far along its edge a new vertex lies, from the corner with the lower number; `None` if it lies within the triangle.
+fn along_edge(weights: Vec3) -> Option<f32> {
+    match weights.to_array() {
+        [0.0, _, t] | [_, 0.0, t] | [_, t, 0.0] => Some(t),
+        _ => None,
+    }
+}

@@ -1,0 +1,157 @@
+//! The triangles of the scene as the second camera sees them, drawn by the pipeline.
+
+use glam::Vec3;
+
+use super::{Inner, MeshStyle, exploded, fates, is_triangle, met_color};
+use crate::image::{Image, Rgba8};
+use crate::math::unit_or;
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::observe::Observer;
+use crate::pipeline::raster::Sample;
+use crate::pipeline::settings::{Culling, DepthFormat, DepthTest, Settings, Shading};
+use crate::pipeline::shade::id_color;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::wireframe::edge_pixels;
+use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::scene::{Camera, Scene, TriangleId};
+
+/// A picture from outside.
+#[derive(Clone, Debug)]
+pub struct MeshPicture {
+    /// The picture.
+    pub image: Image<Rgba8>,
+    /// The triangle that each pixel shows, or [`TriangleId::NONE`].
+    pub owner: Image<TriangleId>,
+    /// Where from.
+    pub camera: Camera,
+}
+
+/// How dark a triangle gets that is seen edge-on.
+const LEAST_LIGHT: f32 = 0.38;
+
+/// The grey of a triangle that is seen head-on.
+const FLAT: Rgba8 = [196, 198, 202, 255];
+
+struct Owners(Image<TriangleId>);
+
+impl Observer for Owners {
+    fn depth_stored(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        self.0.set(sample.column, sample.row, triangle.id);
+    }
+}
+
+/// The pipeline of the second camera: both sides, opaque, and with depths that bear any distance.
+fn settings() -> Settings {
+    Settings {
+        culling: Culling::None,
+        shading: Shading::TriangleId,
+        depth_test: DepthTest::Less,
+        depth_format: DepthFormat::ReversedF32,
+        ..Settings::default()
+    }
+}
+
+/// Draws the scene for the second camera `outside`, with its triangles moved `apart`.
+pub fn paint(
+    scene: &Scene,
+    inner: &Inner,
+    outside: Camera,
+    size: Viewport,
+    (style, apart): (MeshStyle, f32),
+    backdrop: [u8; 3],
+) -> MeshPicture {
+    let moved = (apart != 0.0).then(|| exploded(scene, apart));
+    let shown = moved.as_ref().unwrap_or(scene);
+    let settings = settings();
+    let geometry = prepare(shown, &outside, &settings, size, &mut ());
+    let owner = owners(shown, &geometry, &settings, size);
+    let colors = colors(scene, inner, style);
+    let [r, g, b] = backdrop;
+    let mut image = Image::filled(size.width, size.height, [r, g, b, 255]);
+    if style == MeshStyle::Wire {
+        wires(&geometry, &colors, &mut image);
+    } else {
+        let lights = lights(shown, outside.eye);
+        for (pixel, id) in image.pixels_mut().iter_mut().zip(owner.pixels()).filter(|(_, id)| is_triangle(**id)) {
+            let place = id.0 as usize;
+            *pixel = lit(colors.get(place).copied().unwrap_or(FLAT), lights.get(place).copied().unwrap_or(1.0));
+        }
+    }
+    MeshPicture { image, owner, camera: outside }
+}
+
+fn owners(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewport) -> Image<TriangleId> {
+    let mut frame = Framebuffer::new(SampleGrid::FULL, size.width, size.height, scene.background, settings);
+    let mut owners = Owners(Image::filled(size.width, size.height, TriangleId::NONE));
+    draw(scene, geometry, settings, &Extent::all(geometry, size), Until::Depth, &mut frame, &mut owners);
+    owners.0
+}
+
+/// The place that shows a triangle, of those the one nearest to their middle: column and row. `None` if none does.
+pub fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32, u32)> {
+    let width = owner.width();
+    let places = || {
+        let owned = owner.pixels().iter().zip(0..).filter(|(id, _)| **id == triangle);
+        owned.map(|(_, index): (_, u32)| (index % width, index / width))
+    };
+    let (x, y, count) =
+        places().fold((0, 0, 0), |(x, y, n), place| (x + u64::from(place.0), y + u64::from(place.1), n + 1));
+    let middle = (x.checked_div(count)?, y.checked_div(count)?);
+    places().min_by_key(|(x, y)| u64::from(*x).abs_diff(middle.0).pow(2) + u64::from(*y).abs_diff(middle.1).pow(2))
+}
+
+/// The colour of each triangle before light; none where all have the same.
+fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
+    let met = |culling| fates(scene, inner, culling).into_iter().map(met_color).collect();
+    match style {
+        MeshStyle::Flat => Vec::new(),
+        MeshStyle::Fate => met(inner.settings.culling),
+        // Culling back faces tells the sides apart, whatever the settings do with them.
+        MeshStyle::Facing | MeshStyle::Wire => {
+            let seen = fates(scene, inner, Culling::Back).into_iter();
+            seen.map(|met| met_color(if met == super::Met::Cut { super::Met::Drawn } else { met })).collect()
+        }
+        MeshStyle::Object => {
+            let counts = scene.instances.iter().map(|i| scene.library.mesh(i.mesh).triangles.len());
+            counts.zip(0..).flat_map(|(count, object)| vec![id_color(TriangleId(object)); count]).collect()
+        }
+    }
+}
+
+/// How brightly each triangle is lit from the eye.
+fn lights(scene: &Scene, eye: Vec3) -> Vec<f32> {
+    let light = |instance: &crate::scene::Instance| {
+        let mesh = scene.library.mesh(instance.mesh);
+        let world: Vec<Vec3> = mesh.positions.iter().map(|p| instance.world_from_model.transform_point3(*p)).collect();
+        mesh.triangles
+            .iter()
+            .map(|corners| {
+                let [a, b, c] = corners.map(|corner| world[corner as usize].as_dvec3());
+                let normal = unit_or((b - a).cross(c - a), Vec3::Y);
+                let towards = unit_or(eye.as_dvec3() - a, Vec3::Z);
+                LEAST_LIGHT + (1.0 - LEAST_LIGHT) * normal.dot(towards).abs()
+            })
+            .collect::<Vec<_>>()
+    };
+    scene.instances.iter().flat_map(light).collect()
+}
+
+fn lit([r, g, b, a]: Rgba8, light: f32) -> Rgba8 {
+    let channel = |code: u8| (f32::from(code) * light) as u8;
+    [channel(r), channel(g), channel(b), a]
+}
+
+/// The edges of all triangles; fronts over backs.
+fn wires(geometry: &Geometry, colors: &[Rgba8], image: &mut Image<Rgba8>) {
+    let front = met_color(super::Met::Drawn);
+    let color = |triangle: &ScreenTriangle| colors.get(triangle.id.0 as usize).copied().unwrap_or(FLAT);
+    for fronts in [false, true] {
+        for triangle in geometry.triangles.iter().filter(|triangle| (color(triangle) == front) == fronts) {
+            let color = color(triangle);
+            for (x, y) in edge_pixels(triangle, image.size()) {
+                image.set(x, y, color);
+            }
+        }
+    }
+}

@@ -1,0 +1,153 @@
+use glam::DVec3;
+
+use super::*;
+use crate::pipeline::settings::Culling;
+use crate::scene::{Scene, builtin};
+
+const SIZE: Viewport = Viewport { width: 160, height: 120 };
+
+fn inner(scene: &Scene) -> Inner {
+    Inner { camera: scene.home, settings: Settings::default(), viewport: SIZE }
+}
+
+fn scene(id: &str) -> Scene {
+    builtin::by_id(id).unwrap().build()
+}
+
+fn outside(scene: &Scene, inner: &Inner) -> Camera {
+    with_planes(first_view(scene, inner, SIZE.aspect()), scene, inner)
+}
+
+fn marks(scene: &Scene, look: &Look) -> Vec<Mark> {
+    let inner = inner(scene);
+    drawn(scene, &inner, look, &outside(scene, &inner), SIZE)
+}
+
+#[test]
+fn the_first_view_shows_the_eye_and_every_triangle_can_be_picked() {
+    for id in ["cubes", "triangle", "z-fighting", "near-plane"] {
+        let scene = scene(id);
+        let inner = inner(&scene);
+        let seen = outside(&scene, &inner);
+        assert_eq!(seen.check(), Ok(()), "{id}");
+        let marks = drawn(&scene, &inner, &Look::default(), &seen, SIZE);
+        let eye = marks.iter().find(|mark| mark.kind == Kind::Eye).unwrap();
+        let [x, y] = eye.points[0];
+        assert!((0.0..160.0).contains(&x) && (0.0..120.0).contains(&y), "{id}: {x}, {y}");
+        let painted = paint(&scene, &inner, seen, SIZE, (MeshStyle::Flat, 0.0), [0; 3]);
+        let shown = painted.owner.pixels().iter().filter(|id| **id != TriangleId::NONE).count();
+        let lit = painted.image.pixels().iter().filter(|pixel| pixel[..3] != [0; 3]).count();
+        assert!(shown > 0 && shown == lit, "{id}: {shown} {lit}");
+    }
+}
+
+#[test]
+fn fates_are_those_that_the_pipeline_deals_out() {
+    let scene = scene("cubes");
+    let inner = inner(&scene);
+    let mut counters = crate::pipeline::observe::Counters::default();
+    crate::pipeline::prepare(&scene, &inner.camera, &inner.settings, SIZE, &mut counters);
+    let met = fates(&scene, &inner, inner.settings.culling);
+    for fate in crate::pipeline::observe::Fate::ALL {
+        let count = met.iter().filter(|met| **met == Met::Rejected(fate)).count() as u64;
+        assert_eq!(count, counters.fate(fate), "{fate:?}");
+    }
+    assert!(counters.fate(Fate::BackFacing) > 0);
+    let both = fates(&scene, &inner, Culling::None);
+    assert!(both.iter().all(|met| *met != Met::Rejected(Fate::BackFacing)));
+}
+
+#[test]
+fn culled_triangles_are_outlined_if_they_are_few_or_selected() {
+    let outlines = |scene: &Scene, culling, look: &Look| {
+        let inner = Inner { settings: Settings { culling, ..Settings::default() }, ..inner(scene) };
+        let marks = drawn(scene, &inner, look, &outside(scene, &inner), SIZE);
+        marks.iter().filter(|mark| mark.kind == Kind::Culled).count()
+    };
+    let all = Look { culled: true, ..Look::default() };
+    let alone = scene("triangle");
+    assert_eq!(outlines(&alone, Culling::Front, &all), 1);
+    assert_eq!(outlines(&alone, Culling::Back, &all), 0);
+    assert_eq!(outlines(&alone, Culling::Front, &Look::default()), 0);
+    let many = scene("cubes");
+    let back = fates(&many, &inner(&many), Culling::Back).iter().position(|m| *m == Met::Rejected(Fate::BackFacing));
+    assert_eq!(outlines(&many, Culling::Back, &all), 0);
+    let selected = back.map(|id| TriangleId(id as u32));
+    assert_eq!(outlines(&many, Culling::Back, &Look { selected, ..all }), 1);
+}
+
+#[test]
+fn what_crosses_the_near_plane_has_new_vertices_on_it() {
+    let scene = scene("near-plane");
+    let marks = marks(&scene, &Look::default());
+    let new: Vec<_> =
+        marks.iter().filter_map(|m| if let Kind::NewVertex(t) = m.kind { Some(t) } else { None }).collect();
+    assert!(!new.is_empty());
+    assert!(new.iter().flatten().all(|t| *t > 0.0 && *t < 1.0), "{new:?}");
+    assert!(marks.iter().any(|mark| mark.kind == Kind::CutAway));
+    assert!(marks.iter().any(|mark| mark.kind == Kind::Kept));
+}
+
+#[test]
+fn the_ray_of_a_pixel_ends_on_what_it_shows() {
+    let scene = scene("cubes");
+    let inner = inner(&scene);
+    let recipe = crate::chain::Recipe::default();
+    let frame = crate::chain::run(&scene, &scene.home, &recipe, SIZE, &mut ());
+    let mut checked = 0;
+    for (x, y) in (0..SIZE.width).step_by(13).flat_map(|x| (0..SIZE.height).step_by(11).map(move |y| (x, y))) {
+        let report = crate::inspect::inspect(&scene, &recipe, &frame, x, y).unwrap();
+        let Some(hit) = report.visible() else { continue };
+        let look = Look {
+            pixel: Some((x, y)),
+            hit_distance: Some(frame.depth_scale().distance_of(hit.depth.value)),
+            ..Look::default()
+        };
+        // The hit by the weights of the corners, seen from outside.
+        let corners = corners(&scene, hit.triangle, 0.0).unwrap().map(glam::Vec3::as_dvec3);
+        let weights = hit.attribute_weights.map(f64::from);
+        let on_surface: DVec3 = corners.iter().zip(weights).map(|(corner, weight)| *corner * weight).sum();
+        let seen = outside(&scene, &inner);
+        let look = Look { vertex: Some(on_surface), ..look };
+        let marks = drawn(&scene, &inner, &look, &seen, SIZE);
+        let at = |kind| marks.iter().find(|mark| mark.kind == kind).unwrap().points[0];
+        let ([a, b], [c, d]) = (at(Kind::Hit), at(Kind::Vertex));
+        assert!((a - c).hypot(b - d) < 0.5, "{x},{y}: {a},{b} and {c},{d}");
+        checked += 1;
+    }
+    assert!(checked > 20, "{checked}");
+}
+
+#[test]
+fn exploded_triangles_keep_their_numbers_and_move_away_from_the_middle() {
+    let scene = scene("cubes");
+    let apart = exploded(&scene, 0.5);
+    assert_eq!(apart.triangle_count(), scene.triangle_count());
+    for id in (0..scene.triangle_count() as u32).map(TriangleId) {
+        let (moved, own) = (corners(&scene, id, 0.5).unwrap(), corners(&apart, id, 0.0).unwrap());
+        assert!(moved.iter().zip(own).all(|(a, b)| a.distance(b) < 1e-4), "{id:?}");
+        let still = corners(&scene, id, 0.0).unwrap();
+        assert!(moved.iter().zip(still).any(|(a, b)| a.distance(b) > 1e-3), "{id:?}");
+    }
+    assert_eq!(corners(&exploded(&scene, 0.0), TriangleId(3), 0.0), corners(&scene, TriangleId(3), 0.0));
+}
+
+#[test]
+fn every_style_draws_and_keys_name_colours_apart() {
+    let scene = scene("near-plane");
+    let inner = inner(&scene);
+    let seen = outside(&scene, &inner);
+    let pictures: Vec<_> =
+        MeshStyle::ALL.iter().map(|style| paint(&scene, &inner, seen, SIZE, (*style, 0.0), [9; 3]).image).collect();
+    for (index, picture) in pictures.iter().enumerate() {
+        assert!(picture.pixels().iter().any(|pixel| pixel[..3] != [9; 3]));
+        assert!(!pictures[..index].contains(picture), "{:?}", MeshStyle::ALL[index]);
+    }
+    for style in MeshStyle::ALL {
+        let mut colors: Vec<_> = key(*style).into_iter().map(|(_, color)| color).collect();
+        let before = colors.len();
+        colors.sort_unstable();
+        colors.dedup();
+        assert_eq!(colors.len(), before);
+    }
+}

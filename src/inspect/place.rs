@@ -1,0 +1,152 @@
+//! Where a person is: scene, view, recipe, what is shown of the frame, and the questioned pixel, as one value.
+//!
+//! Bookmarks and the history of inspection keep it. As text it is a command line of this very program, so that whoever
+//! reads it can see what it says, change it, and draw the same picture by it.
+
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use super::buffers::Buffer;
+use super::fields::assignments;
+use super::stages::Stage;
+use crate::chain::Recipe;
+use crate::pipeline::settings::Choice as _;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, camera_file};
+
+/// Where a person is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// The scene: the id of a built-in one, or a path.
+    pub scene: PathBuf,
+    /// Whether it is shown mirrored in z. `camera` is a view of what is shown.
+    pub mirrored: bool,
+    /// From where.
+    pub camera: Camera,
+    /// How it is drawn.
+    pub recipe: Recipe,
+    /// Size of the picture in px; as large as the canvas if none.
+    pub picture: Option<(u32, u32)>,
+    /// The buffer that is shown if no stage is.
+    pub buffer: Buffer,
+    /// The stage that is shown.
+    pub stage: Option<Stage>,
+    /// Only the first so many rasterized triangles.
+    pub triangles: Option<usize>,
+    /// The questioned pixel.
+    pub pixel: Option<(u32, u32)>,
+}
+
+impl Place {
+    /// Why this cannot be gone to: what is stored may be of another version, or damaged.
+    pub fn check(&self) -> Result<(), String> {
+        self.recipe.check()?;
+        self.camera.check()?;
+        self.picture.map_or(Ok(()), |(width, height)| Viewport { width, height }.check())
+    }
+
+    /// The command line that leads here, with every word quoted that a shell would read otherwise.
+    pub fn command_line(&self) -> String {
+        let scene = self.scene.to_string_lossy();
+        // A path that begins like an option is none with its folder before it.
+        let scene = if scene.starts_with('-') { format!("./{scene}") } else { scene.into_owned() };
+        let mut words = vec!["rasterscope".to_owned(), "window".to_owned(), scene];
+        words.extend(self.mirrored.then(|| "--mirror-z".to_owned()));
+        let mut option = |name: &str, value: String| words.extend([format!("--{name}"), value]);
+        option("camera", camera_file::text(&self.camera));
+        for assignment in assignments(&self.recipe) {
+            option("set", assignment);
+        }
+        if let Some((width, height)) = self.picture {
+            option("picture", format!("{width}x{height}"));
+        }
+        match self.stage {
+            Some(stage) => option("stage", stage.id().to_owned()),
+            None if self.buffer != Buffer::Color => option("buffer", self.buffer.id().to_owned()),
+            None => {}
+        }
+        if let Some(limit) = self.triangles {
+            option("triangles", limit.to_string());
+        }
+        if let Some((x, y)) = self.pixel {
+            option("at", format!("{x},{y}"));
+        }
+        words.iter().map(|word| quoted(word)).collect::<Vec<_>>().join(" ")
+    }
+
+    /// What is looked at, in words: "pixel 12, 34, Depth".
+    pub fn words(&self) -> String {
+        let shown = match self.stage {
+            Some(stage) => Some(stage.name()),
+            None => (self.buffer != Buffer::Color).then(|| self.buffer.name()),
+        };
+        let pixel = self.pixel.map(|(x, y)| format!("pixel {x}, {y}"));
+        let parts: Vec<_> = pixel.into_iter().chain(shown.map(str::to_owned)).collect();
+        if parts.is_empty() { "the picture".to_owned() } else { parts.join(", ") }
+    }
+}
+
+/// A word as a shell takes it.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-./,:=+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    fn place() -> Place {
+        Place {
+            scene: "triangle".into(),
+            mirrored: false,
+            camera: builtin::by_id("triangle").unwrap().build().home,
+            recipe: Recipe::default(),
+            picture: None,
+            buffer: Buffer::Color,
+            stage: None,
+            triangles: None,
+            pixel: None,
+        }
+    }
+
+    #[test]
+    fn words_are_quoted_where_a_shell_would_read_them_otherwise() {
+        assert_eq!(quoted("fill_rule=top-left"), "fill_rule=top-left");
+        assert_eq!(quoted("my model.obj"), "'my model.obj'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+
+    #[test]
+    fn the_command_says_what_differs_from_a_plain_start_and_no_more() {
+        let mut place = place();
+        let line = place.command_line();
+        assert!(line.starts_with("rasterscope window triangle --camera '{\"eye\":["), "{line}");
+        assert_eq!(line.matches(" --").count(), 1, "{line}");
+        place.recipe.set("culling=none").unwrap();
+        (place.pixel, place.buffer, place.triangles) = (Some((3, 4)), Buffer::Depth, Some(7));
+        (place.picture, place.mirrored) = (Some((320, 200)), true);
+        let line = place.command_line();
+        for part in
+            ["--mirror-z", "--set culling=none", "--picture 320x200", "--buffer depth", "--triangles 7", "--at 3,4"]
+        {
+            assert!(line.contains(part), "{part} in {line}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_drawn_is_not_gone_to() {
+        let mut place = place();
+        assert_eq!(place.check(), Ok(()));
+        place.picture = Some((1 << 20, 1 << 20));
+        assert!(place.check().is_err());
+        (place.picture, place.camera.near) = (None, f32::NAN);
+        assert!(place.check().is_err());
+    }
+}

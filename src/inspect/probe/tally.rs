@@ -1,0 +1,93 @@
+//! Counting what changes from run to run.
+
+use super::draw::Drawn;
+use super::{Fragile, Probe, ProbeResult, Subject};
+use crate::image::Image;
+use crate::scene::TriangleId;
+
+/// What was counted so far, against the picture without jitter.
+pub(super) struct Tally {
+    still: Drawn,
+    owner: Image<u16>,
+    depth: Option<Image<u16>>,
+    color: Image<u16>,
+    /// By triangle.
+    triangles: Vec<Share>,
+}
+
+/// A triangle's share of the changes.
+#[derive(Clone, Copy, Default)]
+struct Share {
+    changes: u64,
+    worst_pixel: (u32, u32),
+    worst_changes: u16,
+}
+
+impl Tally {
+    /// Nothing counted yet, for a scene of so many triangles.
+    pub(super) fn new(still: Drawn, triangles: usize) -> Self {
+        let none = Image::filled(still.color.width(), still.color.height(), 0);
+        Self {
+            owner: none.clone(),
+            depth: still.depth.is_some().then(|| none.clone()),
+            color: none,
+            still,
+            triangles: vec![Share::default(); triangles],
+        }
+    }
+
+    /// Counts one run.
+    pub(super) fn add(&mut self, drawn: &Drawn) {
+        count(&mut self.color, &self.still.color, &drawn.color, |a, b| a == b);
+        if let (Some(counts), Some(still), Some(new)) = (&mut self.depth, &self.still.depth, &drawn.depth) {
+            count(counts, still, new, |a, b| a.to_bits() == b.to_bits());
+        }
+        count(&mut self.owner, &self.still.owner, &drawn.owner, |a, b| a == b);
+        let width = self.owner.width();
+        for (index, (before, after)) in self.still.owner.pixels().iter().zip(drawn.owner.pixels()).enumerate() {
+            if before == after {
+                continue;
+            }
+            let pixel = (index as u32 % width, index as u32 / width);
+            let changes = self.owner.pixels()[index];
+            for id in [before, after].into_iter().filter(|id| **id != TriangleId::NONE) {
+                let share = &mut self.triangles[id.0 as usize];
+                share.changes += 1;
+                if changes > share.worst_changes {
+                    (share.worst_pixel, share.worst_changes) = (pixel, changes);
+                }
+            }
+        }
+    }
+
+    /// The result, with the most fragile triangle first.
+    pub(super) fn finish(self, subject: Subject, probe: Probe) -> ProbeResult {
+        let named = self.triangles.iter().zip(0..).filter(|(share, _)| share.changes > 0);
+        let mut ranking: Vec<Fragile> = named
+            .map(|(share, id)| Fragile {
+                triangle: TriangleId(id),
+                changes: share.changes,
+                worst_pixel: share.worst_pixel,
+                // The pixel may have changed in later runs without this triangle.
+                worst_changes: self.owner.at(share.worst_pixel.0, share.worst_pixel.1),
+            })
+            .collect();
+        ranking.sort_by_key(|fragile| (std::cmp::Reverse(fragile.changes), fragile.triangle));
+        ProbeResult {
+            probe,
+            subject,
+            owner_changes: self.owner,
+            depth_changes: self.depth,
+            color_changes: self.color,
+            owners: self.still.owner,
+            picture: self.still.color,
+            ranking,
+        }
+    }
+}
+
+fn count<T: Copy>(counts: &mut Image<u16>, still: &Image<T>, new: &Image<T>, same: impl Fn(&T, &T) -> bool) {
+    for ((count, still), new) in counts.pixels_mut().iter_mut().zip(still.pixels()).zip(new.pixels()) {
+        *count += u16::from(!same(still, new));
+    }
+}

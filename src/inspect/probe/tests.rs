@@ -1,0 +1,91 @@
+use super::*;
+use crate::pipeline::settings::DepthTest;
+use crate::scene::builtin;
+
+const SIZE: Viewport = Viewport { width: 160, height: 100 };
+
+fn subject(id: &str) -> Subject {
+    let scene = Arc::new(builtin::by_id(id).unwrap().build());
+    Subject { camera: scene.home, scene, settings: Settings::default(), viewport: SIZE }
+}
+
+fn found(subject: &Subject, probe: Probe) -> ProbeResult {
+    run(subject, probe, &|_| {}, &AtomicBool::new(false)).unwrap()
+}
+
+const FEW: Probe = Probe { what: Jittered::Camera, ulps: 32, runs: 8, seed: 7 };
+
+#[test]
+fn surfaces_that_fight_are_fragile_and_one_triangle_is_not() {
+    // Depths of the far panels are coarse against what a vertex moves, so fewer pixels change by vertices.
+    for (what, least) in [(Jittered::Camera, 50), (Jittered::Vertices, 5)] {
+        let probe = Probe { what, ..FEW };
+        let fighting = found(&subject("z-fighting"), probe);
+        let owner = fighting.summary().owner;
+        assert!(owner.pixels >= least && owner.most >= 2, "{what:?}: {owner:?}");
+        assert!(fighting.ranking.len() >= 2);
+        let alone = found(&subject("triangle"), probe);
+        // Only an edge that passes through a centre to within a rounding may move a pixel.
+        assert!(alone.summary().owner.pixels <= 1, "{what:?}: {:?}", alone.summary());
+        assert!(alone.owners.pixels().iter().filter(|id| **id == TriangleId(0)).count() > 500);
+    }
+}
+
+#[test]
+fn without_jitter_nothing_changes() {
+    for what in Jittered::ALL {
+        let result = found(&subject("z-fighting"), Probe { what: *what, ulps: 0, ..FEW });
+        let none = Changed { pixels: 0, most: 0 };
+        let summary = result.summary();
+        assert_eq!((summary.owner, summary.depth, summary.color), (none, Some(none), none));
+        assert!(result.ranking.is_empty());
+    }
+}
+
+#[test]
+fn equal_seeds_find_the_same_on_any_number_of_threads_and_others_do_not() {
+    let subject = subject("z-fighting");
+    let on = |threads: usize, seed| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| found(&subject, Probe { seed, ..FEW }))
+    };
+    let (one, three, other) = (on(1, 7), on(3, 7), on(1, 8));
+    assert_eq!((&one.owner_changes, &one.color_changes), (&three.owner_changes, &three.color_changes));
+    assert_eq!((&one.depth_changes, &one.ranking), (&three.depth_changes, &three.ranking));
+    assert_ne!(one.owner_changes, other.owner_changes);
+}
+
+#[test]
+fn the_ranking_adds_up_and_names_pixels_that_changed() {
+    let result = found(&subject("z-fighting"), FEW);
+    assert!(result.ranking.is_sorted_by(|a, b| a.changes >= b.changes));
+    // A change has one owner on each side, or the background on one of them.
+    let changes: u64 = result.owner_changes.pixels().iter().map(|count| u64::from(*count)).sum();
+    let shares: u64 = result.ranking.iter().map(|fragile| fragile.changes).sum();
+    assert!((changes..=2 * changes).contains(&shares), "{shares} of {changes}");
+    for fragile in &result.ranking {
+        let (x, y) = fragile.worst_pixel;
+        assert_eq!(result.owner_changes.at(x, y), fragile.worst_changes);
+        assert!(fragile.worst_changes > 0 && fragile.worst_changes <= FEW.runs);
+        assert_eq!(result.triangle_of(fragile).unwrap().id, fragile.triangle);
+    }
+}
+
+#[test]
+fn the_heat_map_is_dark_exactly_where_nothing_changed() {
+    let result = found(&subject("z-fighting"), FEW);
+    let (image, most) = picture(&result, Heat::Owner).unwrap();
+    assert_eq!(most, result.summary().owner.most);
+    for (pixel, count) in image.pixels().iter().zip(result.owner_changes.pixels()) {
+        let is_grey = pixel[0] == pixel[1] && pixel[1] == pixel[2];
+        assert_eq!(is_grey, *count == 0, "{pixel:?} {count}");
+    }
+    let settings = Settings { depth_test: DepthTest::Off, ..Settings::default() };
+    let without = found(&Subject { settings, ..subject("triangle") }, Probe { runs: 1, ..FEW });
+    assert!(picture(&without, Heat::Depth).is_none());
+}
+
+#[test]
+fn a_cancelled_probe_finds_nothing() {
+    assert!(run(&subject("triangle"), FEW, &|_| {}, &AtomicBool::new(true)).is_none());
+}

@@ -1,0 +1,246 @@
+//! A vertex at every stage: from the mesh to the pixel grid.
+//!
+//! Clip-space position, position on the screen and snapped position come from the functions that draw. World and view
+//! space are stations that the pipeline does not stop at: it multiplies the matrices first, in f64, and rounds the product
+//! once. They are told in f64, unrounded.
+
+use glam::{DMat4, DVec3, Vec2, Vec3, Vec4};
+use serde::Serialize;
+
+use crate::pipeline::clip::{LEAST_W, Plane};
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::settings::Settings;
+use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Mesh, Scene, TriangleId};
+
+/// Which planes of the view a vertex lies beyond, one bit for each of [`Plane::ALL`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(transparent)]
+pub struct Outcode(u8);
+
+impl Outcode {
+    /// Of a position in clip space. One that is not finite lies beyond the planes that can be told.
+    pub fn of(position: Vec4) -> Self {
+        let beyond = |plane: &Plane| plane.distance(position, 1.0) < 0.0;
+        Self(Plane::ALL.iter().enumerate().filter(|(_, plane)| beyond(plane)).fold(0, |bits, (bit, _)| bits | 1 << bit))
+    }
+
+    /// The planes, in the order of clipping.
+    pub fn planes(self) -> impl Iterator<Item = Plane> {
+        Plane::ALL.into_iter().enumerate().filter(move |(bit, _)| self.0 >> bit & 1 == 1).map(|(_, plane)| plane)
+    }
+
+    /// Whether the vertex lies beyond none.
+    pub fn is_inside(self) -> bool {
+        self.0 == 0
+    }
+}
+
+/// A plane in one word.
+pub fn plane_name(plane: Plane) -> &'static str {
+    match plane {
+        Plane::Near => "near",
+        Plane::Eye => "eye",
+        Plane::Far => "far",
+        Plane::Left => "left",
+        Plane::Right => "right",
+        Plane::Bottom => "bottom",
+        Plane::Top => "top",
+    }
+}
+
+/// Where a vertex lies on the screen.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct OnScreen {
+    /// x/w, y/w, z/w.
+    pub ndc: Vec3,
+    /// Before snapping, px.
+    pub px: [f32; 2],
+    /// Snapped, in 1/256 px.
+    pub snapped: [i32; 2],
+    /// Depth, before it is quantised.
+    pub depth: f64,
+    /// 1/w.
+    pub inv_w: f32,
+}
+
+/// One vertex at every stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct VertexStages {
+    /// Its number in the mesh.
+    pub index: u32,
+    /// Position in the mesh.
+    pub model: Vec3,
+    /// Normal in the mesh.
+    pub normal: Vec3,
+    /// Texture coordinates, v down, if the mesh has any.
+    pub uv: Option<Vec2>,
+    /// Colour, if the mesh has any; sRGB values in [0, 1].
+    pub color: Option<Vec3>,
+    /// World space.
+    pub world: DVec3,
+    /// View space.
+    pub view: DVec3,
+    /// Clip space.
+    pub clip: Vec4,
+    /// The planes that it lies beyond.
+    pub outcode: Outcode,
+    /// On the screen; `None` where w is not positive or something is not finite: there is no division then, and the
+    /// triangles of the vertex are cut before.
+    pub screen: Option<OnScreen>,
+}
+
+/// The vertices of one object, seen from somewhere.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectVertices<'a> {
+    mesh: &'a Mesh,
+    matrices: DrawMatrices,
+    world_from_model: DMat4,
+    view_from_world: DMat4,
+    viewport: Viewport,
+    depth_scale: DepthScale,
+}
+
+impl<'a> ObjectVertices<'a> {
+    /// Of an object of the scene, by its number; `None` if there is none such.
+    pub fn new(
+        scene: &'a Scene,
+        camera: &Camera,
+        settings: &Settings,
+        viewport: Viewport,
+        instance: usize,
+    ) -> Option<Self> {
+        let instance = scene.instances.get(instance)?;
+        Some(Self {
+            mesh: scene.library.mesh(instance.mesh),
+            matrices: DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping()),
+            world_from_model: instance.world_from_model.as_dmat4(),
+            view_from_world: camera.view_from_world_f64(),
+            viewport,
+            depth_scale: DepthScale::new(settings.depth_format, camera),
+        })
+    }
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.mesh.positions.len()
+    }
+
+    /// One vertex at every stage; `None` beyond the last.
+    pub fn stages(&self, index: u32) -> Option<VertexStages> {
+        let place = index as usize;
+        let model = *self.mesh.positions.get(place)?;
+        let world = self.world_from_model.transform_point3(model.as_dvec3());
+        let clip = self.matrices.clip_position(model);
+        Some(VertexStages {
+            index,
+            model,
+            normal: self.mesh.normals.get(place).copied().unwrap_or_default(),
+            uv: self.mesh.uvs.get(place).copied(),
+            color: self.mesh.colors.get(place).copied(),
+            world,
+            view: self.view_from_world.transform_point3(world),
+            clip,
+            outcode: Outcode::of(clip),
+            screen: (clip.is_finite() && clip.w >= LEAST_W).then(|| self.on_screen(clip)),
+        })
+    }
+
+    fn on_screen(&self, clip: Vec4) -> OnScreen {
+        let projected = self.viewport.project_vertex(&ClipVertex::at(clip), &self.depth_scale);
+        OnScreen {
+            ndc: clip.truncate() * projected.inv_w,
+            px: projected.position_px,
+            snapped: [projected.x, projected.y],
+            depth: projected.depth,
+            inv_w: projected.inv_w,
+        }
+    }
+}
+
+/// The object that a triangle belongs to and the vertices of its mesh that are its corners; `None` for no triangle of the
+/// scene.
+pub fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3])> {
+    let firsts = scene.first_triangles();
+    // The last object that begins at or before the triangle; those without triangles begin where the next one does.
+    let instance = firsts.partition_point(|first| *first <= triangle).checked_sub(1)?;
+    let mesh = scene.library.mesh(scene.instances.get(instance)?.mesh);
+    let corners = mesh.triangles.get((triangle.0 - firsts[instance].0) as usize)?;
+    Some((instance, *corners))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::prepare;
+    use crate::pipeline::settings::Culling;
+    use crate::scene::builtin;
+
+    const SIZE: Viewport = Viewport { width: 160, height: 120 };
+
+    #[test]
+    fn every_corner_that_was_not_cut_is_told_as_it_is_drawn() {
+        for id in ["chess", "near-plane", "z-fighting"] {
+            let scene = builtin::by_id(id).unwrap().build();
+            let settings = Settings { culling: Culling::None, ..Settings::default() };
+            let geometry = prepare(&scene, &scene.home, &settings, SIZE, &mut ());
+            let mut compared = 0;
+            for triangle in &geometry.triangles {
+                let (instance, corners) = corners_of(&scene, triangle.id).unwrap();
+                assert_eq!(instance, triangle.instance as usize);
+                let object = ObjectVertices::new(&scene, &scene.home, &settings, SIZE, instance).unwrap();
+                for drawn in &triangle.vertices {
+                    // Corners where something was cut are no vertices.
+                    let weights = drawn.varyings.source_weights.to_array();
+                    let Some(corner) = weights.iter().position(|weight| *weight == 1.0) else { continue };
+                    let index = corners[corner];
+                    let told = object.stages(index).unwrap().screen.unwrap();
+                    let position = drawn.position_px.map(f32::to_bits);
+                    assert_eq!((told.px.map(f32::to_bits), told.snapped), (position, [drawn.x, drawn.y]), "{id}");
+                    assert_eq!((told.inv_w, told.depth), (drawn.inv_w, drawn.depth), "{id}");
+                    compared += 1;
+                }
+            }
+            assert!(compared > 30, "{id}: {compared}");
+        }
+    }
+
+    #[test]
+    fn outcodes_name_the_planes_that_cut() {
+        let names = |position| Outcode::of(position).planes().map(plane_name).collect::<Vec<_>>();
+        assert_eq!(names(Vec4::new(0.0, 0.0, 0.5, 1.0)), [""; 0]);
+        assert_eq!(names(Vec4::new(-2.0, 0.0, 0.5, 1.0)), ["left"]);
+        assert_eq!(names(Vec4::new(2.0, 3.0, 2.0, 1.0)), ["far", "right", "top"]);
+        assert_eq!(names(Vec4::new(0.0, 0.0, -0.5, 1.0)), ["near"]);
+        assert!(names(Vec4::new(0.0, 0.0, -2.0, -1.0)).contains(&"eye"));
+        assert!(Outcode::of(Vec4::new(0.0, 0.0, 0.5, 1.0)).is_inside());
+    }
+
+    #[test]
+    fn a_vertex_behind_the_eye_has_no_place_on_the_screen() {
+        let scene = builtin::by_id("near-plane").unwrap().build();
+        let settings = Settings::default();
+        let mut behind = 0;
+        for instance in 0..scene.instances.len() {
+            let object = ObjectVertices::new(&scene, &scene.home, &settings, SIZE, instance).unwrap();
+            for index in 0..object.count() as u32 {
+                let told = object.stages(index).unwrap();
+                assert_eq!(told.screen.is_none(), told.clip.w < LEAST_W);
+                // In perspective w is the distance along the line of sight.
+                assert!((f64::from(told.clip.w) + told.view.z).abs() <= 1e-5 * told.view.z.abs().max(1.0));
+                behind += usize::from(told.screen.is_none());
+            }
+            assert_eq!(object.stages(object.count() as u32), None);
+        }
+        assert!(behind > 0);
+    }
+
+    #[test]
+    fn no_triangle_has_no_corners() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        assert!(corners_of(&scene, TriangleId(scene.triangle_count() as u32 - 1)).is_some());
+        assert_eq!(corners_of(&scene, TriangleId(scene.triangle_count() as u32)), None);
+        assert_eq!(corners_of(&scene, TriangleId::NONE), None);
+    }
+}

@@ -1,0 +1,126 @@
+//! Watched pixels: for each, what all buffers hold there, as one row that can be followed from frame to frame.
+//!
+//! A row comes from the replay of its pixel, as the inspector's story does: it costs nothing while the frame is drawn.
+
+use super::pixel::{FragmentRecord, Outcome, PixelReport, inspect};
+use crate::chain::{Frame, Recipe};
+use crate::image::Rgba8;
+use crate::scene::{Scene, TriangleId};
+
+/// What all buffers hold at a pixel.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Watched {
+    /// Column.
+    pub x: u32,
+    /// Row.
+    pub y: u32,
+    /// What is there; `None` outside of the picture.
+    pub values: Option<Values>,
+}
+
+/// What is there at a watched pixel. Where the pixel was not drawn itself, all but the colour is of the drawn pixel with
+/// the largest share in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// The finished picture.
+    pub color: Rgba8,
+    /// Whether the pixel was drawn itself.
+    pub is_drawn: bool,
+    /// The triangle that is seen; the nearest of several that shine through.
+    pub triangle: Option<TriangleId>,
+    /// The object that it is of.
+    pub object: Option<String>,
+    /// What the depth buffer holds in the end; `None` without one.
+    pub depth: Option<f32>,
+    /// Its weights on the screen.
+    pub lambda: Option<[f32; 3]>,
+    /// The weights that attributes are interpolated with.
+    pub perspective_lambda: Option<[f32; 3]>,
+    /// Triangles that cover the pixel's centre.
+    pub overdraw: usize,
+    /// How many of them were shaded.
+    pub shaded: usize,
+}
+
+/// Replays pixels of a frame.
+pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame, pixels: &[(u32, u32)]) -> Vec<Watched> {
+    let row = |(x, y): &(u32, u32)| {
+        let values = inspect(scene, recipe, frame, *x, *y).map(|report| values(&report, frame.is_drawn(*x, *y)));
+        Watched { x: *x, y: *y, values }
+    };
+    pixels.iter().map(row).collect()
+}
+
+fn values(report: &PixelReport, is_drawn: bool) -> Values {
+    let seen = report.visible();
+    Values {
+        color: report.color,
+        is_drawn,
+        triangle: seen.map(|fragment| fragment.triangle),
+        object: seen.map(|fragment| fragment.instance.clone()),
+        depth: report.final_depth.as_ref().map(|depth| depth.value),
+        lambda: seen.map(|fragment| fragment.affine_weights),
+        perspective_lambda: seen.map(|fragment| fragment.attribute_weights),
+        overdraw: report.fragments.len(),
+        shaded: report.fragments.iter().filter(|fragment| was_shaded(fragment)).count(),
+    }
+}
+
+/// Whether a fragment got as far as writing its colour.
+fn was_shaded(fragment: &FragmentRecord) -> bool {
+    match fragment.outcome {
+        Outcome::Visible | Outcome::Overwritten | Outcome::BlendedOver => true,
+        Outcome::DepthRejected | Outcome::CutOut => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::inspect::{Buffer, capture, view};
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+    use view::Value;
+
+    #[test]
+    fn a_row_holds_what_the_buffers_hold() {
+        let size = Viewport { width: 40, height: 30 };
+        for scene in ["interpenetrating", "cubes", "stained-glass"] {
+            let scene = builtin::by_id(scene).unwrap().build();
+            let mut recipe = Recipe::default();
+            recipe.set("execution=classic").unwrap();
+            let frame = run(&scene, &scene.home, &recipe, size, &mut ());
+            let buffers = capture(&scene, &recipe, &frame);
+            let pixels: Vec<_> = (0..30).map(|i| (i * 7 % 40, i)).collect();
+            let mut seen = 0;
+            for Watched { x, y, values } in watch(&scene, &recipe, &frame, &pixels) {
+                let values = values.unwrap();
+                let held = |buffer| view::value(buffer, &frame, Some(&buffers), x, y);
+                assert_eq!(held(Buffer::Color), Value::Color(values.color));
+                assert_eq!(held(Buffer::Overdraw), Value::Count(values.overdraw as u32), "{x}, {y}");
+                assert_eq!(held(Buffer::Shaded), Value::Count(values.shaded as u32), "{x}, {y}");
+                let Some(triangle) = values.triangle else {
+                    assert_eq!(held(Buffer::TriangleId), Value::Nothing);
+                    continue;
+                };
+                seen += 1;
+                assert_eq!(held(Buffer::TriangleId), Value::Triangle(triangle));
+                assert_eq!(Some(held(Buffer::Lambda)), values.lambda.map(Value::Weights));
+                assert_eq!(Some(held(Buffer::PerspectiveLambda)), values.perspective_lambda.map(Value::Weights));
+                if let Value::Number(depth) = held(Buffer::Depth) {
+                    assert_eq!(values.depth, Some(depth));
+                }
+            }
+            assert!(seen > 3, "{}", scene.name);
+        }
+    }
+
+    #[test]
+    fn outside_of_the_picture_there_is_nothing() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let recipe = Recipe::default();
+        let frame = run(&scene, &scene.home, &recipe, Viewport { width: 8, height: 8 }, &mut ());
+        assert_eq!(watch(&scene, &recipe, &frame, &[(8, 0)]), [Watched { x: 8, y: 0, values: None }]);
+    }
+}

@@ -1,0 +1,181 @@
+//! What a change of the recipe does to a frame: which pixels of the picture, or of a buffer, are others.
+//!
+//! Pixels are compared by the values that they hold, never by the colours that stand for those: two frames whose depths
+//! span different ranges have different colour maps, and are still the same where their depths are.
+
+use crate::chain::Frame;
+use crate::image::color::luma;
+use crate::image::{Image, Rgba8};
+
+use super::buffers::{Buffer, Buffers};
+use super::view::{Value, value};
+
+/// Which pixels differ between two frames of the same size.
+#[derive(Clone, Debug)]
+pub struct Changes {
+    /// Whether each pixel does.
+    pub mask: Image<bool>,
+    /// How many do.
+    pub count: u64,
+}
+
+impl Changes {
+    /// By the values of a buffer. `None` if the frames are of different sizes.
+    pub fn of_buffer(
+        buffer: Buffer,
+        (a, a_buffers): (&Frame, Option<&Buffers>),
+        (b, b_buffers): (&Frame, Option<&Buffers>),
+    ) -> Option<Self> {
+        let (width, height) = a.image().size();
+        ((width, height) == b.image().size()).then(|| {
+            Self::of_mask(Image::from_fn(width, height, |x, y| {
+                !same(value(buffer, a, a_buffers, x, y), value(buffer, b, b_buffers, x, y))
+            }))
+        })
+    }
+
+    /// By colours, without alpha. `None` if the pictures are of different sizes.
+    pub fn of_pictures(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Self> {
+        let (width, height) = a.size();
+        (a.size() == b.size())
+            .then(|| Self::of_mask(Image::from_fn(width, height, |x, y| a.at(x, y)[..3] != b.at(x, y)[..3])))
+    }
+
+    fn of_mask(mask: Image<bool>) -> Self {
+        let count = mask.pixels().iter().filter(|changed| **changed).count() as u64;
+        Self { mask, count }
+    }
+
+    /// Changed pixels over all, in [0, 1].
+    pub fn share(&self) -> f64 {
+        self.count as f64 / self.mask.pixels().len().max(1) as f64
+    }
+
+    /// The changed pixel after or before `from` in reading order, round the end; the first or the last one if `from` is none.
+    pub fn beside(&self, from: Option<(u32, u32)>, forwards: bool) -> Option<(u32, u32)> {
+        let (width, height) = self.mask.size();
+        let all = width as usize * height as usize;
+        let start =
+            from.filter(|(x, y)| *x < width && *y < height).map(|(x, y)| y as usize * width as usize + x as usize);
+        let places = (0..all).map(|step| match (start, forwards) {
+            (Some(start), true) => (start + 1 + step) % all,
+            (Some(start), false) => (start + 2 * all - 1 - step) % all,
+            (None, true) => step,
+            (None, false) => all - 1 - step,
+        });
+        let place = places.into_iter().find(|place| self.mask.pixels()[*place])?;
+        Some(((place % width as usize) as u32, (place / width as usize) as u32))
+    }
+
+    /// `picture` with all that did not change pushed back into dark greys.
+    pub fn marked(&self, picture: &Image<Rgba8>) -> Image<Rgba8> {
+        /// The greys that black and white become: far enough below changed colours, and still telling where one is.
+        const GREYS: (f64, f64) = (16.0, 72.0);
+        let (width, height) = picture.size();
+        Image::from_fn(width, height, |x, y| {
+            let color = picture.at(x, y);
+            if self.mask.get(x, y) == Some(true) {
+                return color;
+            }
+            let grey = (GREYS.0 + (GREYS.1 - GREYS.0) * f64::from(luma(color)) / 255.0) as u8;
+            [grey, grey, grey, 255]
+        })
+    }
+}
+
+/// Whether two values are the same, floats by their bits.
+fn same(a: Value, b: Value) -> bool {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => a.to_bits() == b.to_bits(),
+        (Value::Weights(a), Value::Weights(b)) => a.map(f32::to_bits) == b.map(f32::to_bits),
+        (Value::Color(a), Value::Color(b)) => a[..3] == b[..3],
+        (a, b) => a == b,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::{Recipe, run};
+    use crate::inspect::capture;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    const SIZE: Viewport = Viewport { width: 96, height: 64 };
+
+    fn frame(scene: &str, set: &[&str]) -> (Frame, Buffers) {
+        let scene = builtin::by_id(scene).unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.set_all(set).unwrap();
+        let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+        let buffers = capture(&scene, &recipe, &frame);
+        (frame, buffers)
+    }
+
+    #[test]
+    fn nothing_changed_is_no_pixel_of_any_buffer() {
+        let (a, b) = (frame("interpenetrating", &[]), frame("interpenetrating", &["execution=classic"]));
+        for buffer in [Buffer::Color, Buffer::Depth, Buffer::TriangleId, Buffer::Lambda, Buffer::Overdraw] {
+            let changes = Changes::of_buffer(buffer, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
+            assert_eq!((changes.count, changes.beside(None, true)), (0, None), "{buffer:?}");
+        }
+    }
+
+    #[test]
+    fn the_edges_of_an_inclusive_fill_rule_are_counted_as_by_hand() {
+        let (a, b) = (frame("shared-edges", &[]), frame("shared-edges", &["fill_rule=inclusive"]));
+        let changes = Changes::of_pictures(a.0.image(), b.0.image()).unwrap();
+        let mut by_hand = 0;
+        for y in 0..SIZE.height {
+            for x in 0..SIZE.width {
+                let ([r0, g0, b0, _], [r1, g1, b1, _]) = (a.0.image().at(x, y), b.0.image().at(x, y));
+                by_hand += u64::from(r0 != r1 || g0 != g1 || b0 != b1);
+            }
+        }
+        assert!(by_hand > 0);
+        assert_eq!(changes.count, by_hand);
+        let same = Changes::of_buffer(Buffer::Color, (&a.0, None), (&b.0, None)).unwrap();
+        assert_eq!(same.mask, changes.mask);
+        // Pixels on the edges are covered twice by the inclusive rule: overdraw says so, and only there.
+        let overdraw = Changes::of_buffer(Buffer::Overdraw, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
+        let doubled = b.1.overdraw.pixels().iter().zip(a.1.overdraw.pixels()).filter(|(b, a)| b != a).count() as u64;
+        assert_eq!(overdraw.count, doubled);
+        assert!(doubled >= by_hand, "a pixel changes its colour only where another triangle won it");
+    }
+
+    #[test]
+    fn depths_are_compared_by_value_and_not_by_colour() {
+        let (a, b) = (frame("interpenetrating", &[]), frame("interpenetrating", &["depth_format=unorm16"]));
+        let changes = Changes::of_buffer(Buffer::Depth, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
+        let values = |x, y| [&a, &b].map(|(frame, buffers)| value(Buffer::Depth, frame, Some(buffers), x, y));
+        for y in 0..SIZE.height {
+            for x in 0..SIZE.width {
+                let [before, after] = values(x, y);
+                assert_eq!(changes.mask.at(x, y), before != after);
+            }
+        }
+        assert!(changes.count > 100);
+    }
+
+    #[test]
+    fn changed_pixels_are_gone_through_in_reading_order_round_the_end() {
+        let before = Image::filled(5, 4, [9, 9, 9, 255]);
+        let mut after = before.clone();
+        let changed = [(3, 0), (0, 2), (4, 3)];
+        changed.iter().for_each(|(x, y)| after.set(*x, *y, [200, 0, 0, 255]));
+        let changes = Changes::of_pictures(&before, &after).unwrap();
+        assert_eq!((changes.count, changes.share()), (3, 0.15));
+        let mut at = None;
+        for expected in changed.into_iter().chain(changed) {
+            at = changes.beside(at, true);
+            assert_eq!(at, Some(expected));
+        }
+        assert_eq!(changes.beside(Some((3, 0)), false), Some((4, 3)));
+        assert_eq!(changes.beside(None, false), Some((4, 3)));
+        assert_eq!(changes.beside(Some((2, 2)), false), Some((0, 2)));
+        let marked = changes.marked(&after);
+        assert_eq!(marked.at(3, 0), [200, 0, 0, 255]);
+        assert!(marked.at(1, 1)[0] < 72);
+        assert!(Changes::of_pictures(&before, &Image::filled(4, 5, [0; 4])).is_none());
+    }
+}

@@ -1,0 +1,131 @@
+//! The marks over the picture from outside, in the window's colours.
+
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Ui, pos2, vec2};
+
+use crate::inspect::mesh_view::{Kind, Mark};
+use crate::ui::format;
+use crate::ui::theme::{MARK_EDGE, ON_PIXEL, font_size, tokens};
+
+/// From so many new vertices on their t is not written: numbers would lie on each other.
+const MOST_NUMBERS: usize = 16;
+
+/// Lengths of the dashes of an outline and of the gaps between, in points.
+const DASH: (f32, f32) = (5.0, 4.0);
+
+/// What was cut: orange, as the pipeline's stage shows it.
+const CUT: Color32 = Color32::from_rgb(240, 160, 48);
+
+/// What was culled: red, as the pipeline's stage shows it.
+const CULLED: Color32 = Color32::from_rgb(232, 96, 96);
+
+/// Draws them all. `points_per_px` maps pixels of the picture, whose corner is the rectangle's, to points.
+pub(super) fn draw(ui: &Ui, painter: &Painter, rect: Rect, points_per_px: f32, marks: &[Mark]) {
+    let new = marks.iter().filter(|mark| matches!(mark.kind, Kind::NewVertex(_))).count();
+    for mark in marks {
+        let points: Vec<Pos2> = mark.points.iter().map(|[x, y]| rect.min + vec2(*x, *y) * points_per_px).collect();
+        match points[..] {
+            [at] => dot(ui, painter, mark.kind, at, new <= MOST_NUMBERS),
+            [from, to] => line(ui, painter, mark.kind, rect, [from, to]),
+            _ => polygon(ui, painter, mark.kind, rect, points),
+        }
+    }
+}
+
+fn dot(ui: &Ui, painter: &Painter, kind: Kind, at: Pos2, with_numbers: bool) {
+    let accent = tokens(ui).accent;
+    let (color, radius, text) = match kind {
+        Kind::Eye => (accent, 5.0, Some("eye".to_owned())),
+        Kind::NewVertex(t) => {
+            (CUT, 3.0, t.filter(|_| with_numbers).map(|t| format!("t {}", format::fixed(t.into(), 3))))
+        }
+        Kind::Vertex => (accent, 4.0, Some("vertex".to_owned())),
+        _ => (tokens(ui).warning, 3.5, None),
+    };
+    painter.circle_filled(at, radius + 1.5, MARK_EDGE);
+    painter.circle_filled(at, radius, color);
+    let Some(text) = text else { return };
+    let galley = painter.layout_no_wrap(text, FontId::monospace(font_size::SMALL), ON_PIXEL[0]);
+    let place = Align2::LEFT_CENTER.anchor_size(pos2(at.x + radius + 5.0, at.y), galley.size());
+    painter.rect_filled(place.expand(2.0), 2.0, MARK_EDGE);
+    painter.galley(place.min, galley, ON_PIXEL[0]);
+}
+
+fn line(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, ends: [Pos2; 2]) {
+    // Ends may lie far outside: dashes there would be drawn one by one.
+    let Some(ends) = clipped(rect.expand(2.0), ends) else { return };
+    let warning = tokens(ui).warning;
+    match kind {
+        Kind::Ray => {
+            painter.line_segment(ends, Stroke::new(3.5, MARK_EDGE));
+            painter.line_segment(ends, Stroke::new(1.5, warning));
+        }
+        Kind::RayBehind => dashed(painter, ends, Stroke::new(1.0, warning.gamma_multiply(0.7))),
+        Kind::CutAway => {
+            painter.line_segment(ends, Stroke::new(1.0, CUT.gamma_multiply(0.55)));
+        }
+        Kind::Culled => dashed(painter, ends, Stroke::new(1.0, CULLED)),
+        _ => {
+            painter.line_segment(ends, Stroke::new(2.5, MARK_EDGE.gamma_multiply(0.6)));
+            painter.line_segment(ends, Stroke::new(1.0, ON_PIXEL[0]));
+        }
+    }
+}
+
+fn dashed(painter: &Painter, ends: [Pos2; 2], stroke: Stroke) {
+    painter.extend(Shape::dashed_line(&ends, stroke, DASH.0, DASH.1));
+}
+
+fn polygon(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, points: Vec<Pos2>) {
+    let accent = tokens(ui).accent;
+    if kind == Kind::Culled {
+        for (place, from) in points.iter().enumerate() {
+            line(ui, painter, kind, rect, [*from, points[(place + 1) % points.len()]]);
+        }
+        return;
+    }
+    let (fill, stroke) = match kind {
+        Kind::NearPlane => (accent.gamma_multiply(0.18), Stroke::new(1.0, accent)),
+        Kind::Selected => (accent.gamma_multiply(0.3), Stroke::new(2.0, accent)),
+        _ => (Color32::TRANSPARENT, Stroke::new(1.5, CUT)),
+    };
+    painter.add(Shape::convex_polygon(points, fill, stroke));
+}
+
+/// The part of a line that lies in a rectangle (Liang and Barsky, "A New Concept and Method for Line Clipping", 1984).
+fn clipped(rect: Rect, [from, to]: [Pos2; 2]) -> Option<[Pos2; 2]> {
+    let along = to - from;
+    let (mut first, mut last) = (0.0_f32, 1.0_f32);
+    let sides = [
+        (-along.x, from.x - rect.left()),
+        (along.x, rect.right() - from.x),
+        (-along.y, from.y - rect.top()),
+        (along.y, rect.bottom() - from.y),
+    ];
+    for (towards, room) in sides {
+        if towards == 0.0 {
+            if room < 0.0 {
+                return None;
+            }
+        } else if towards < 0.0 {
+            first = first.max(room / towards);
+        } else {
+            last = last.min(room / towards);
+        }
+    }
+    (first <= last).then(|| [from + along * first, from + along * last])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_cut_to_the_rectangle() {
+        let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(10.0, 10.0));
+        let cut = |from: (f32, f32), to: (f32, f32)| clipped(rect, [from.into(), to.into()]);
+        assert_eq!(cut((2.0, 2.0), (3.0, 4.0)), Some([pos2(2.0, 2.0), pos2(3.0, 4.0)]));
+        assert_eq!(cut((-10.0, 5.0), (30.0, 5.0)), Some([pos2(0.0, 5.0), pos2(10.0, 5.0)]));
+        assert_eq!(cut((-10.0, -1.0), (30.0, -1.0)), None);
+        assert_eq!(cut((-1.0, 5.0), (5.0, 20.0)), None);
+    }
+}

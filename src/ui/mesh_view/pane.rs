@@ -1,0 +1,197 @@
+//! The pane beside the picture: its bar, the picture from outside, and what the pointer does there.
+
+use eframe::egui::{
+    self, Align2, Button, Color32, FontId, PointerButton, Rect, Response, Role, Sense, Slider, Ui, Vec2, WidgetInfo,
+    pos2, vec2,
+};
+
+use super::picture::{Painter, Wish};
+use super::{Change, inner, look, marks};
+use crate::inspect::mesh_view::{MeshStyle, first_view, key};
+use crate::pipeline::settings::Choice as _;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, TriangleId};
+use crate::ui::canvas::PictureTexture;
+use crate::ui::command::Command;
+use crate::ui::engine::View;
+use crate::ui::navigate::{FLY_RATE, ORBIT_RATE, WHEEL_RATE, flying};
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, RADIUS, font_size, space, tokens};
+use crate::ui::widgets::{combo, icon_button};
+
+/// Triangles are moved apart at most so far.
+const MOST_APART: f32 = 2.0;
+
+/// The pane.
+#[derive(Default)]
+pub struct MeshPane {
+    texture: PictureTexture,
+    painter: Painter,
+    /// Whether the pointer is over the picture from outside: keys that fly are no commands then.
+    pub hovered: bool,
+}
+
+impl MeshPane {
+    /// Draws the pane and turns pointer input into commands. With `waits` the picture is drawn at once.
+    pub fn ui(&mut self, ui: &mut Ui, session: &Session, waits: bool, commands: &mut Vec<Command>) {
+        let aspect = ui.available_width() / ui.available_height().max(1.0);
+        bar(ui, session, aspect, commands);
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, "Scene from outside"));
+        self.hovered = response.hovered();
+        ui.painter().rect_filled(rect, 0.0, tokens(ui).canvas);
+        let Some(view) = &session.view else { return };
+        let Some(camera) = session.mesh_view.camera else {
+            let camera = first_view(&view.request.scene, &inner(view), rect.aspect_ratio());
+            commands.push(Command::MeshView(Change::Look(camera)));
+            ui.request_repaint();
+            return;
+        };
+        navigate(ui, &response, camera, commands);
+        let [r, g, b, _] = tokens(ui).canvas.to_array();
+        let px = (rect.size() * ui.pixels_per_point()).max(Vec2::splat(1.0));
+        let wish = Wish {
+            scene: view.request.scene.clone(),
+            inner: inner(view),
+            camera,
+            size: Viewport { width: px.x as u32, height: px.y as u32 },
+            style: session.mesh_view.style,
+            backdrop: [r, g, b],
+            look: look(session, view),
+        };
+        let Some(painted) = self.painter.picture(ui.ctx(), wish, waits) else { return };
+        let Viewport { width, height } = painted.size();
+        // While the pane is being resized the last picture keeps its scale.
+        let points_per_px = 1.0 / ui.pixels_per_point();
+        let place = Rect::from_min_size(rect.min, vec2(width as f32, height as f32) * points_per_px);
+        let painter = ui.painter().with_clip_rect(rect);
+        let texture = self.texture.show(ui, &painted.image);
+        painter.image(texture, place, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+        marks::draw(ui, &painter, place, points_per_px, &painted.marks);
+        let under = |at: egui::Pos2| {
+            let p = (at - place.min) / points_per_px;
+            painted.owner.get(p.x.max(0.0) as u32, p.y.max(0.0) as u32).filter(|id| *id != TriangleId::NONE)
+        };
+        let hovered = response.hover_pos().and_then(under);
+        if response.clicked()
+            && let Some(triangle) = response.interact_pointer_pos().and_then(under)
+        {
+            commands.push(Command::MeshView(Change::Select(triangle)));
+        }
+        legend(ui, &painter, rect, session.mesh_view.style);
+        caption(ui, &painter, rect, session, view, hovered);
+    }
+}
+
+fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>) {
+    let mesh = &session.mesh_view;
+    let mut push = |change| commands.push(Command::MeshView(change));
+    egui::Frame::new().inner_margin(egui::Margin::symmetric(space::S as i8, space::XS as i8)).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            let mut style = mesh.style;
+            let list = combo("mesh style", style.name(), 84.0).show_ui(ui, |ui| {
+                for choice in MeshStyle::ALL {
+                    ui.selectable_value(&mut style, *choice, choice.name()).on_hover_text(choice.help());
+                }
+            });
+            list.response
+                .on_hover_text(mesh.style.help())
+                .widget_info(|| WidgetInfo::labeled(Role::ComboBox, true, "Mesh style"));
+            if style != mesh.style {
+                push(Change::Style(style));
+            }
+            let culled = Button::new("Culled").selected(mesh.culled);
+            let help = "Outline triangles that were culled for their facing in dashed red, if they are few or selected";
+            if ui.add(culled).on_hover_text(help).clicked() {
+                push(Change::Culled(!mesh.culled));
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if icon_button(ui, Icon::X, "Close the view from outside  (M)").clicked() {
+                    push(Change::Toggle);
+                }
+                if icon_button(ui, Icon::House, "Back to beside the render camera").clicked() {
+                    push(Change::Reset);
+                }
+                if icon_button(ui, Icon::Maximize, "Show all of the scene and the camera").clicked() {
+                    push(Change::Fit(aspect));
+                }
+                let mut apart = mesh.apart;
+                ui.spacing_mut().slider_width = (ui.available_width() - 62.0).clamp(24.0, 120.0);
+                let slider = ui.add(Slider::new(&mut apart, 0.0..=MOST_APART).show_value(false));
+                slider.widget_info(|| WidgetInfo::slider(true, apart.into(), "Exploded"));
+                if slider.on_hover_text("Explode: triangles move away from the middle of their mesh").changed() {
+                    push(Change::Apart(apart));
+                }
+                ui.label(egui::RichText::new("Explode").small().color(tokens(ui).text_weak));
+            });
+        });
+    });
+}
+
+/// Turns pointer input and flying keys into a new place of the second camera.
+fn navigate(ui: &Ui, response: &Response, camera: Camera, commands: &mut Vec<Command>) {
+    let mut moved = camera;
+    let delta = response.drag_delta();
+    let pans = response.dragged_by(PointerButton::Middle) || ui.input(|i| i.modifiers.shift);
+    if response.dragged() && delta != Vec2::ZERO {
+        if pans {
+            moved.pan(glam::Vec2::new(delta.x, delta.y) / response.rect.height().max(1.0));
+        } else {
+            moved.orbit(delta.x * ORBIT_RATE, delta.y * ORBIT_RATE);
+        }
+    }
+    if response.hovered() {
+        let (scroll, pinch) = ui.input(|i| (i.smooth_scroll_delta().y, i.zoom_delta()));
+        let factor = (-scroll * WHEEL_RATE).exp() / pinch;
+        if factor != 1.0 {
+            moved.dolly(factor);
+        }
+        let (steps, dt) = flying(ui);
+        if steps != glam::Vec3::ZERO {
+            moved.fly(steps * FLY_RATE * dt);
+            ui.request_repaint();
+        }
+    }
+    if moved != camera {
+        commands.push(Command::MeshView(Change::Look(moved)));
+    }
+}
+
+/// What the colours of triangles mean, in the lower left corner.
+fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, style: MeshStyle) {
+    const ROW: f32 = 15.0;
+    const WIDTH: f32 = 104.0;
+    let key = key(style);
+    if key.is_empty() || rect.height() < ROW * 16.0 {
+        return;
+    }
+    let size = vec2(WIDTH, ROW * key.len() as f32 + space::S);
+    let card = Rect::from_min_size(rect.left_bottom() + vec2(space::S, -space::S - size.y), size);
+    painter.rect_filled(card, RADIUS, tokens(ui).panel.gamma_multiply(0.9));
+    for (row, (name, [r, g, b, _])) in key.into_iter().enumerate() {
+        let middle = card.left_top() + vec2(space::S, space::XS + ROW * (row as f32 + 0.5));
+        let swatch = Rect::from_center_size(middle + vec2(4.0, 0.0), Vec2::splat(9.0));
+        painter.rect_filled(swatch, 2.0, Color32::from_rgb(r, g, b));
+        let font = FontId::proportional(font_size::SMALL);
+        painter.text(middle + vec2(14.0, 0.0), Align2::LEFT_CENTER, name, font, tokens(ui).text);
+    }
+}
+
+/// One line over the picture: what is under the pointer, or what is selected, or what to do.
+fn caption(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session, view: &View, hovered: Option<TriangleId>) {
+    let selected = session.mesh_view.selected(session.pick);
+    let text = match (hovered, selected) {
+        (Some(triangle), _) => format!("Triangle {}: click selects it", triangle.0),
+        (None, Some(triangle)) => {
+            let seen = view.report.as_ref().and_then(|report| report.visible()).is_some_and(|f| f.triangle == triangle);
+            let where_to = if seen { "picked where the picture shows it" } else { "no pixel of the picture shows it" };
+            format!("Triangle {}: {where_to}", triangle.0)
+        }
+        (None, None) => "Drag turns, Shift-drag shifts, wheel comes closer, W A S D Q E fly".to_owned(),
+    };
+    let font = FontId::proportional(font_size::SMALL);
+    let galley = painter.layout(text, font, tokens(ui).text, (rect.width() - 4.0 * space::S).max(40.0));
+    let place = Rect::from_min_size(rect.min + Vec2::splat(space::S), galley.size() + vec2(space::S, space::XS));
+    painter.rect_filled(place, theme::RADIUS, tokens(ui).panel.gamma_multiply(0.9));
+    painter.galley(place.min + vec2(space::XS, 2.0), galley, tokens(ui).text);
+}

@@ -1,0 +1,282 @@
+//! What the palette offers, as data: commands with their keys, every value of every setting, scenes, buffers, stages, tabs,
+//! upscalers, bookmarks and recent files, each from the table that the rest of the window has it from.
+
+use crate::chain::Recipe;
+use crate::inspect::outline::OutlineKind;
+use crate::inspect::{Buffer, Stage, fields};
+use crate::pipeline::settings::Choice as _;
+use crate::scene::{SceneSource, builtin};
+use crate::ui::command::{BINDINGS, Command};
+use crate::ui::compare::{Change, Mode};
+use crate::ui::engine::Shown;
+use crate::ui::key_sheet::key_name;
+use crate::ui::panels::bottom::TABS;
+use crate::ui::place;
+use crate::ui::session::{PictureSize, Session};
+use crate::ui::what_if;
+use crate::upscale;
+
+/// What an entry is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Something to do.
+    Command,
+    /// A value of a setting.
+    Setting,
+    /// A built-in scene or a recent file.
+    Scene,
+    /// A quantity of the frame.
+    Buffer,
+    /// A picture after a stage.
+    Stage,
+    /// A tab along the bottom.
+    Tab,
+    /// A way to fill in what is not drawn.
+    Upscaler,
+    /// A place that was kept.
+    Bookmark,
+}
+
+impl Kind {
+    /// As the list names it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Command => "Command",
+            Self::Setting => "Setting",
+            Self::Scene => "Scene",
+            Self::Buffer => "Buffer",
+            Self::Stage => "Stage",
+            Self::Tab => "Tab",
+            Self::Upscaler => "Upscaler",
+            Self::Bookmark => "Bookmark",
+        }
+    }
+}
+
+/// What choosing an entry does.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// This.
+    Run(Command),
+    /// Nothing yet: a number follows, which is to be typed.
+    Type(String),
+}
+
+/// One line of the palette.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// What it is of.
+    pub kind: Kind,
+    /// What is searched.
+    pub title: String,
+    /// More about it, for the tooltip.
+    pub help: String,
+    /// Its key, if it has one.
+    pub key: String,
+    /// Whether that is how it is already.
+    pub holds: bool,
+    /// What it does.
+    pub action: Action,
+}
+
+fn entry(kind: Kind, title: impl Into<String>, command: Command) -> Entry {
+    let binding = BINDINGS.iter().find(|binding| (binding.command)() == command);
+    let key = binding.map(key_name).unwrap_or_default();
+    Entry { kind, title: title.into(), help: String::new(), key, holds: false, action: Action::Run(command) }
+}
+
+impl Entry {
+    fn with(self, help: impl Into<String>, holds: bool) -> Self {
+        Self { help: help.into(), holds, ..self }
+    }
+}
+
+/// Everything that there is, as things are in `session`.
+pub fn all(session: &Session) -> Vec<Entry> {
+    let mut entries = commands();
+    entries.extend(bookmarks(session));
+    entries.extend(scenes(session));
+    entries.extend(Buffer::ALL.iter().map(|buffer| {
+        let shown = Shown::Buffer(*buffer);
+        let title = format!("Show buffer: {}", buffer.name());
+        entry(Kind::Buffer, title, Command::Show(shown)).with(buffer.help(), session.shown == shown)
+    }));
+    entries.extend(Stage::ALL.iter().map(|stage| {
+        let shown = Shown::Stage(*stage);
+        let title = format!("Show stage: {}", stage.name());
+        entry(Kind::Stage, title, Command::Show(shown)).with(stage.help(), session.shown == shown)
+    }));
+    entries.extend(TABS.iter().map(|(tab, name, help)| {
+        entry(Kind::Tab, format!("Open tab: {name}"), Command::OpenTab(*tab)).with(*help, false)
+    }));
+    entries.extend(upscale::ALL.iter().enumerate().map(|(place, upscaler)| {
+        let chosen = session.state.recipe.upscaler.method() == upscaler.id();
+        let title = format!("Upscaler: {}", upscaler.name());
+        entry(Kind::Upscaler, title, Command::ChooseUpscaler(place)).with("", chosen)
+    }));
+    entries.extend(settings(session));
+    entries
+}
+
+/// What has a key, each once, and what stands in menus without one.
+fn commands() -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for binding in BINDINGS {
+        let command = (binding.command)();
+        // Upscalers have entries with their names, and opening what is open leads nowhere.
+        let is_elsewhere = matches!(
+            command,
+            Command::ChooseUpscaler(_) | Command::OpenPalette | Command::Place(place::Change::Jump(_))
+        );
+        if !is_elsewhere && !entries.iter().any(|known| known.title == binding.what) {
+            entries.push(entry(Kind::Command, binding.what, command));
+        }
+    }
+    let keyless = [
+        ("Fit the scene into the view", Command::FitCamera),
+        ("Mirror the scene in z", Command::MirrorZ),
+        ("Reset all settings", Command::ResetRecipe),
+        ("Save the picked triangle as a case", Command::SaveCase),
+        ("Switch between dark and light", Command::ToggleTheme),
+        ("Manage bookmarks", Command::Place(place::Change::Manage)),
+        ("Compare all upscalers in tiles", Command::Compare(Change::Every)),
+        ("Compare with the settings as they are now, while they change", Command::WhatIf(what_if::Change::PinNow)),
+        ("Go back to the settings before the last change", Command::WhatIf(what_if::Change::Revert)),
+        ("Stop comparing", Command::Compare(Change::Mode(Mode::Off))),
+        ("Measure all upscalers", Command::Measure),
+        ("Measure what the plan saves", Command::MeasurePlan),
+        ("Measure how cost grows", Command::MeasureGrowth),
+        ("Run the stability report", Command::RunStability),
+        ("Save all frame times as CSV", Command::ExportTimings),
+        ("Picture as large as the canvas", Command::SetSize(PictureSize::Canvas)),
+    ];
+    entries.extend(keyless.map(|(title, command)| entry(Kind::Command, title, command)));
+    for kind in OutlineKind::ALL {
+        for end in ["svg", "pdf"] {
+            let title = format!("Save as drawing: {}, {}", kind.name(), end.to_uppercase());
+            entries.push(entry(Kind::Command, title, Command::SaveOutline(*kind, end)).with(kind.help(), false));
+        }
+    }
+    entries
+}
+
+fn bookmarks(session: &Session) -> impl Iterator<Item = Entry> {
+    session.places.bookmarks.iter().enumerate().map(|(number, bookmark)| {
+        let jump = Command::Place(place::Change::Jump(number));
+        entry(Kind::Bookmark, format!("Go to {}", bookmark.name), jump)
+    })
+}
+
+fn scenes(session: &Session) -> impl Iterator<Item = Entry> {
+    let builtins = builtin::ALL.iter().map(|scene| {
+        let holds = matches!(&session.source, SceneSource::Builtin(shown) if shown.id == scene.id);
+        let open = Command::OpenBuiltin(scene.id.to_owned());
+        entry(Kind::Scene, format!("Open scene: {}", scene.title), open).with(scene.summary, holds)
+    });
+    let files = session.recent.iter().map(|path| {
+        let holds = matches!(&session.source, SceneSource::File(shown) if shown == path);
+        entry(Kind::Scene, format!("Open {}", path.display()), Command::Open(path.clone())).with("", holds)
+    });
+    builtins.chain(files)
+}
+
+/// Every value of every setting that has a closed set of them here, and the names of the others.
+fn settings(session: &Session) -> Vec<Entry> {
+    let recipe = session.state.recipe;
+    let now = fields::fields(&recipe);
+    let mut entries = Vec::new();
+    for ((key, values), (_, present)) in Recipe::keys().into_iter().zip(now) {
+        let choices = fields::choices(&recipe, &values, &key);
+        for choice in &choices {
+            let mut changed = recipe;
+            // Only what is taken is among the choices.
+            if changed.set(&format!("{key}={choice}")).is_ok() {
+                let set = entry(Kind::Setting, format!("{key} = {choice}"), Command::SetRecipe(changed));
+                entries.push(set.with("", *choice == present));
+            }
+        }
+        if choices.is_empty() {
+            let action = Action::Type(format!("{key}="));
+            let title = format!("{key} = …  (now {present})");
+            let help = format!("{values}: type it and press Enter");
+            entries.push(Entry { kind: Kind::Setting, title, help, key: String::new(), holds: false, action });
+        }
+    }
+    entries
+}
+
+/// What is typed as a setting of its own, such as `light.ambient=0.3`.
+pub fn assignment(session: &Session, typed: &str) -> Option<Entry> {
+    let mut recipe = session.state.recipe;
+    recipe.set(typed.trim()).ok()?;
+    let (key, value) = typed.split_once('=')?;
+    let title = format!("Set {} to {}", key.trim(), value.trim());
+    Some(entry(Kind::Setting, title, Command::SetRecipe(recipe)).with("", recipe == session.state.recipe))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    fn session() -> Session {
+        let source = SceneSource::named("triangle".into());
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        Session::new(Arc::new(scene), source, Recipe::default(), home)
+    }
+
+    #[test]
+    fn everything_that_has_a_name_is_offered() {
+        let entries = all(&session());
+        let offers = |kind: Kind, name: &str| entries.iter().any(|e| e.kind == kind && e.title.contains(name));
+        for binding in BINDINGS {
+            let elsewhere = ["Choose the upscaler", "Go to a bookmark", "Find anything"];
+            assert!(offers(Kind::Command, binding.what) || elsewhere.contains(&binding.what), "{}", binding.what);
+        }
+        for scene in builtin::ALL {
+            assert!(offers(Kind::Scene, scene.title));
+        }
+        assert!(Buffer::ALL.iter().all(|buffer| offers(Kind::Buffer, buffer.name())));
+        assert!(Stage::ALL.iter().all(|stage| offers(Kind::Stage, stage.name())));
+        assert!(upscale::ALL.iter().all(|upscaler| offers(Kind::Upscaler, upscaler.name())));
+        assert!(TABS.iter().all(|(_, name, _)| offers(Kind::Tab, name)));
+        assert!(Recipe::keys().iter().all(|(key, _)| offers(Kind::Setting, &format!("{key} = "))));
+    }
+
+    #[test]
+    fn a_value_of_a_setting_is_what_set_makes_of_it_and_the_present_one_is_marked() {
+        let session = session();
+        let entries = all(&session);
+        let find = |title: &str| entries.iter().find(|entry| entry.title == title).unwrap();
+        let mut wanted = session.state.recipe;
+        wanted.set("fill_rule=inclusive").unwrap();
+        assert_eq!(find("fill_rule = inclusive").action, Action::Run(Command::SetRecipe(wanted)));
+        assert!(find("fill_rule = top-left").holds && !find("fill_rule = inclusive").holds);
+        for (key, _) in Recipe::keys() {
+            let of_key = entries.iter().filter(|entry| entry.title.starts_with(&format!("{key} = ")));
+            let holding = of_key.filter(|entry| entry.holds || matches!(entry.action, Action::Type(_)));
+            assert_eq!(holding.count(), 1, "{key} has exactly one value");
+        }
+    }
+
+    #[test]
+    fn a_number_is_typed_as_key_and_value() {
+        let session = session();
+        let typed = assignment(&session, "light.ambient=0.5").unwrap();
+        let Action::Run(Command::SetRecipe(recipe)) = typed.action else { panic!("it sets the recipe") };
+        assert_eq!(recipe.pipeline.light.ambient, 0.5);
+        assert_eq!(assignment(&session, "light.ambient=7"), None);
+        assert_eq!(assignment(&session, "light"), None);
+    }
+
+    #[test]
+    fn keys_stand_beside_what_they_do() {
+        let entries = all(&session());
+        let undo = entries.iter().find(|entry| entry.action == Action::Run(Command::Undo)).unwrap();
+        assert_eq!(undo.key, "Ctrl + Z");
+        let second = entries.iter().find(|entry| entry.action == Action::Run(Command::ChooseUpscaler(1))).unwrap();
+        assert_eq!(second.key, "2");
+    }
+}

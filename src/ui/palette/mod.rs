@@ -1,0 +1,190 @@
+//! The command palette: everything that the window can do, found by a few letters of its name.
+
+pub mod entries;
+
+pub mod fuzzy;
+
+use eframe::egui::{
+    Align, FontId, Frame, Id, Key, Label, Layout, Modal, Modifiers, RichText, ScrollArea, Sense, TextEdit, TextFormat,
+    Ui, UiBuilder, WidgetInfo, text::LayoutJob, vec2,
+};
+use eframe::egui::{Align2, Role};
+
+use super::command::Command;
+use super::session::Session;
+use super::theme::{self, ROW_HEIGHT, font_size, space, tokens};
+use entries::{Action, Entry, all, assignment};
+
+/// Size of the palette, in points.
+const WIDTH: f32 = 620.0;
+const LIST_HEIGHT: f32 = 15.0 * ROW_HEIGHT;
+
+/// Distance from the window's top, in points: the results grow downwards and the field stays.
+const TOP: f32 = 90.0;
+
+/// Entries shown at most; whoever needs more types another letter.
+const MOST_SHOWN: usize = 100;
+
+/// The palette while it is open.
+pub struct Palette {
+    query: String,
+    entries: Vec<Entry>,
+    /// Places of entries that fit, best first, each with the letters that do.
+    found: Vec<(usize, Vec<usize>)>,
+    found_for: Option<String>,
+    /// `query` as an assignment, if it is one.
+    typed: Option<Entry>,
+    chosen: usize,
+}
+
+impl Palette {
+    /// Opens it with something typed already.
+    pub fn new(session: &Session, query: &str) -> Self {
+        let entries = all(session);
+        Self { query: query.to_owned(), entries, found: Vec::new(), found_for: None, typed: None, chosen: 0 }
+    }
+
+    /// Draws it; false when it should close.
+    pub fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
+        let area = Modal::default_area(Id::unique("palette")).anchor(Align2::CENTER_TOP, vec2(0.0, TOP));
+        let modal =
+            Modal::new(Id::unique("palette")).area(area).frame(Frame::window(ui.style())).show(ui.ctx(), |ui| {
+                ui.set_width(WIDTH);
+                self.content(ui, session)
+            });
+        let stays = !modal.should_close();
+        match modal.inner {
+            Some(Action::Run(command)) => {
+                commands.push(command);
+                false
+            }
+            Some(Action::Type(text)) => {
+                self.query = text;
+                stays
+            }
+            None => stays,
+        }
+    }
+
+    fn content(&mut self, ui: &mut Ui, session: &Session) -> Option<Action> {
+        let step = ui.input_mut(|input| {
+            let mut pressed = |key| i64::from(input.consume_key(Modifiers::NONE, key));
+            let page = (LIST_HEIGHT / ROW_HEIGHT) as i64 - 1;
+            pressed(Key::ArrowDown) - pressed(Key::ArrowUp) + page * (pressed(Key::PageDown) - pressed(Key::PageUp))
+        });
+        let hint = "Find a command, setting, scene, buffer, stage, tab, upscaler … or type key=value";
+        let field = ui.add(TextEdit::singleline(&mut self.query).hint_text(hint).desired_width(f32::INFINITY));
+        field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find anything"));
+        if !field.has_focus() {
+            field.request_focus();
+            to_the_end(ui, field.id, &self.query);
+        }
+        self.search(session);
+        let count = self.count();
+        self.chosen = (self.chosen as i64 + step).clamp(0, count.saturating_sub(1) as i64) as usize;
+        let entered = ui.input(|input| input.key_pressed(Key::Enter));
+        ui.add_space(space::XS);
+        let clicked = ScrollArea::vertical().max_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            let mut clicked = None;
+            for place in 0..count {
+                let Some((entry, letters)) = self.at(place) else { continue };
+                let chosen = place == self.chosen;
+                let row = row(ui, entry, letters, chosen);
+                if chosen && step != 0 {
+                    row.scroll_to_me(None);
+                }
+                if row.clicked() {
+                    clicked = Some(place);
+                }
+            }
+            clicked
+        });
+        if count == 0 {
+            ui.label(RichText::new("Nothing has these letters.").color(tokens(ui).text_weak));
+        }
+        let place = clicked.inner.or_else(|| entered.then_some(self.chosen))?;
+        self.at(place).map(|(entry, _)| entry.action.clone())
+    }
+
+    fn search(&mut self, session: &Session) {
+        if self.found_for.as_ref() == Some(&self.query) {
+            return;
+        }
+        let fits = self.entries.iter().enumerate().filter_map(|(place, entry)| {
+            let fit = fuzzy::fit(&self.query, &entry.title)?;
+            Some((fit.score, place, fit.letters))
+        });
+        let mut found: Vec<_> = fits.collect();
+        found.sort_by_key(|(score, place, _)| (std::cmp::Reverse(*score), *place));
+        found.truncate(MOST_SHOWN);
+        self.found = found.into_iter().map(|(_, place, letters)| (place, letters)).collect();
+        self.typed = assignment(session, &self.query);
+        self.found_for = Some(self.query.clone());
+        self.chosen = 0;
+    }
+
+    fn count(&self) -> usize {
+        self.found.len() + usize::from(self.typed.is_some())
+    }
+
+    /// What stands at a place of the list: what was typed out comes first.
+    fn at(&self, place: usize) -> Option<(&Entry, &[usize])> {
+        let place = match &self.typed {
+            Some(entry) if place == 0 => return Some((entry, &[])),
+            Some(_) => place - 1,
+            None => place,
+        };
+        let (entry, letters) = self.found.get(place)?;
+        Some((self.entries.get(*entry)?, letters))
+    }
+}
+
+/// Puts the cursor behind what is typed already.
+fn to_the_end(ui: &Ui, field: Id, text: &str) {
+    use eframe::egui::text::{CCursor, CCursorRange};
+    let mut state = eframe::egui::text_edit::TextEditState::load(ui.ctx(), field).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::one(CCursor::new(text.chars().count()))));
+    state.store(ui.ctx(), field);
+}
+
+/// One entry: its kind, its title with the letters that fit, whether it holds already, its key.
+fn row(ui: &mut Ui, entry: &Entry, letters: &[usize], chosen: bool) -> eframe::egui::Response {
+    /// Width of the column of kinds, in points.
+    const KIND_POINTS: f32 = 84.0;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW_HEIGHT), Sense::click());
+    let fill = if chosen { tokens(ui).accent_fill } else { tokens(ui).raised };
+    if chosen || response.hovered() {
+        ui.painter().rect_filled(rect, theme::RADIUS, fill);
+    }
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, &entry.title));
+    let inner = rect.shrink2(vec2(space::S, 0.0));
+    let mut left = ui.new_child(UiBuilder::new().max_rect(inner).layout(Layout::left_to_right(Align::Center)));
+    left.allocate_ui(vec2(KIND_POINTS, ROW_HEIGHT), |ui| {
+        ui.set_width(KIND_POINTS);
+        ui.label(RichText::new(entry.kind.name()).small().color(tokens(ui).text_weak));
+    });
+    left.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        if !entry.key.is_empty() {
+            ui.label(RichText::new(&entry.key).monospace().color(tokens(ui).text_weak));
+        }
+        if entry.holds {
+            ui.label(RichText::new("now").small().color(tokens(ui).accent));
+        }
+        ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+            ui.add(Label::new(marked(ui, &entry.title, letters)).truncate());
+        });
+    });
+    if entry.help.is_empty() { response } else { response.on_hover_text(&entry.help) }
+}
+
+/// A title with the letters that fit in another colour.
+fn marked(ui: &Ui, title: &str, letters: &[usize]) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    for (place, letter) in title.chars().enumerate() {
+        let color = if letters.contains(&place) { tokens(ui).accent } else { tokens(ui).text_strong };
+        let format = TextFormat { font_id: FontId::proportional(font_size::BODY), color, ..TextFormat::default() };
+        job.append(letter.encode_utf8(&mut [0; 4]), 0.0, format);
+    }
+    job
+}

@@ -1,0 +1,37 @@
+//! The menu "Go": ways to a place.
+
+use eframe::egui::{Button, Ui};
+
+use super::Change;
+use crate::ui::command::{BINDINGS, Command};
+use crate::ui::session::Session;
+
+/// Bookmarks that the menu lists; the others are in the list that can be changed.
+const LISTED: usize = 20;
+
+/// Draws the entries.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut entry = |ui: &mut Ui, enabled: bool, name: &str, command: Command| {
+        let mut button = Button::new(name);
+        if let Some(binding) = BINDINGS.iter().find(|binding| (binding.command)() == command) {
+            button = button.shortcut_text(ui.format_shortcut(&binding.shortcut()));
+        }
+        if ui.add_enabled(enabled, button).clicked() {
+            commands.push(command);
+            ui.close();
+        }
+    };
+    let visits = &session.places.visits;
+    entry(ui, true, "Find anything …", Command::OpenPalette);
+    entry(ui, true, "Go to …", Command::AskForPixel);
+    ui.separator();
+    entry(ui, visits.can_go_back(), "Back to what was looked at", Command::Place(Change::Back));
+    entry(ui, visits.can_go_forward(), "Forward again", Command::Place(Change::Forward));
+    ui.separator();
+    entry(ui, true, "Copy as command", Command::Place(Change::Copy));
+    entry(ui, true, "Bookmark this place", Command::Place(Change::Bookmark));
+    entry(ui, true, "Bookmarks …", Command::Place(Change::Manage));
+    for (number, bookmark) in session.places.bookmarks.iter().take(LISTED).enumerate() {
+        entry(ui, true, &bookmark.name, Command::Place(Change::Jump(number)));
+    }
+}

@@ -1,0 +1,213 @@
+//! Keeping the place: bookmarks that outlive the window, the way back through what was looked at, and the whole state as
+//! one line of text.
+
+pub mod bookmarks;
+
+pub mod menu;
+
+pub mod visits;
+
+use serde::{Deserialize, Serialize};
+
+use super::command::Command;
+use super::engine::Shown;
+use super::session::{Level, PictureSize, Session};
+use crate::inspect::find::{Found, Wanted};
+use crate::inspect::{Buffer, Place};
+use crate::scene::SceneSource;
+use visits::Visits;
+
+/// Most bookmarks kept.
+const MOST_BOOKMARKS: usize = 200;
+
+/// A place with a name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Bookmark {
+    /// What a person calls it.
+    pub name: String,
+    /// Where it leads.
+    pub place: Place,
+}
+
+/// The places that are kept.
+#[derive(Clone, Debug, Default)]
+pub struct Places {
+    /// In the order of their keys.
+    pub bookmarks: Vec<Bookmark>,
+    /// What was looked at, to go back to.
+    pub visits: Visits,
+    /// Where to go as soon as its scene is loaded.
+    pub pending: Option<Place>,
+}
+
+/// What can be done with places.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// Put the command that leads here on the clipboard.
+    Copy,
+    /// Keep this place.
+    Bookmark,
+    /// Go to the bookmark at this place of the list.
+    Jump(usize),
+    /// Call a bookmark this.
+    Rename(usize, String),
+    /// Forget a bookmark.
+    Remove(usize),
+    /// Show the list of bookmarks, to rename and forget them.
+    Manage,
+    /// Look at what was looked at before.
+    Back,
+    /// Look again at what was looked at after that.
+    Forward,
+    /// Go there.
+    Go(Box<Place>),
+    /// Look for this in the frame, and pick a pixel that shows it.
+    Find(Wanted),
+}
+
+impl Session {
+    /// Where the window is.
+    pub fn place(&self) -> Place {
+        let (buffer, stage) = match self.shown {
+            Shown::Buffer(buffer) => (buffer, None),
+            Shown::Stage(stage) => (Buffer::Color, Some(stage)),
+        };
+        Place {
+            scene: match &self.source {
+                SceneSource::Builtin(_) => self.source.name(),
+                SceneSource::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            },
+            mirrored: self.mirrored,
+            camera: self.state.camera,
+            recipe: self.state.recipe,
+            picture: match self.state.size {
+                PictureSize::Canvas => None,
+                PictureSize::Fixed(width, height) => Some((width, height)),
+            },
+            buffer,
+            stage,
+            triangles: self.triangle_limit,
+            pixel: self.pick,
+        }
+    }
+
+    /// The command line that leads here from anywhere. The size is always told: the pixel means nothing without it.
+    pub fn command_line(&self) -> String {
+        let viewport = self.viewport();
+        Place { picture: Some((viewport.width, viewport.height)), ..self.place() }.command_line()
+    }
+
+    /// Does what concerns places; returns what concerns the window or the disk.
+    pub fn change_places(&mut self, change: Change) -> Option<Command> {
+        let bookmarks = &mut self.places.bookmarks;
+        match change {
+            Change::Bookmark => self.bookmark(),
+            Change::Rename(number, name) => {
+                if let Some(bookmark) = bookmarks.get_mut(number) {
+                    bookmark.name = name;
+                }
+            }
+            Change::Remove(number) if number < bookmarks.len() => drop(bookmarks.remove(number)),
+            Change::Jump(number) => match bookmarks.get(number).cloned() {
+                Some(bookmark) => return self.go(bookmark.place),
+                None => self.report(Level::Info, format!("There is no bookmark {}: Ctrl+B makes one", number + 1)),
+            },
+            Change::Go(place) => return self.go(*place),
+            Change::Back | Change::Forward => {
+                if let Some(visit) = self.places.visits.travel(change == Change::Back) {
+                    // The way back is one of looking: settings have an undo of their own.
+                    let here = self.place();
+                    return self.go(Place { recipe: here.recipe, picture: here.picture, ..visit });
+                }
+            }
+            Change::Copy | Change::Manage | Change::Find(_) => return Some(Command::Place(change)),
+            Change::Remove(_) => {}
+        }
+        None
+    }
+
+    /// Picks the pixel that was found, and says what there is to say; the pixel to bring into view.
+    pub fn take_found(&mut self, wanted: &Wanted, found: &Found) -> Option<(u32, u32)> {
+        let words = wanted.words();
+        let (level, text, pixel) = match found {
+            Found::Seen(pixel, count) => {
+                (Level::Info, format!("{words} is seen at {count} drawn pixels"), Some(*pixel))
+            }
+            Found::Hidden(pixel, count) => {
+                (Level::Error, format!("{words} is hidden: it covers {count} drawn pixels and wins none"), Some(*pixel))
+            }
+            Found::Nowhere(reason) => (Level::Error, reason.clone(), None),
+        };
+        self.report(level, text);
+        self.pick = pixel.or(self.pick);
+        pixel
+    }
+
+    /// Goes to the place that waited for the scene that is there now.
+    pub fn arrive(&mut self) {
+        if let Some(place) = self.places.pending.take()
+            && place.scene == self.place().scene
+        {
+            self.stand_at(&place);
+        }
+    }
+
+    /// Keeps what is looked at for the way back; `now` in seconds.
+    pub fn note_visit(&mut self, now: f64) {
+        // Before the first frame nothing was looked at, and on the way elsewhere nothing is.
+        if self.view.is_some() && self.places.pending.is_none() {
+            let here = self.place();
+            self.places.visits.note(here, now);
+        }
+    }
+
+    fn bookmark(&mut self) {
+        let place = self.place();
+        let name = format!("{}: {}", self.scene.name, place.words());
+        if self.places.bookmarks.len() == MOST_BOOKMARKS {
+            self.report(Level::Error, format!("There are {MOST_BOOKMARKS} bookmarks: remove some first"));
+            return;
+        }
+        self.places.bookmarks.push(Bookmark { name: name.clone(), place });
+        let number = self.places.bookmarks.len();
+        let key = if number <= 9 { format!(", Ctrl+{number} leads back") } else { String::new() };
+        self.report(Level::Info, format!("Bookmarked {name}{key}"));
+    }
+
+    /// Goes to a place at once if its scene is there, else as soon as it is.
+    fn go(&mut self, place: Place) -> Option<Command> {
+        if let Err(reason) = place.check() {
+            self.report(Level::Error, format!("This place cannot be shown: {reason}"));
+            return None;
+        }
+        self.case = None;
+        if place.scene == self.place().scene {
+            self.stand_at(&place);
+            return None;
+        }
+        let open = match SceneSource::named(place.scene.clone()) {
+            SceneSource::Builtin(scene) => Command::OpenBuiltin(scene.id.to_owned()),
+            SceneSource::File(path) => Command::Open(path),
+        };
+        self.places.pending = Some(place);
+        Some(open)
+    }
+
+    fn stand_at(&mut self, place: &Place) {
+        if place.mirrored != self.mirrored {
+            self.apply(Command::MirrorZ);
+        }
+        self.state.camera = place.camera;
+        self.state.recipe = place.recipe;
+        self.state.size =
+            place.picture.map_or(PictureSize::Canvas, |(width, height)| PictureSize::Fixed(width, height));
+        self.shown = place.stage.map_or(Shown::Buffer(place.buffer), Shown::Stage);
+        self.triangle_limit = place.triangles;
+        self.pick = place.pixel;
+        let here = self.place();
+        self.places.visits.arrived(here);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,147 @@
+//! What was looked at, one visit after the other, with the way back and forward again.
+
+use crate::inspect::Place;
+
+/// Visits kept.
+const MOST: usize = 200;
+
+/// Cameras and pixels that change this soon after each other are one visit: dragging, wheel notches, arrow keys held.
+const ONE_MOVE_SECONDS: f64 = 0.6;
+
+/// The history of inspection.
+#[derive(Clone, Debug, Default)]
+pub struct Visits {
+    past: Vec<Place>,
+    here: Option<Place>,
+    future: Vec<Place>,
+    /// When the present visit changed last, seconds.
+    changed_at: f64,
+}
+
+impl Visits {
+    /// Whether there is a way back.
+    pub fn can_go_back(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// Whether there is a way forward again.
+    pub fn can_go_forward(&self) -> bool {
+        !self.future.is_empty()
+    }
+
+    /// Takes in where the window is now; `now` in seconds. Settings are no visit, and neither is dropping the pick.
+    pub fn note(&mut self, place: Place, now: f64) {
+        let Some(here) = &self.here else {
+            self.here = Some(place);
+            return;
+        };
+        if same_sight(here, &place) {
+            return;
+        }
+        let no_pixel = Place { pixel: None, ..here.clone() };
+        if same_sight(&no_pixel, &place) {
+            return;
+        }
+        let moves_on = now - self.changed_at < ONE_MOVE_SECONDS
+            && same_sight(&Place { camera: place.camera, pixel: place.pixel, ..here.clone() }, &place);
+        let picks_first = here.pixel.is_none() && same_sight(&Place { pixel: place.pixel, ..here.clone() }, &place);
+        let before = self.here.replace(place);
+        self.changed_at = now;
+        if moves_on || picks_first {
+            return;
+        }
+        if self.past.len() == MOST {
+            self.past.remove(0);
+        }
+        self.past.extend(before);
+        self.future.clear();
+    }
+
+    /// Goes one visit back, or forward again; where that leads.
+    pub fn travel(&mut self, back: bool) -> Option<Place> {
+        let (from, to) = if back { (&mut self.past, &mut self.future) } else { (&mut self.future, &mut self.past) };
+        let place = from.pop()?;
+        to.extend(self.here.replace(place.clone()));
+        // What comes next is a visit of its own.
+        self.changed_at = f64::NEG_INFINITY;
+        Some(place)
+    }
+
+    /// Says where a way of [`Self::travel`] really led, so that being there is no new visit.
+    pub fn arrived(&mut self, place: Place) {
+        let is_expected = self.here.as_ref().is_some_and(|here| same_sight(here, &place));
+        if is_expected {
+            self.here = Some(place);
+        }
+    }
+}
+
+/// Whether the same is looked at, however it is drawn.
+fn same_sight(a: &Place, b: &Place) -> bool {
+    Place { recipe: b.recipe, picture: b.picture, ..a.clone() } == *b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::Recipe;
+    use crate::inspect::{Buffer, Stage};
+    use crate::scene::builtin;
+
+    fn place(pixel: u32) -> Place {
+        Place {
+            scene: "triangle".into(),
+            mirrored: false,
+            camera: builtin::by_id("triangle").map(|scene| scene.build().home).unwrap(),
+            recipe: Recipe::default(),
+            picture: None,
+            buffer: Buffer::Color,
+            stage: None,
+            triangles: None,
+            pixel: Some((pixel, 0)),
+        }
+    }
+
+    #[test]
+    fn the_way_back_is_the_way_that_was_gone() {
+        let mut visits = Visits::default();
+        for step in 0..4 {
+            visits.note(place(step), f64::from(step) * 10.0);
+        }
+        for expected in [2, 1, 0] {
+            assert_eq!(visits.travel(true), Some(place(expected)));
+        }
+        assert_eq!(visits.travel(true), None);
+        for expected in [1, 2, 3] {
+            assert_eq!(visits.travel(false), Some(place(expected)));
+        }
+        assert!(!visits.can_go_forward() && visits.can_go_back());
+    }
+
+    #[test]
+    fn moves_in_a_row_are_one_visit_and_stages_are_their_own() {
+        let mut visits = Visits::default();
+        for (step, seconds) in [(0, 10.0), (1, 20.0), (2, 20.1), (3, 20.2)] {
+            visits.note(place(step), seconds);
+        }
+        visits.note(Place { stage: Some(Stage::Clip), ..place(3) }, 20.3);
+        assert_eq!(visits.travel(true), Some(place(3)));
+        assert_eq!(visits.travel(true), Some(place(0)));
+    }
+
+    #[test]
+    fn a_setting_or_dropping_the_pick_is_no_visit_and_a_new_one_ends_the_way_forward() {
+        let mut visits = Visits::default();
+        visits.note(place(0), 0.0);
+        let mut other = place(0);
+        other.recipe.wireframe = true;
+        visits.note(other, 10.0);
+        visits.note(Place { pixel: None, ..place(0) }, 20.0);
+        assert!(!visits.can_go_back());
+        visits.note(place(1), 30.0);
+        visits.travel(true);
+        visits.note(place(7), 40.0);
+        assert!(!visits.can_go_forward());
+        assert_eq!(visits.travel(true), Some(place(0)));
+    }
+}

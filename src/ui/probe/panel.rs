@@ -1,0 +1,176 @@
+//! The tab of the probe: what is asked on the left, the triangles that do not stand firm on the right.
+
+use eframe::egui::{self, Button, DragValue, ProgressBar, RichText, ScrollArea, Ui};
+
+use super::Change;
+use crate::inspect::probe::{Changed, Fragile, Heat, ProbeResult};
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::panels::pick;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, ROW_HEIGHT, tokens};
+use crate::ui::widgets::{Status, chip, empty_state, figure, icon_button, row, value_row};
+
+/// Width of the left column, in points.
+const SETTINGS_POINTS: f32 = 270.0;
+
+/// Width of a column of figures, in points.
+const FIGURE_POINTS: f32 = 104.0;
+
+/// Most units in the last place and runs that can be asked for in the window.
+const MOST: (u32, u16) = (65_536, 4096);
+
+/// Draws the buttons beside the tabs.
+pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let probing = &session.probing;
+    if let Some(progress) = probing.progress {
+        if ui.button("Cancel").on_hover_text("Stop; the last finding stays").clicked() {
+            commands.push(Command::Probe(Change::Cancel));
+        }
+        ui.add(ProgressBar::new(progress).desired_width(200.0).show_percentage());
+        return;
+    }
+    let help = "Draws the view again and again, moved by next to nothing, and counts what comes out differently";
+    let run = Button::new((theme::icon(Icon::Play), "Run the probe"));
+    if ui.add(run).on_hover_text(help).clicked() {
+        commands.push(Command::Probe(Change::Start));
+    }
+    let Some(found) = &probing.found else { return };
+    ui.separator();
+    ui.label(RichText::new("On the picture").color(tokens(ui).text_weak));
+    let nothing = ui.selectable_label(probing.heat.is_none(), "Nothing").on_hover_text("The picture as it is");
+    if nothing.clicked() {
+        commands.push(Command::Probe(Change::Show(None)));
+    }
+    for heat in Heat::ALL {
+        let label = Button::selectable(probing.heat == Some(*heat), heat.name());
+        let response = ui.add_enabled(found.counts(*heat).is_some(), label).on_hover_text(heat.help());
+        if response.on_disabled_hover_text("There is no depth without a depth test").clicked() {
+            commands.push(Command::Probe(Change::Show(Some(*heat))));
+        }
+    }
+}
+
+/// Draws the tab.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    ui.horizontal_top(|ui| {
+        ui.vertical(|ui| {
+            ui.set_width(SETTINGS_POINTS);
+            ScrollArea::vertical().id_salt("probe settings").auto_shrink(false).show(ui, |ui| {
+                settings(ui, session, commands);
+                if let Some(found) = &session.probing.found {
+                    summary(ui, found);
+                }
+            });
+        });
+        ui.separator();
+        ui.vertical(|ui| finding(ui, session, commands));
+    });
+}
+
+fn settings(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut probe = session.probing.probe;
+    row(ui, "Moved", "What is moved a little in every run", |ui| pick(ui, &mut probe.what));
+    let help = "By how many units in the last place at most: 1 is the least that a float can tell";
+    row(ui, "By k ulp", help, |ui| ui.add(DragValue::new(&mut probe.ulps).range(0..=MOST.0).speed(0.1)));
+    let help = "How many times the view is drawn; finer shares take longer";
+    row(ui, "Runs", help, |ui| ui.add(DragValue::new(&mut probe.runs).range(1..=MOST.1).speed(0.5)));
+    row(ui, "Seed", "Equal seeds give equal jitter", |ui| ui.add(DragValue::new(&mut probe.seed).speed(0.1)));
+    if probe != session.probing.probe {
+        commands.push(Command::Probe(Change::Set(probe)));
+    }
+}
+
+fn summary(ui: &mut Ui, found: &ProbeResult) {
+    let summary = found.summary();
+    let mut line = |name: &str, changed: Changed, help: &str| {
+        let share = format::percent(changed.pixels as f64 / summary.pixels.max(1) as f64);
+        value_row(ui, name, &format!("{} px  {share}", format::count(changed.pixels)), help);
+    };
+    line("Owner changed", summary.owner, "Pixels that another triangle won in one run at least");
+    if let Some(depth) = summary.depth {
+        line("Depth changed", depth, "Pixels where another depth was stored in one run at least, be it by one step");
+    }
+    line("Colour changed", summary.color, "Pixels that had another colour in one run at least");
+}
+
+fn finding(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let Some(found) = &session.probing.found else {
+        let how = "“Run the probe” moves the camera, or every vertex, by a few units in the last place, again and again. Pixels \
+                   that change were decided by rounding: surfaces that fight for one depth, edges through centres of pixels.";
+        empty_state(ui, Icon::Activity, "Nothing was probed yet", how);
+        return;
+    };
+    let probe = found.probe;
+    ui.horizontal(|ui| {
+        let what = probe.what.name().to_lowercase();
+        let text =
+            format!("{}: {} runs, {what} moved by up to {} ulp", found.subject.scene.name, probe.runs, probe.ulps);
+        ui.label(RichText::new(text).color(tokens(ui).text_weak));
+        if session.view.as_ref().is_some_and(|view| !session.probing.is_of(view)) {
+            let is_there = std::sync::Arc::ptr_eq(&found.subject.scene, &session.scene);
+            let back = ui.add_enabled(is_there, Button::new("Back to that view"));
+            let back = back.on_hover_text("The view has changed since: look from where it was probed");
+            if back.on_disabled_hover_text("That scene is no longer open").clicked() {
+                commands.push(Command::Probe(Change::GoBack));
+            }
+        }
+    });
+    if found.ranking.is_empty() {
+        chip(ui, Status::Passed, "No pixel changed its owner", "No triangle lost or gained a pixel in any run");
+        return;
+    }
+    header(ui);
+    let rows = ScrollArea::vertical().id_salt("fragile triangles").auto_shrink(false);
+    rows.show_rows(ui, ROW_HEIGHT - ui.spacing().item_spacing.y, found.ranking.len(), |ui, range| {
+        for fragile in &found.ranking[range] {
+            triangle(ui, session, found, fragile, commands);
+        }
+    });
+}
+
+fn header(ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        let weak = tokens(ui).text_weak;
+        for (name, help) in [
+            ("Triangle", "Its number in the scene"),
+            ("Changes", "Pixels that it lost or gained, added up over all runs"),
+            ("Worst pixel", "The one of these pixels that changed its owner most often"),
+            ("Runs", "In how many runs that pixel had another owner"),
+        ] {
+            figure(ui, name, FIGURE_POINTS, weak).on_hover_text(help);
+        }
+    });
+}
+
+fn triangle(ui: &mut Ui, session: &Session, found: &ProbeResult, fragile: &Fragile, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let is_picked = session.pick == Some(fragile.worst_pixel);
+        let (x, y) = fragile.worst_pixel;
+        let texts = [
+            fragile.triangle.0.to_string(),
+            format::count(fragile.changes),
+            format!("{x}, {y}"),
+            format!("{} of {}", fragile.worst_changes, found.probe.runs),
+        ];
+        let start = ui.cursor().min;
+        let color = if is_picked { tokens(ui).accent } else { tokens(ui).text };
+        for text in texts {
+            figure(ui, &text, FIGURE_POINTS, color);
+        }
+        let row = egui::Rect::from_min_max(start, egui::pos2(ui.cursor().min.x, start.y + theme::CONTROL_HEIGHT));
+        let name = format!("Go to the worst pixel of triangle {}", fragile.triangle.0);
+        let response = ui.interact(row, ui.scope_id().with(fragile.triangle.0), egui::Sense::click());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, &name));
+        if response.hovered() {
+            ui.painter().rect_filled(row, theme::RADIUS, tokens(ui).text_weak.gamma_multiply(0.15));
+        }
+        if response.on_hover_text(name).on_hover_cursor(egui::CursorIcon::PointingHand).clicked() {
+            commands.push(Command::Probe(Change::GoTo(*fragile)));
+        }
+        if icon_button(ui, Icon::Save, "Save this triangle as a case").clicked() {
+            commands.push(Command::Probe(Change::SaveCase(*fragile)));
+        }
+    });
+}

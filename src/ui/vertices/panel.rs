@@ -1,0 +1,304 @@
+//! The table: a row for each vertex, a group of columns for each stage.
+
+use eframe::egui::{
+    Align2, Color32, FontId, Rect, Response, RichText, Role, ScrollArea, Sense, Ui, WidgetInfo, pos2, vec2,
+};
+
+use super::{Change, object, picked};
+use crate::inspect::vertices::{ObjectVertices, VertexStages, plane_name};
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, RADIUS, ROW_HEIGHT, font_size, tokens};
+use crate::ui::widgets::{copy_button, empty_state};
+
+/// A group of columns.
+struct Group {
+    name: &'static str,
+    help: &'static str,
+    columns: &'static [&'static str],
+    /// Width of a column, in points.
+    width: f32,
+}
+
+/// Width of a number with all its digits, in points.
+const FULL: f32 = 96.0;
+
+const GROUPS: [Group; 11] = [
+    Group { name: "Vertex", help: "Its number in the mesh", columns: &["number"], width: 58.0 },
+    Group { name: "Model", help: "Position in the mesh", columns: &["x", "y", "z"], width: FULL },
+    Group {
+        name: "Clip",
+        help: "After the one matrix of model, view and projection: what the pipeline computes, bit for bit",
+        columns: &["x", "y", "z", "w"],
+        width: FULL,
+    },
+    Group {
+        name: "Outcode",
+        help: "The planes of the view that the vertex lies beyond; “inside” if none. The sides cut only where coordinates \
+               grow too large for the rasterizer",
+        columns: &["beyond"],
+        width: 92.0,
+    },
+    Group {
+        name: "NDC",
+        help: "Divided by w: −1 … 1 across the picture, z is depth. Nothing where w is not positive: triangles are cut before",
+        columns: &["x", "y", "z"],
+        width: FULL,
+    },
+    Group { name: "Screen", help: "In pixels, y down, before snapping", columns: &["x px", "y px"], width: FULL },
+    Group {
+        name: "Snapped",
+        help: "On the grid of 1/256 px that coverage is decided on, as whole numbers of grid steps",
+        columns: &["x /256", "y /256"],
+        width: 74.0,
+    },
+    Group {
+        name: "World",
+        help: "Model placed in the world. The pipeline does not stop here: it multiplies the matrices first",
+        columns: &["x", "y", "z"],
+        width: FULL,
+    },
+    Group {
+        name: "View",
+        help: "Seen from the eye, which looks along −z. The pipeline does not stop here: it multiplies the matrices first",
+        columns: &["x", "y", "z"],
+        width: FULL,
+    },
+    Group { name: "Normal", help: "Normal in the mesh", columns: &["x", "y", "z"], width: FULL },
+    Group {
+        name: "Attributes",
+        help: "Texture coordinates (v down) and vertex colour (sRGB, 0 … 1), if the mesh has any",
+        columns: &["u", "v", "red", "green", "blue"],
+        width: FULL,
+    },
+];
+
+/// Space between groups, in points.
+const GAP: f32 = 14.0;
+
+/// Rows that are copied at most: a table of more is a file, not a clipboard.
+const COPIED_ROWS: u32 = 65_536;
+
+/// Draws the controls beside the tabs.
+pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let whole = session.vertices.whole_object;
+    for (value, name, help) in [
+        (false, "Triangle", "The three corners of the triangle that the picked pixel shows"),
+        (true, "Whole object", "All vertices of the object that this triangle belongs to"),
+    ] {
+        if ui.selectable_label(whole == value, name).on_hover_text(help).clicked() {
+            commands.push(Command::Vertices(Change::WholeObject(value)));
+        }
+    }
+    let Some((triangle, instance, corners)) = picked(session) else { return };
+    let Some(object) = object(session, instance) else { return };
+    ui.separator();
+    copy_button(ui, "the table", || as_text(&object, &rows(&object, corners, whole)));
+    let name = &session.scene.instances.get(instance).map_or("", |instance| &instance.name);
+    let text = format!("triangle {} of “{name}”, {} vertices", triangle.0, format::count(object.count() as u64));
+    ui.label(RichText::new(text).color(tokens(ui).text_weak));
+}
+
+/// Draws the table.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let Some((_, instance, corners)) = picked(session) else {
+        let how = "Pick a pixel that shows a triangle: its corners are followed from the mesh to the pixel grid.";
+        empty_state(ui, Icon::Table, "No triangle is picked", how);
+        return;
+    };
+    let Some(object) = object(session, instance) else { return };
+    let whole = session.vertices.whole_object;
+    ScrollArea::horizontal().id_salt("vertex columns").auto_shrink(false).show(ui, |ui| {
+        let width = GROUPS.iter().map(|group| group.width * group.columns.len() as f32 + GAP).sum();
+        ui.set_min_width(width);
+        ui.spacing_mut().item_spacing.y = 0.0;
+        header(ui, width);
+        let count = if whole { object.count() } else { corners.len() };
+        let area = ScrollArea::vertical().id_salt("vertex rows").auto_shrink(false);
+        area.show_rows(ui, ROW_HEIGHT - 4.0, count, |ui, range| {
+            for place in range {
+                let index = if whole { place as u32 } else { corners[place] };
+                let Some(stages) = object.stages(index) else { continue };
+                let marks = Marks {
+                    is_selected: session.vertices.selected == Some((instance, index)),
+                    corner: corners.iter().position(|corner| *corner == index),
+                };
+                if row(ui, width, &stages, marks).clicked() {
+                    let selected = (!marks.is_selected).then_some((instance, index));
+                    commands.push(Command::Vertices(Change::Select(selected)));
+                }
+            }
+        });
+    });
+}
+
+/// What sets a row apart.
+#[derive(Clone, Copy)]
+struct Marks {
+    is_selected: bool,
+    /// Which corner of the picked triangle it is.
+    corner: Option<usize>,
+}
+
+fn header(ui: &mut Ui, width: f32) {
+    let (rect, _) = ui.allocate_exact_size(vec2(width, 32.0), Sense::hover());
+    let small = FontId::proportional(font_size::SMALL);
+    let (strong, weak) = (tokens(ui).text_strong, tokens(ui).text_weak);
+    let mut left = rect.left();
+    for group in &GROUPS {
+        let group_width = group.width * group.columns.len() as f32;
+        let place = Rect::from_min_size(pos2(left, rect.top()), vec2(group_width, rect.height()));
+        ui.painter().text(place.right_top(), Align2::RIGHT_TOP, group.name, small.clone(), strong);
+        for (column, name) in group.columns.iter().enumerate() {
+            let right = pos2(left + group.width * (column + 1) as f32, rect.bottom() - 2.0);
+            ui.painter().text(right, Align2::RIGHT_BOTTOM, name, small.clone(), weak);
+        }
+        ui.interact(place, ui.scope_id().with(group.name), Sense::hover()).on_hover_text(group.help);
+        left += group_width + GAP;
+    }
+    ui.painter().hline(rect.x_range(), rect.bottom(), (1.0, tokens(ui).border));
+}
+
+fn row(ui: &mut Ui, width: f32, stages: &VertexStages, marks: Marks) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT - 4.0), Sense::click());
+    let name = format!("Vertex {}", stages.index);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, marks.is_selected, &name));
+    if marks.is_selected {
+        ui.painter().rect_filled(rect, RADIUS, tokens(ui).accent_fill);
+    } else if response.hovered() {
+        ui.painter().rect_filled(rect, RADIUS, tokens(ui).raised);
+    }
+    let mono = FontId::monospace(font_size::SMALL);
+    let mut cells = cells(stages).into_iter();
+    let mut left = rect.left();
+    for (place, group) in GROUPS.iter().enumerate() {
+        for _ in group.columns {
+            let Some(cell) = cells.next() else { break };
+            left += group.width;
+            let at = pos2(left, rect.center().y);
+            ui.painter().text(at, Align2::RIGHT_CENTER, &cell.text, mono.clone(), cell.color(ui));
+        }
+        if let Some(corner) = marks.corner.filter(|_| place == 0) {
+            // The same colour as the corner's weight in the inspector.
+            let color = crate::ui::theme::WEIGHTS[corner];
+            ui.painter().circle_filled(pos2(rect.left() + 5.0, rect.center().y), 3.5, color);
+        }
+        left += GAP;
+    }
+    let follow = if marks.is_selected { "Follow it no longer" } else { "Follow this vertex in the picture" };
+    let corner = marks.corner.map_or(String::new(), |corner| format!(" Corner {corner} of the picked triangle."));
+    response.on_hover_text(format!("{follow}.{corner}"))
+}
+
+/// One number of the table.
+struct Cell {
+    text: String,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Plain,
+    /// Neither finite nor absent.
+    NotFinite,
+    /// There is no such number.
+    Absent,
+    /// The vertex lies beyond a plane.
+    Beyond,
+}
+
+impl Cell {
+    fn number(value: f64, text: String) -> Self {
+        Self { text, kind: if value.is_finite() { Kind::Plain } else { Kind::NotFinite } }
+    }
+
+    fn absent() -> Self {
+        Self { text: "–".to_owned(), kind: Kind::Absent }
+    }
+
+    fn color(&self, ui: &Ui) -> Color32 {
+        match self.kind {
+            Kind::Plain => tokens(ui).text,
+            Kind::NotFinite => tokens(ui).error,
+            Kind::Absent => tokens(ui).text_weak,
+            Kind::Beyond => tokens(ui).warning,
+        }
+    }
+}
+
+/// All cells of a row, in the order of [`GROUPS`].
+fn cells(v: &VertexStages) -> Vec<Cell> {
+    let f32s = |values: &[f32]| -> Vec<Cell> {
+        values.iter().map(|value| Cell::number((*value).into(), format::f32_full(*value))).collect()
+    };
+    // More digits than a float has would only hide that the pipeline never computes these.
+    let f64s = |values: [f64; 3]| values.map(|value| Cell::number(value, format::f32_full(value as f32)));
+    let absent = |count: usize| (0..count).map(|_| Cell::absent()).collect::<Vec<_>>();
+    let mut cells = vec![Cell { text: v.index.to_string(), kind: Kind::Plain }];
+    cells.extend(f32s(&v.model.to_array()));
+    cells.extend(f32s(&v.clip.to_array()));
+    let planes: Vec<_> = v.outcode.planes().map(plane_name).collect();
+    cells.push(match planes.is_empty() {
+        true => Cell { text: "inside".to_owned(), kind: Kind::Plain },
+        false => Cell { text: planes.join(" "), kind: Kind::Beyond },
+    });
+    match &v.screen {
+        Some(screen) => {
+            cells.extend(f32s(&screen.ndc.to_array()));
+            cells.extend(f32s(&screen.px));
+            cells.extend(screen.snapped.map(|steps| Cell { text: format::fixed(steps.into(), 0), kind: Kind::Plain }));
+        }
+        None => cells.extend(absent(7)),
+    }
+    cells.extend(f64s(v.world.to_array()));
+    cells.extend(f64s(v.view.to_array()));
+    cells.extend(f32s(&v.normal.to_array()));
+    cells.extend(v.uv.map_or_else(|| absent(2), |uv| f32s(&uv.to_array())));
+    cells.extend(v.color.map_or_else(|| absent(3), |color| f32s(&color.to_array())));
+    cells
+}
+
+/// The vertices of the table.
+fn rows(object: &ObjectVertices<'_>, corners: [u32; 3], whole: bool) -> Vec<u32> {
+    if whole { (0..(object.count() as u32).min(COPIED_ROWS)).collect() } else { corners.to_vec() }
+}
+
+/// A table as text, with tabs between columns.
+fn as_text(object: &ObjectVertices<'_>, rows: &[u32]) -> String {
+    let names = GROUPS.iter().flat_map(|group| group.columns.iter().map(move |name| format!("{} {name}", group.name)));
+    let mut text = names.collect::<Vec<_>>().join("\t") + "\n";
+    for stages in rows.iter().filter_map(|index| object.stages(*index)) {
+        let cells: Vec<_> = cells(&stages).into_iter().map(|cell| cell.text.replace('−', "-")).collect();
+        text += &(cells.join("\t") + "\n");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::Settings;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    #[test]
+    fn every_row_fills_every_column_and_reads_back() {
+        for id in ["chess", "near-plane", "triangle"] {
+            let scene = builtin::by_id(id).unwrap().build();
+            let size = Viewport { width: 64, height: 48 };
+            let object = ObjectVertices::new(&scene, &scene.home, &Settings::default(), size, 0).unwrap();
+            let columns: usize = GROUPS.iter().map(|group| group.columns.len()).sum();
+            let text = as_text(&object, &rows(&object, [0, 1, 2], true));
+            assert_eq!(text.lines().count(), object.count() + 1);
+            for (line, index) in text.lines().skip(1).zip(0..) {
+                let cells: Vec<_> = line.split('\t').collect();
+                assert_eq!(cells.len(), columns, "{line}");
+                let stages = object.stages(index).unwrap();
+                let numbers: Vec<f32> = cells[1..8].iter().map(|cell| cell.parse().unwrap()).collect();
+                let told = [&stages.model.to_array()[..], &stages.clip.to_array()[..]].concat();
+                assert_eq!(numbers, told, "{line}");
+            }
+        }
+    }
+}

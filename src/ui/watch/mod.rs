@@ -1,0 +1,106 @@
+//! Watched pixels: a list that stays while the pick moves on, with what all buffers hold there after every frame.
+
+pub mod panel;
+
+pub mod watcher;
+
+use eframe::egui::{Align2, FontId, Painter, Stroke, StrokeKind, Vec2, vec2};
+
+use super::session::{Level, Session};
+use super::theme::{MARK_EDGE, Tokens, font_size};
+use super::zoom::Placement;
+use crate::inspect::watch::Watched;
+
+/// Most pixels that are watched: each costs a replay after every frame.
+pub const MOST: usize = 24;
+
+/// The watched pixels, and what is known of them.
+#[derive(Clone, Debug, Default)]
+pub struct Watch {
+    /// Column and row of each, in the order in which they were added.
+    pub pixels: Vec<(u32, u32)>,
+    /// What the newest frame holds there.
+    pub rows: Vec<Watched>,
+    /// What the last frame that differed held there.
+    pub before: Vec<Watched>,
+}
+
+/// A change of what is watched.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// Watch the picked pixel.
+    AddPick,
+    /// Watch this pixel.
+    Add(u32, u32),
+    /// Watch a pixel no more.
+    Remove(u32, u32),
+    /// Watch none.
+    Clear,
+}
+
+impl Watch {
+    /// Takes in what a frame holds.
+    pub fn hear(&mut self, rows: Vec<Watched>) {
+        if rows != self.rows {
+            self.before = std::mem::replace(&mut self.rows, rows);
+        }
+    }
+
+    /// What a pixel held before it last changed, if it was watched then.
+    fn before(&self, row: &Watched) -> Option<&Watched> {
+        self.before.iter().find(|before| (before.x, before.y) == (row.x, row.y))
+    }
+}
+
+impl Session {
+    /// Does what concerns watched pixels.
+    pub fn change_watch(&mut self, change: Change) {
+        let pixel = match change {
+            Change::AddPick => self.pick,
+            Change::Add(x, y) => Some((x, y)),
+            Change::Remove(x, y) => {
+                self.watch.pixels.retain(|pixel| *pixel != (x, y));
+                None
+            }
+            Change::Clear => {
+                self.watch.pixels.clear();
+                None
+            }
+        };
+        let Some(pixel) = pixel.filter(|pixel| !self.watch.pixels.contains(pixel)) else { return };
+        if self.watch.pixels.len() == MOST {
+            self.report(Level::Error, format!("{MOST} pixels are watched already: remove one first"));
+        } else {
+            self.watch.pixels.push(pixel);
+        }
+    }
+}
+
+/// Numbered frames around all watched pixels that lie in the picture.
+pub(super) fn markers(
+    painter: &Painter,
+    placement: Placement,
+    session: &Session,
+    (width, height): (u32, u32),
+    tokens: &Tokens,
+) {
+    /// Smallest side of a frame, in points: seen on any picture, however small its pixels are.
+    const LEAST_POINTS: f32 = 5.0;
+    for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
+        if x >= width || y >= height {
+            continue;
+        }
+        let pixel = placement.rect_of(x, y);
+        let frame = eframe::egui::Rect::from_center_size(pixel.center(), pixel.size().max(Vec2::splat(LEAST_POINTS)));
+        painter.rect_stroke(frame.expand(1.0), 0.0, Stroke::new(3.0, MARK_EDGE), StrokeKind::Outside);
+        painter.rect_stroke(frame.expand(2.0), 0.0, Stroke::new(1.0, tokens.warning), StrokeKind::Outside);
+        let text = (number + 1).to_string();
+        let galley = painter.layout_no_wrap(text, FontId::monospace(font_size::SMALL), tokens.warning);
+        let place = Align2::LEFT_BOTTOM.anchor_size(frame.right_top() + vec2(3.0, -1.0), galley.size());
+        painter.rect_filled(place.expand(1.0), 2.0, MARK_EDGE);
+        painter.galley(place.min, galley, tokens.warning);
+    }
+}
+
+#[cfg(test)]
+mod tests;

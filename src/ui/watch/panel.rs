@@ -1,0 +1,123 @@
+//! The tab "Watch": one row per watched pixel, one column per buffer.
+
+use eframe::egui::{self, Button, Color32, Grid, RichText, ScrollArea, Sense, Ui, WidgetInfo};
+
+use super::Change;
+use crate::inspect::watch::{Values, Watched};
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::widgets::{empty_state, icon_button, swatch};
+
+/// Columns with name and explanation.
+const COLUMNS: [(&str, &str); 9] = [
+    ("Pixel", "Column and row; a click picks it"),
+    ("Colour", "The finished picture, red, green and blue"),
+    ("Depth", "What the depth buffer holds in the end"),
+    ("Triangle", "The triangle that is seen"),
+    ("Object", "What that triangle belongs to"),
+    ("λ on screen", "Screen-space weights of its corners"),
+    ("λ in space", "The weights that attributes are interpolated with"),
+    ("Overdraw", "Triangles that cover the pixel's centre"),
+    ("Shaded", "How many of them were shaded"),
+];
+
+/// Draws the buttons beside the tabs.
+pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let watched = |pixel| session.watch.pixels.contains(&pixel);
+    let addable = session.pick.is_some_and(|pixel| !watched(pixel));
+    let add = ui.add_enabled(addable, Button::new((theme::icon(Icon::Pin), "Watch the picked pixel")));
+    if add.on_hover_text("Adds it to the list  (Enter)").clicked() {
+        commands.push(Command::Watch(Change::AddPick));
+    }
+    let clear = ui.add_enabled(!session.watch.pixels.is_empty(), Button::new("Clear"));
+    if clear.on_hover_text("Watch no pixel any more").clicked() {
+        commands.push(Command::Watch(Change::Clear));
+    }
+}
+
+/// Draws the table.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if session.watch.pixels.is_empty() {
+        let help = "Press Enter, or the pin in the inspector, to keep the picked pixel here: what every buffer holds \
+                    there is followed from frame to frame.";
+        empty_state(ui, Icon::Pin, "No pixel is watched", help);
+        return;
+    }
+    ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+        Grid::new("watch").num_columns(COLUMNS.len() + 2).striped(true).spacing([16.0, 2.0]).show(ui, |ui| {
+            ui.label("");
+            for (name, help) in COLUMNS {
+                ui.label(RichText::new(name).small().color(tokens(ui).text_weak)).on_hover_text(help);
+            }
+            ui.end_row();
+            for (number, (x, y)) in session.watch.pixels.iter().copied().enumerate() {
+                ui.label(RichText::new((number + 1).to_string()).monospace().color(tokens(ui).warning));
+                let picked = session.pick == Some((x, y));
+                let pixel = ui.add(Button::selectable(picked, RichText::new(format!("{x}, {y}")).monospace()));
+                if pixel.on_hover_text("Pick this pixel").clicked() {
+                    commands.push(Command::Pick(Some((x, y))));
+                }
+                row(ui, session, (x, y));
+                if icon_button(ui, Icon::X, &format!("Watch {x}, {y} no more")).clicked() {
+                    commands.push(Command::Watch(Change::Remove(x, y)));
+                }
+                ui.end_row();
+            }
+        });
+    });
+}
+
+fn row(ui: &mut Ui, session: &Session, (x, y): (u32, u32)) {
+    let row = session.watch.rows.iter().find(|row| (row.x, row.y) == (x, y));
+    let Some(values) = row.and_then(|row| row.values.as_ref()) else {
+        let text = if row.is_some() { "outside of the picture" } else { "…" };
+        ui.label(RichText::new(text).color(tokens(ui).text_weak));
+        // The columns that there is nothing for.
+        (2..COLUMNS.len()).for_each(|_| drop(ui.label("")));
+        return;
+    };
+    let before = row.and_then(|row| session.watch.before(row)).and_then(|before: &Watched| before.values.as_ref());
+    let [r, g, b, _] = values.color;
+    ui.horizontal(|ui| {
+        swatch(ui, Color32::from_rgb(r, g, b));
+        let codes = |values: &Values| format!("{} {} {}", values.color[0], values.color[1], values.color[2]);
+        cell(ui, values, before, codes);
+    });
+    cell(ui, values, before, |values| values.depth.map_or_else(nothing, format::f32_full));
+    cell(ui, values, before, |values| values.triangle.map_or_else(nothing, |id| id.0.to_string()));
+    cell(ui, values, before, |values| values.object.clone().unwrap_or_else(nothing));
+    cell(ui, values, before, |values| values.lambda.map_or_else(nothing, weights));
+    cell(ui, values, before, |values| values.perspective_lambda.map_or_else(nothing, weights));
+    cell(ui, values, before, |values| values.overdraw.to_string());
+    cell(ui, values, before, |values| values.shaded.to_string());
+}
+
+fn nothing() -> String {
+    "–".to_owned()
+}
+
+fn weights(weights: [f32; 3]) -> String {
+    weights.map(|weight| format::fixed(f64::from(weight), 4)).join(" ")
+}
+
+/// A value; one that the last change of the picture changed is marked, and says what it was.
+fn cell(ui: &mut Ui, values: &Values, before: Option<&Values>, text: impl Fn(&Values) -> String) {
+    let (now, was) = (text(values), before.map(text));
+    let changed = was.as_ref().is_some_and(|was| *was != now);
+    let weak = !values.is_drawn;
+    let color = match (changed, weak) {
+        (true, _) => tokens(ui).warning,
+        (false, true) => tokens(ui).text_weak,
+        (false, false) => tokens(ui).text,
+    };
+    let shown = if changed { format!("• {now}") } else { now.clone() };
+    let label = ui.add(egui::Label::new(RichText::new(&shown).monospace().color(color)).sense(Sense::hover()));
+    label.widget_info(|| WidgetInfo::labeled(egui::Role::Label, true, &shown));
+    match was.filter(|_| changed) {
+        Some(was) => drop(label.on_hover_text(format!("was {was} before the last change"))),
+        None if weak => drop(label.on_hover_text("Of the drawn pixel that this one is mostly made of")),
+        None => {}
+    }
+}

@@ -1,0 +1,66 @@
+use std::sync::Arc;
+
+use super::watcher::Watcher;
+use super::*;
+use crate::chain::Recipe;
+use crate::scene::SceneSource;
+use crate::ui::command::Command;
+use crate::ui::engine::Engine;
+use crate::ui::session::PictureSize;
+
+fn session() -> Session {
+    let source = SceneSource::named("interpenetrating".into());
+    let scene = source.load().unwrap().scene;
+    let home = scene.home;
+    let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
+    session.state.size = PictureSize::Fixed(64, 48);
+    session
+}
+
+#[test]
+fn a_pixel_is_watched_once_and_no_more_than_there_is_room_for() {
+    let mut session = session();
+    session.apply(Command::Watch(Change::AddPick));
+    assert!(session.watch.pixels.is_empty(), "none is picked");
+    session.pick = Some((3, 4));
+    session.apply(Command::Watch(Change::AddPick));
+    session.apply(Command::Watch(Change::Add(3, 4)));
+    assert_eq!(session.watch.pixels, [(3, 4)]);
+    for x in 0..100 {
+        session.apply(Command::Watch(Change::Add(x, 0)));
+    }
+    assert_eq!(session.watch.pixels.len(), MOST);
+    assert!(session.error.is_some());
+    session.apply(Command::Watch(Change::Remove(3, 4)));
+    assert_eq!(session.watch.pixels[0], (0, 0));
+    session.apply(Command::Watch(Change::Clear));
+    assert!(session.watch.pixels.is_empty());
+}
+
+#[test]
+fn rows_follow_the_frames_and_what_was_stays_until_the_next_change() {
+    let mut session = session();
+    let (mut engine, mut watcher) = (Engine::default(), Watcher::default());
+    watcher.set(vec![(32, 24), (0, 0)]);
+    assert!(!watcher.has_work(), "there is no frame yet");
+    let mut follow = |session: &mut Session| {
+        watcher.look_at(&engine.answer(session.request()));
+        let due = watcher.has_work();
+        if due {
+            session.watch.hear(watcher.step().unwrap());
+        }
+        due
+    };
+    assert!(follow(&mut session));
+    let first = session.watch.rows.clone();
+    assert!(first[0].values.as_ref().unwrap().triangle.is_some());
+    session.pick = Some((1, 1));
+    assert!(!follow(&mut session), "a pick is no new frame");
+    session.state.recipe.set("shading=normals").unwrap();
+    assert!(follow(&mut session));
+    assert_ne!(session.watch.rows, first);
+    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]));
+    session.state.recipe.set("execution=classic").unwrap();
+    follow(&mut session);
+    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "the same values are no change");
+}

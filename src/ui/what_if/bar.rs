@@ -1,0 +1,221 @@
+//! The bar over the canvas that tells what a change did, and the label that tells which of the two pictures is seen.
+
+use eframe::egui::{self, Align2, Button, FontId, Label, Rect, RichText, Ui, vec2};
+
+use super::drawer::Found;
+use super::{Change, Show};
+use crate::inspect::fields::{FieldChange, changes};
+use crate::measure::pair::PairTimes;
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, font_size, space, tokens};
+
+/// Fields named in the bar; the others are in the tooltip.
+const NAMED: usize = 2;
+
+/// Draws the bar.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut chosen = Vec::new();
+    let Some(before) = session.what_if.before else {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("What changed?").strong());
+            let words =
+                "Change any setting: what was drawn before is kept as A and compared with what is drawn now, B.";
+            ui.add(Label::new(RichText::new(words).color(tokens(ui).text_weak)).truncate());
+            palette_button(ui, commands);
+            close(ui, &mut chosen);
+        });
+        commands.extend(chosen.into_iter().map(Command::WhatIf));
+        return;
+    };
+    let fields = changes(&before, &session.state.recipe);
+    ui.horizontal_wrapped(|ui| {
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+        fields_in_words(ui, &fields);
+        ui.separator();
+        palette_button(ui, commands);
+        buttons(ui, session, !fields.is_empty(), &mut chosen);
+        close(ui, &mut chosen);
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+        for (show, name, help) in Show::ALL {
+            if ui.selectable_label(session.what_if.show == show, name).on_hover_text(help).clicked() {
+                chosen.push(Change::Show(show));
+            }
+        }
+        ui.separator();
+        figures(ui, session, &mut chosen);
+    });
+    verdicts(ui, session);
+    commands.extend(chosen.into_iter().map(Command::WhatIf));
+}
+
+/// A message in the colour of what is compared with, and what differs.
+fn fields_in_words(ui: &mut Ui, fields: &[FieldChange]) {
+    if fields.is_empty() {
+        ui.label(RichText::new("A and B have the same settings").color(tokens(ui).text_weak));
+        return;
+    }
+    let words: Vec<_> = fields.iter().map(FieldChange::words).collect();
+    let mut text = words[..words.len().min(NAMED)].join(",  ");
+    if words.len() > NAMED {
+        text += &format!("  and {} more", words.len() - NAMED);
+    }
+    ui.label(RichText::new(text).strong()).on_hover_text(words.join("\n"));
+}
+
+fn palette_button(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let help = "Change any setting, found by its name: type “key=value”, or choose from the list";
+    if ui.add(Button::new((theme::icon(Icon::Search), "Change …"))).on_hover_text(help).clicked() {
+        commands.push(Command::OpenPalette);
+    }
+}
+
+fn buttons(ui: &mut Ui, session: &Session, differs: bool, chosen: &mut Vec<Change>) {
+    let pinned = session.what_if.pinned;
+    let help = "A stays as it is while several settings change; else every change begins anew";
+    if ui.add(Button::new((theme::icon(Icon::Pin), "Pin A")).selected(pinned)).on_hover_text(help).clicked() {
+        chosen.push(Change::Pin(!pinned));
+    }
+    let mut button = |ui: &mut Ui, icon: Icon, name: &str, help: &str, change: Change| {
+        if ui.add_enabled(differs, Button::new((theme::icon(icon), name))).on_hover_text(help).clicked() {
+            chosen.push(change);
+        }
+    };
+    button(ui, Icon::Undo2, "Revert", "Draw by the settings of A again", Change::Revert);
+    button(ui, Icon::ArrowLeftRight, "Swap", "A becomes B and B becomes A", Change::Swap);
+}
+
+fn close(ui: &mut Ui, chosen: &mut Vec<Change>) {
+    if ui.add(Button::new(theme::icon(Icon::X)).frame_when_inactive(false)).on_hover_text("Close  (X)").clicked() {
+        chosen.push(Change::Toggle);
+    }
+}
+
+/// Count, error and time, as far as they are known.
+fn figures(ui: &mut Ui, session: &Session, chosen: &mut Vec<Change>) {
+    let Some(found) = session.view.as_ref().and_then(|view| session.what_if.current(view)) else {
+        ui.spinner();
+        ui.label(RichText::new("Drawing A and B …").color(tokens(ui).text_weak));
+        return;
+    };
+    let count = found.changes.count;
+    let text = match count {
+        0 => "No pixel changed".to_owned(),
+        1 => format!("1 pixel changed ({})", share(found.changes.share())),
+        _ => format!("{} pixels changed ({})", format::count(count), share(found.changes.share())),
+    };
+    let help = "Pixels whose value differs between A and B in what the canvas shows, picture or buffer";
+    ui.label(RichText::new(text).strong()).on_hover_text(help);
+    for (icon, step, name) in
+        [(Icon::ChevronLeft, -1, "Previous changed pixel"), (Icon::ChevronRight, 1, "Next changed pixel")]
+    {
+        let button = Button::new(theme::icon(icon)).min_size(egui::Vec2::splat(theme::CONTROL_HEIGHT));
+        if ui.add_enabled(count > 0, button).on_hover_text(name).clicked() {
+            chosen.push(Change::Step(step));
+        }
+    }
+    ui.separator();
+    error(ui, found);
+    ui.separator();
+    match &found.times {
+        Some(times) => time(ui, times),
+        None => {
+            ui.label(RichText::new("timing …").monospace().color(tokens(ui).text_weak));
+        }
+    }
+}
+
+/// A share with enough digits that a single pixel is not nothing.
+fn share(share: f64) -> String {
+    /// Below this a tenth of a percent says too little.
+    const SMALL: f64 = 0.01;
+    if share > 0.0 && share < SMALL {
+        format!("{}\u{2009}%", format::fixed(share * 100.0, 4))
+    } else {
+        format::percent(share)
+    }
+}
+
+fn error(ui: &mut Ui, found: &Found) {
+    let text = match found.error {
+        None => "error …".to_owned(),
+        Some(error) if error.differing_pixels == 0 => "pictures are the same".to_owned(),
+        Some(error) => format!("PSNR {} dB, max {}", format::fixed(error.psnr_db, 1), error.max_abs),
+    };
+    let numbers = found.error.map(|error| {
+        let (mse, ssim) = (format::fixed(error.mse, 4), format::fixed(error.ssim, 6));
+        format!("MSE {mse}, SSIM {ssim}, {} pixels of the picture differ. ", format::count(error.differing_pixels))
+    });
+    let help = numbers.unwrap_or_default()
+        + "How far the finished pictures of A and B are apart, whatever the canvas shows: peak signal to noise ratio, largest \
+           difference of a code";
+    ui.label(RichText::new(text).monospace()).on_hover_text(help);
+}
+
+fn time(ui: &mut Ui, times: &PairTimes) {
+    let change = times.change_ms.median;
+    let sign = if change > 0.0 { "+" } else { "" };
+    let text = format!("Δ time {sign}{}", format::ms(change));
+    let color = if times.is_clear() { tokens(ui).text_strong } else { tokens(ui).text_weak };
+    let verdict = if times.is_clear() { "larger than the noise" } else { "within the noise" };
+    let help = format!(
+        "Medians of {} interleaved frames: A {}, B {}. The same settings against themselves differ by up to {} in nine of \
+         ten rounds, so the change is {verdict}.",
+        times.a_ms.n,
+        format::ms(times.a_ms.median),
+        format::ms(times.b_ms.median),
+        format::ms(times.noise()),
+    );
+    ui.label(RichText::new(text).monospace().color(color)).on_hover_text(&help);
+    let noise = format!("± {}", format::ms(times.noise()));
+    ui.label(RichText::new(noise).monospace().small().color(tokens(ui).text_weak)).on_hover_text(help);
+}
+
+/// What the picked pixel says of itself in A and in B, where that differs.
+fn verdicts(ui: &mut Ui, session: &Session) {
+    let Some(view) = &session.view else { return };
+    let Some(found) = session.what_if.current(view) else { return };
+    let (Some(before), Some(after)) = (&found.before.report, &view.report) else { return };
+    let changed = found.changes.mask.get(after.x, after.y) == Some(true);
+    let place = format!("Pixel {}, {}", after.x, after.y);
+    ui.horizontal(|ui| {
+        if !changed {
+            let text = format!("{place} did not change.");
+            ui.label(RichText::new(text).small().color(tokens(ui).text_weak));
+            return;
+        }
+        ui.label(RichText::new("A").small().strong().color(tokens(ui).a));
+        ui.add(Label::new(RichText::new(&before.verdict).small()).truncate());
+    });
+    if changed {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("B").small().strong().color(tokens(ui).b));
+            ui.add(Label::new(RichText::new(&after.verdict).small()).truncate());
+        });
+    }
+}
+
+/// Which of the two pictures is seen, in the canvas's upper left corner.
+pub fn label(ui: &Ui, canvas: Rect, session: &Session) {
+    let what_if = &session.what_if;
+    if session.view.as_ref().is_none_or(|view| what_if.current(view).is_none()) {
+        return;
+    }
+    let held = ui.input(|input| input.modifiers.shift);
+    let (text, color) = match what_if.show {
+        _ if held => ("A  before", tokens(ui).a),
+        Show::Before => ("A  before", tokens(ui).a),
+        Show::After => ("B  now", tokens(ui).b),
+        Show::Changed => ("B  only what changed", tokens(ui).b),
+    };
+    let painter = ui.painter().with_clip_rect(canvas);
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(font_size::TITLE), color);
+    let corner = canvas.left_top() + vec2(space::S, space::S);
+    let frame = Rect::from_min_size(corner, galley.size() + vec2(2.0 * space::S, space::XS * 2.0));
+    painter.rect_filled(frame, theme::RADIUS, tokens(ui).panel.gamma_multiply(0.92));
+    let place = Align2::CENTER_CENTER.anchor_size(frame.center(), galley.size());
+    painter.galley(place.min, galley, color);
+}

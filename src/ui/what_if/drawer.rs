@@ -1,0 +1,141 @@
+//! The renderer's part: draws A and B, finds what differs, then measures error and time piece by piece.
+
+use std::sync::Arc;
+
+use crate::image::{Image, Rgba8};
+use crate::inspect::view;
+use crate::inspect::what_if::Changes;
+use crate::measure::error::{ImageError, compare};
+use crate::measure::pair::{PairTimer, PairTimes};
+use crate::ui::engine::{Engine, Request, Shown, View};
+
+/// Rounds of timing that count.
+pub const ROUNDS: usize = 15;
+
+/// What is to be found out: the same view by two recipes.
+#[derive(Clone, Debug)]
+pub struct WhatIfRequest {
+    /// A.
+    pub before: Request,
+    /// B.
+    pub after: Request,
+}
+
+impl WhatIfRequest {
+    /// Whether the answer to both is the same.
+    pub fn same_as(&self, other: &Self) -> bool {
+        self.before.same_view(&other.before) && self.after.same_view(&other.after)
+    }
+}
+
+/// What is known so far.
+#[derive(Clone, Debug)]
+pub struct Found {
+    /// What was asked.
+    pub request: WhatIfRequest,
+    /// A, coloured like B.
+    pub before: View,
+    /// B, with all that did not change pushed back.
+    pub marked: View,
+    /// What differs in what is shown.
+    pub changes: Arc<Changes>,
+    /// How far the finished pictures are apart, when that is found out.
+    pub error: Option<ImageError>,
+    /// What the change does to the time of a frame, when that is measured.
+    pub times: Option<PairTimes>,
+}
+
+/// Works on the newest request.
+#[derive(Debug, Default)]
+pub struct Drawer {
+    engines: [Engine; 2],
+    known: Option<Found>,
+    timer: Option<PairTimer>,
+    begun: bool,
+}
+
+impl Drawer {
+    /// Draws A and B as far as they are not there yet, and finds what differs. `None` if they cannot be compared.
+    pub fn ask(&mut self, request: WhatIfRequest) -> Option<&Found> {
+        self.begun = false;
+        let [a, b] = &mut self.engines;
+        let (mut before, after) = (settled(a, request.before.clone()), settled(b, request.after.clone()));
+        let old = self.known.take();
+        let kept = old.filter(|old| {
+            Arc::ptr_eq(&old.before.frame, &before.frame)
+                && Arc::ptr_eq(&old.marked.frame, &after.frame)
+                && old.request.after.shown == request.after.shown
+        });
+        if let Some(old) = kept {
+            // Another pixel was picked.
+            let (before, marked) =
+                (View { picture: old.before.picture, ..before }, View { picture: old.marked.picture, ..after });
+            return Some(self.known.insert(Found { request, before, marked, ..old }));
+        }
+        let changes = changes(&before, &after)?;
+        before.picture = like(&before, &after);
+        before.range = after.range;
+        let marked = View { picture: Arc::new(changes.marked(&after.picture)), ..after };
+        self.timer = Some(PairTimer::new(request.before.recipe, request.after.recipe, ROUNDS));
+        Some(self.known.insert(Found { request, before, marked, changes: Arc::new(changes), error: None, times: None }))
+    }
+
+    /// Finds out one more piece. `None` if that tells nothing new yet.
+    pub fn step(&mut self) -> Option<&Found> {
+        self.begun = true;
+        let known = self.known.as_mut()?;
+        if known.error.is_none() {
+            known.error = compare(known.before.frame.image(), known.marked.frame.image());
+        } else {
+            let Request { scene, camera, viewport, .. } = &known.request.after;
+            known.times = Some(self.timer.as_mut()?.step(scene, camera, *viewport)?);
+            self.timer = None;
+        }
+        self.known.as_ref()
+    }
+
+    /// Whether there is something left to find out.
+    pub fn has_work(&self) -> bool {
+        self.known.is_some() && self.timer.is_some()
+    }
+
+    /// Whether it has begun to find that out.
+    pub fn has_begun(&self) -> bool {
+        self.begun && self.has_work()
+    }
+
+    /// Stops, and forgets everything.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// The view when no further frame of it is better.
+fn settled(engine: &mut Engine, request: Request) -> View {
+    let mut view = engine.answer(request);
+    while view.wants_another() {
+        view = engine.answer(view.request);
+    }
+    view
+}
+
+fn changes(before: &View, after: &View) -> Option<Changes> {
+    match after.request.shown {
+        Shown::Buffer(buffer) => Changes::of_buffer(
+            buffer,
+            (&before.frame, before.buffers.as_deref()),
+            (&after.frame, after.buffers.as_deref()),
+        ),
+        Shown::Stage(_) => Changes::of_pictures(&before.picture, &after.picture),
+    }
+}
+
+/// A in the colours of B: where a map is used, equal values shall have equal colours.
+fn like(before: &View, after: &View) -> Arc<Image<Rgba8>> {
+    match (after.request.shown, after.range) {
+        (Shown::Buffer(buffer), Some(range)) if before.range != after.range => {
+            Arc::new(view::picture(buffer, &before.frame, before.buffers.as_deref(), Some(range)))
+        }
+        _ => before.picture.clone(),
+    }
+}

@@ -1,0 +1,142 @@
+use std::sync::Arc;
+
+use super::drawer::Drawer;
+use super::*;
+use crate::inspect::Buffer;
+use crate::scene::SceneSource;
+use crate::ui::engine::{Engine, Shown};
+use crate::ui::session::PictureSize;
+
+fn session(scene: &str) -> Session {
+    let source = SceneSource::named(scene.into());
+    let scene = source.load().unwrap().scene;
+    let home = scene.home;
+    let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
+    session.state.size = PictureSize::Fixed(64, 48);
+    session.settle_silently();
+    session.apply(Command::WhatIf(Change::Toggle));
+    session
+}
+
+fn set(session: &mut Session, assignment: &str) {
+    let mut recipe = session.state.recipe;
+    recipe.set(assignment).unwrap();
+    session.apply(Command::SetRecipe(recipe));
+    session.settle(0.0);
+}
+
+/// Draws what is asked for and gives it to the session.
+fn find(session: &mut Session) {
+    session.view = Some(Engine::default().answer(session.request()));
+    let request = session.what_if_request().unwrap();
+    session.what_if.found = Drawer::default().ask(request).cloned();
+}
+
+#[test]
+fn what_was_before_every_change_is_kept_and_a_pinned_a_stays() {
+    let mut session = session("triangle");
+    assert!(session.what_if_request().is_none(), "nothing changed yet");
+    let first = session.state.recipe;
+    set(&mut session, "shading=normals");
+    assert_eq!(session.what_if.before, Some(first));
+    let second = session.state.recipe;
+    set(&mut session, "culling=none");
+    assert_eq!(session.what_if.before, Some(second));
+    session.apply(Command::WhatIf(Change::Pin(true)));
+    set(&mut session, "wireframe=true");
+    assert_eq!(session.what_if.before, Some(second));
+    let third = session.state.recipe;
+    session.apply(Command::WhatIf(Change::Swap));
+    session.settle(1.0);
+    assert_eq!((session.what_if.before, session.state.recipe), (Some(third), second));
+    session.apply(Command::WhatIf(Change::Revert));
+    session.settle(2.0);
+    assert_eq!(session.state.recipe, third);
+    session.apply(Command::Undo);
+    assert_eq!(session.state.recipe, second, "it is undone like any change");
+}
+
+#[test]
+fn undoing_is_a_change_like_any_other() {
+    let mut session = session("triangle");
+    let first = session.state.recipe;
+    set(&mut session, "shading=normals");
+    let second = session.state.recipe;
+    session.apply(Command::Undo);
+    assert_eq!((session.state.recipe, session.what_if.before), (first, Some(second)));
+}
+
+#[test]
+fn the_canvas_shows_a_b_or_what_changed_of_what_is_asked_for_and_of_nothing_else() {
+    let mut session = session("shared-edges");
+    set(&mut session, "fill_rule=inclusive");
+    find(&mut session);
+    let view = session.view.clone().unwrap();
+    let found = session.what_if.found.clone().unwrap();
+    assert!(found.changes.count > 0);
+    let shown = |session: &Session, held| session.what_if.seen(&view, held).picture.clone();
+    assert_eq!(*shown(&session, true), *found.before.picture);
+    let mut plain = session.request();
+    plain.recipe = Recipe::default();
+    assert_eq!(*found.before.picture, *Engine::default().answer(plain).picture);
+    for (show, picture) in [
+        (Show::After, &view.picture),
+        (Show::Before, &found.before.picture),
+        (Show::Changed, &Arc::new(found.changes.marked(&view.picture))),
+    ] {
+        session.apply(Command::WhatIf(Change::Show(show)));
+        assert_eq!(*shown(&session, false), **picture, "{show:?}");
+    }
+    let mut later = view.clone();
+    later.request.recipe.wireframe = true;
+    assert!(Arc::ptr_eq(&session.what_if.seen(&later, true).picture, &later.picture), "that is of another view");
+}
+
+#[test]
+fn changed_pixels_are_stepped_through() {
+    let mut session = session("shared-edges");
+    set(&mut session, "fill_rule=inclusive");
+    find(&mut session);
+    let count = session.what_if.found.as_ref().unwrap().changes.count;
+    let first = session.change_beside_pick(true);
+    for _ in 0..count {
+        session.pick = session.change_beside_pick(true);
+        assert!(session.pick.is_some());
+    }
+    session.pick = session.change_beside_pick(true);
+    assert_eq!(session.pick, first, "round the end");
+}
+
+#[test]
+fn a_pick_draws_nothing_again_and_a_buffer_is_compared_by_its_values() {
+    let mut session = session("interpenetrating");
+    set(&mut session, "depth_format=unorm16");
+    let mut drawer = Drawer::default();
+    let first = drawer.ask(session.what_if_request().unwrap()).unwrap().clone();
+    session.pick = Some((30, 20));
+    let second = drawer.ask(session.what_if_request().unwrap()).unwrap().clone();
+    assert!(Arc::ptr_eq(&first.before.frame, &second.before.frame) && Arc::ptr_eq(&first.changes, &second.changes));
+    assert!(first.before.report.is_none() && second.before.report.is_some());
+    session.shown = Shown::Buffer(Buffer::Depth);
+    let depth = drawer.ask(session.what_if_request().unwrap()).unwrap();
+    assert!(depth.changes.count > first.changes.count);
+    assert_eq!(depth.before.range, depth.marked.range, "equal values have equal colours");
+}
+
+#[test]
+fn error_comes_first_and_time_when_all_rounds_are_done() {
+    let mut session = session("shared-edges");
+    set(&mut session, "fill_rule=inclusive");
+    let mut drawer = Drawer::default();
+    drawer.ask(session.what_if_request().unwrap());
+    let error = drawer.step().unwrap().error.unwrap();
+    let found = drawer.ask(session.what_if_request().unwrap()).unwrap();
+    assert_eq!((error.differing_pixels, found.error), (found.changes.count, Some(error)));
+    let mut pieces = 0;
+    while drawer.has_work() {
+        let told = drawer.step().is_some_and(|found| found.times.is_some());
+        pieces += 1;
+        assert_eq!(told, !drawer.has_work());
+    }
+    assert!(pieces > super::drawer::ROUNDS);
+}

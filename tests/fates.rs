@@ -1,0 +1,195 @@
+//! The ends of triangles and fragments against a count that goes another way: which samples a triangle covers by whole
+//! numbers, how each fragment ends by what holds of all fragments at its pixel at once, and what the geometry stages reject
+//! by double precision.
+
+mod common;
+
+use glam::{DVec4, Mat4, Vec3};
+use rasterscope::chain::{Frame, Recipe};
+use rasterscope::inspect::Fates;
+use rasterscope::inspect::fates::{FragmentFate, TriangleFate};
+use rasterscope::pipeline::depth::depth_at;
+use rasterscope::pipeline::raster::Sample;
+use rasterscope::pipeline::settings::{Choice as _, Culling, DepthTest};
+use rasterscope::pipeline::viewport::ScreenTriangle;
+use rasterscope::scene::{DepthMapping, Scene, TriangleId};
+
+use common::{SceneBuilder, cube, for_seeds, render, soup};
+
+/// Odd on purpose, and small: every triangle is asked for every pixel.
+const SIZE: (u32, u32) = (37, 29);
+
+/// Steps of the grid of corners per pixel, and to its centre.
+const STEPS: i128 = 256;
+
+/// Triangles through each other, some translucent, around and behind the eye too, without textures: what covers is opacity.
+fn scene(rng: &mut fastrand::Rng) -> Scene {
+    let at = |x: f32, z: f32| Mat4::from_translation(Vec3::new(x, 0.0, z));
+    SceneBuilder::new(Vec3::new(0.2, 0.3, 1.4))
+        .with(soup(rng, 14), Mat4::from_scale(Vec3::splat(1.2)), None)
+        .with(cube(), at(-0.4, -0.6) * Mat4::from_scale(Vec3::splat(0.3)), None)
+        .with_opacity(soup(rng, 9), at(0.2, -0.2), None, 0.5)
+        .0
+}
+
+/// The edge values of a triangle at the centre of a pixel, if that belongs to it by the top-left rule.
+fn edges(triangle: &ScreenTriangle, x: u32, y: u32) -> Option<[f64; 3]> {
+    let corners = triangle.vertices.each_ref().map(|v| [i128::from(v.x), i128::from(v.y)]);
+    let [px, py] = [x, y].map(|at| i128::from(at) * STEPS + STEPS / 2);
+    let cross =
+        |a: [i128; 2], b: [i128; 2], p: [i128; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let sign = cross(corners[0], corners[1], corners[2]).signum();
+    let mut values = [0.0; 3];
+    for (opposite, value) in values.iter_mut().enumerate() {
+        // Along the edge with the inside at the right as seen on the screen, whose y runs down.
+        let (mut a, mut b) = (corners[(opposite + 1) % 3], corners[(opposite + 2) % 3]);
+        if sign < 0 {
+            (a, b) = (b, a);
+        }
+        let edge = cross(a, b, [px, py]);
+        let is_top_or_left = (a[1] == b[1] && b[0] > a[0]) || b[1] < a[1];
+        if edge < 0 || (edge == 0 && !is_top_or_left) {
+            return None;
+        }
+        *value = edge as f64;
+    }
+    Some(values)
+}
+
+/// A fragment as this count sees it.
+struct Candidate {
+    triangle: TriangleId,
+    depth: f32,
+    is_blended: bool,
+}
+
+/// How each of the fragments at one pixel ends, given all of them in drawing order, those that are blended last. A fragment
+/// passes if it is nearer than every opaque one before it; it is hidden if any opaque one after it passes.
+fn endings(all: &[Candidate], tests_depth: bool) -> Vec<FragmentFate> {
+    let passes = |place: usize| {
+        let is_nearer = |other: &Candidate| other.is_blended || all[place].depth < other.depth;
+        !tests_depth || (all[place].depth < 1.0 && all[..place].iter().all(is_nearer))
+    };
+    let ending = |place: usize| {
+        let later = || (place + 1..all.len()).filter(|later| passes(*later));
+        match (passes(place), later().any(|later| !all[later].is_blended), later().next().is_some()) {
+            (false, ..) => FragmentFate::LostDepth,
+            (true, true, _) => FragmentFate::Overwritten,
+            (true, false, true) => FragmentFate::SeenThrough,
+            (true, false, false) => FragmentFate::Visible,
+        }
+    };
+    (0..all.len()).map(ending).collect()
+}
+
+/// Counts of fragments of each triangle by their ends.
+fn expected_fragments(scene: &Scene, frame: &Frame, tests_depth: bool) -> Vec<[u64; FragmentFate::ALL.len()]> {
+    let mut counts = vec![[0; FragmentFate::ALL.len()]; scene.triangle_count()];
+    let translucent = scene.instances.len() as u32 - 1;
+    for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
+        let covering = frame.geometry.triangles.iter().filter_map(|triangle| {
+            let sample = Sample { column: x, row: y, x, y, edges: edges(triangle, x, y)? };
+            let (depth, is_blended) = (depth_at(triangle, &sample), triangle.instance == translucent);
+            Some(Candidate { triangle: triangle.id, depth, is_blended })
+        });
+        let covering: Vec<_> = covering.collect();
+        for (fragment, ending) in covering.iter().zip(endings(&covering, tests_depth)) {
+            counts[fragment.triangle.0 as usize][ending as usize] += 1;
+        }
+    }
+    counts
+}
+
+/// What double precision says of a triangle before it is rasterized: outside the view, or the doubled area of what is left of
+/// it between the near and the far plane, on the screen and y down.
+fn in_double_precision(corners: [DVec4; 3]) -> Option<f64> {
+    let planes: [fn(DVec4) -> f64; 6] =
+        [|p| p.z, |p| p.w - p.z, |p| p.w + p.x, |p| p.w - p.x, |p| p.w + p.y, |p| p.w - p.y];
+    if planes.iter().any(|plane| corners.iter().all(|corner| plane(*corner) < 0.0)) {
+        return None;
+    }
+    let mut polygon = corners.to_vec();
+    for plane in &planes[..2] {
+        let mut cut = Vec::new();
+        for (place, a) in polygon.iter().enumerate() {
+            let b = polygon[(place + 1) % polygon.len()];
+            let (from, to) = (plane(*a), plane(b));
+            if from >= 0.0 {
+                cut.push(*a);
+            }
+            if (from >= 0.0) != (to >= 0.0) {
+                cut.push(*a + (b - *a) * (from / (from - to)));
+            }
+        }
+        polygon = cut;
+    }
+    let on_screen: Vec<_> = polygon.iter().map(|p| [p.x / p.w, -p.y / p.w]).collect();
+    let next = |place: usize| on_screen[(place + 1) % on_screen.len()];
+    Some(on_screen.iter().enumerate().map(|(place, [x, y])| x * next(place)[1] - y * next(place)[0]).sum())
+}
+
+/// The triangles that the geometry stages should reject, by their fate.
+fn expected_rejections(scene: &Scene, culling: Culling) -> Vec<Option<TriangleFate>> {
+    let aspect = SIZE.0 as f32 / SIZE.1 as f32;
+    let clip_from_world =
+        scene.home.clip_from_view(aspect, DepthMapping::Standard).as_dmat4() * scene.home.view_from_world_f64();
+    let of_instance = |instance: &rasterscope::scene::Instance| {
+        let mesh = scene.library.mesh(instance.mesh);
+        let clip_from_model = clip_from_world * instance.world_from_model.as_dmat4();
+        let corner = |vertex: u32| clip_from_model * mesh.positions[vertex as usize].as_dvec3().extend(1.0);
+        let fate = |triangle: &[u32; 3]| match (in_double_precision(triangle.map(corner)), culling) {
+            (None, _) => Some(TriangleFate::Outside),
+            (Some(area), Culling::Back) if area > 0.0 => Some(TriangleFate::BackFacing),
+            (Some(area), Culling::Front) if area < 0.0 => Some(TriangleFate::FrontFacing),
+            _ => None,
+        };
+        mesh.triangles.iter().map(fate).collect::<Vec<_>>()
+    };
+    scene.instances.iter().flat_map(of_instance).collect()
+}
+
+#[test]
+fn every_triangle_and_every_fragment_ends_as_another_count_says() {
+    let mut met = [false; TriangleFate::ALL.len()];
+    for_seeds(12, |rng| {
+        let scene = scene(rng);
+        for culling in Culling::ALL {
+            for depth_test in [DepthTest::Less, DepthTest::Off] {
+                let mut recipe = Recipe::default();
+                (recipe.pipeline.culling, recipe.pipeline.depth_test) = (*culling, depth_test);
+                let frame = render(&scene, &recipe, SIZE);
+                let fates = Fates::of(&scene, &recipe, &frame);
+                let fragments = expected_fragments(&scene, &frame, depth_test == DepthTest::Less);
+                let rejections = expected_rejections(&scene, *culling);
+                for (id, (expected, rejected)) in fragments.iter().zip(&rejections).enumerate() {
+                    let told = format!("triangle {id}, {culling:?}, {depth_test:?}");
+                    let counted = FragmentFate::ALL.iter().map(|fate| fates.fragments[id].of(*fate));
+                    assert_eq!(counted.collect::<Vec<_>>(), expected, "{told}");
+                    let best = FragmentFate::ALL.iter().rev().find(|fate| expected[**fate as usize] > 0);
+                    let fate = rejected.unwrap_or(match best {
+                        None => TriangleFate::NoCentre,
+                        Some(FragmentFate::LostDepth) => TriangleFate::LostDepth,
+                        Some(FragmentFate::CutOut) => TriangleFate::CutOut,
+                        Some(FragmentFate::Overwritten) => TriangleFate::Overwritten,
+                        Some(FragmentFate::SeenThrough) => TriangleFate::SeenThrough,
+                        Some(FragmentFate::Visible) => TriangleFate::Visible,
+                    });
+                    assert_eq!(fates.triangles[id], fate, "{told}");
+                    met[fate as usize] = true;
+                }
+            }
+        }
+    });
+    for fate in [
+        TriangleFate::Outside,
+        TriangleFate::BackFacing,
+        TriangleFate::FrontFacing,
+        TriangleFate::NoCentre,
+        TriangleFate::LostDepth,
+        TriangleFate::Overwritten,
+        TriangleFate::SeenThrough,
+        TriangleFate::Visible,
+    ] {
+        assert!(met[fate as usize], "no triangle ended so: {fate:?}");
+    }
+}

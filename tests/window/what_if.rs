@@ -1,0 +1,77 @@
+//! What the last change did: figures, pictures of before and now, and the changed pixels one by one.
+
+use eframe::egui::{Key, Modifiers};
+use rasterscope::chain::{Recipe, run};
+use rasterscope::pipeline::settings::FillRule;
+
+use crate::bench::Bench;
+
+/// The shared edges by an inclusive fill rule, chosen by hand after the top-left one.
+fn changed() -> Bench {
+    let mut bench = Bench::small("shared-edges");
+    bench.press(Key::X);
+    assert!(bench.says("What changed?"));
+    bench.click("Rasterize stage");
+    bench.choose("Fill rule", "Inclusive");
+    bench
+}
+
+#[test]
+fn the_bar_says_which_field_changed_and_counts_the_pixels_that_did() {
+    let bench = changed();
+    assert!(bench.says("fill_rule: top-left → inclusive"));
+    let request = bench.session().request();
+    let before = run(&request.scene, &request.camera, &Recipe::default(), request.viewport, &mut ());
+    let after = bench.expected();
+    let pairs = before.image().pixels().iter().zip(after.image().pixels());
+    let count = pairs.filter(|(before, after)| before != after).count();
+    assert!(count > 1);
+    assert!(bench.mentions(&format!("{count} pixels changed (")), "{count}");
+    assert!(bench.mentions("PSNR") && bench.mentions("Δ time"));
+}
+
+#[test]
+fn nothing_that_changes_no_pixel_is_said_to() {
+    let mut bench = Bench::small("triangle");
+    bench.press(Key::X);
+    bench.choose("Culling", "None");
+    assert!(bench.says("culling: back → none") && bench.says("No pixel changed"));
+    assert!(bench.mentions("pictures are the same"));
+}
+
+#[test]
+fn changed_pixels_are_gone_through_by_a_button() {
+    let mut bench = changed();
+    let found = bench.session().what_if.found.clone().unwrap();
+    for _ in 0..3 {
+        bench.click("Next changed pixel");
+        let (x, y) = bench.session().pick.unwrap();
+        assert!(found.changes.mask.at(x, y));
+    }
+}
+
+#[test]
+fn a_pinned_a_stays_and_revert_leads_back_to_it() {
+    let mut bench = changed();
+    bench.click("Pin A");
+    bench.choose("Culling", "None");
+    assert!(bench.says("culling: back → none,  fill_rule: top-left → inclusive"));
+    bench.click("Swap");
+    assert_eq!(bench.session().state.recipe, Recipe::default());
+    bench.click("Swap");
+    assert_eq!(bench.session().state.recipe.pipeline.fill_rule, FillRule::Inclusive);
+    bench.click("Revert");
+    assert_eq!(bench.session().state.recipe, Recipe::default());
+    assert!(bench.says("A and B have the same settings"));
+    bench.press_with(Modifiers::COMMAND, Key::Z);
+    assert_eq!(bench.session().state.recipe.pipeline.fill_rule, FillRule::Inclusive);
+}
+
+#[test]
+fn closed_it_asks_nothing_of_the_renderer() {
+    let mut bench = changed();
+    assert!(bench.session().what_if.found.is_some());
+    bench.press(Key::X);
+    assert!(bench.session().what_if.found.is_none() && bench.session().what_if_request().is_none());
+    assert_eq!(bench.session().what_if.before, Some(Recipe::default()), "what was before is kept all the same");
+}
