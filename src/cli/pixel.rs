@@ -6,6 +6,7 @@ use rasterscope::inspect::inspect;
 use super::failure::Failure;
 use super::pixel_text::describe;
 use super::scene_args::{Drawn, FrameArgs};
+use super::seen_args::moment;
 use super::{output, parse};
 
 /// What `pixel` takes.
@@ -21,6 +22,10 @@ pub(crate) struct PixelArgs {
     /// Draw only the first so many of the rasterized triangles
     #[arg(long, value_name = "N")]
     triangles: Option<usize>,
+
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "N", requires = "triangles")]
+    fragments: Option<usize>,
 
     /// Taken so that a copied command works here too, and of no use: all about the pixel is told
     #[arg(long, hide = true)]
@@ -43,7 +48,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     if x >= picture.width || y >= picture.height {
         return Err(outside());
     }
-    let Drawn { scene, recipe, frame, .. } = args.frame.draw(args.triangles)?;
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
     if args.json {
         let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;

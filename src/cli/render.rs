@@ -21,6 +21,7 @@ use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
 use super::scene_args::{Drawn, FrameArgs};
+use super::seen_args::moment;
 use super::{output, parse};
 
 /// What `render` takes.
@@ -37,6 +38,18 @@ pub(crate) struct RenderArgs {
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     stage: Option<Stage>,
 
+    /// Draw only the first so many of the rasterized triangles
+    #[arg(long, value_name = "N")]
+    triangles: Option<usize>,
+
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "N", requires = "triangles")]
+    fragments: Option<usize>,
+
+    /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
+    #[arg(long, value_name = "X,Y", hide = true)]
+    at: Option<String>,
+
     /// Lay this over the picture, and print its totals; may be given several times, the lowest first
     #[arg(long, value_name = "OVERLAY", conflicts_with = "stage", value_parser = parse::choice::<Overlay>())]
     overlay: Vec<Overlay>,
@@ -48,13 +61,6 @@ pub(crate) struct RenderArgs {
     /// Also write the exact values of the buffer as 32-bit floats
     #[arg(long, value_name = "FILE.pfm", conflicts_with = "stage")]
     data: Option<PathBuf>,
-    /// Draw only the first so many of the rasterized triangles
-    #[arg(long, value_name = "N")]
-    triangles: Option<usize>,
-
-    /// Taken so that a copied command works here too, and of no use: the picture has no selected pixel
-    #[arg(long, value_name = "X,Y", hide = true)]
-    at: Option<String>,
 
     /// Also print the time of each stage, each the median of this many frames
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -67,7 +73,7 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw(args.triangles)?;
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let is_whole = args.triangles.is_none();
     let shown = Shown { buffer: args.buffer, scene: &scene, recipe: &recipe, frame: &frame, is_whole };
     let buffers = (args.stage.is_none() && args.buffer != Buffer::Color)

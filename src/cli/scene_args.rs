@@ -166,15 +166,14 @@ impl FrameArgs {
         self.scene.view()
     }
 
-    /// Draws the frame, of the first so many rasterized triangles if there is a limit.
-    pub(crate) fn draw(&self, triangles: Option<usize>) -> Result<Drawn, Failure> {
+    /// Draws the frame, as it is at an earlier moment if one is given.
+    pub(crate) fn draw(&self, moment: Option<Moment>) -> Result<Drawn, Failure> {
         let View { scene, recipe, camera, .. } = self.view()?;
-        let frame = match triangles {
+        let frame = match moment {
             None => Renderer::default().render_settled(&scene, &camera, &recipe, self.size),
-            Some(limit) => {
+            Some(moment) => {
                 let frame = run(&scene, &camera, &recipe, self.size, &mut ());
                 let mut scrubber = Scrubber::new(&scene, &recipe, &frame, NO_CHECKPOINTS);
-                let moment = Moment::after(limit);
                 let drawn = scrubber.go(moment);
                 frame.at_moment(&recipe, drawn, scrubber.geometry_at(moment))
             }

@@ -69,7 +69,11 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
-    /// Show range and histogram of the buffer on the picture
+    /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
+    #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
+    pub(crate) moment: Option<Moment>,
+
+    /// Show range and histogram of what is shown on the picture
     #[arg(long)]
     pub(crate) range: bool,
 
@@ -80,10 +84,6 @@ pub(crate) struct Look {
     /// Show the list of overlays
     #[arg(long)]
     pub(crate) overlays: bool,
-
-    /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
-    #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
-    pub(crate) moment: Option<Moment>,
 
     /// Select the triangles that ended so, and open the tab of fates
     #[arg(long, value_name = "FATE", value_parser = parse::choice::<TriangleFate>())]
@@ -122,10 +122,10 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            moment: None,
             range: false,
             overlay: Vec::new(),
             overlays: false,
-            moment: None,
             fate: None,
             watch: false,
             open: None,

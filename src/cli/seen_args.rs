@@ -1,6 +1,7 @@
 //! What of a frame is looked at: the options that "Copy as command" adds to scene, view and settings.
 
 use clap::Args;
+use rasterscope::inspect::scrub::Moment;
 use rasterscope::inspect::{Buffer, Stage};
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -22,9 +23,25 @@ pub(crate) struct SeenArgs {
     #[arg(long, value_name = "N")]
     pub(crate) triangles: Option<usize>,
 
+    /// Of the last of them draw only the first fragments
+    #[arg(long, value_name = "N", requires = "triangles")]
+    pub(crate) fragments: Option<usize>,
+
     /// Width and height of the scene's picture in pixels; as large as the canvas if omitted
     #[arg(long, value_name = "WxH", value_parser = parse::size)]
     pub(crate) picture: Option<Viewport>,
+}
+
+impl SeenArgs {
+    /// The moment of the frame; none if it is the last.
+    pub(crate) fn moment(&self) -> Option<Moment> {
+        moment(self.triangles, self.fragments)
+    }
+}
+
+/// The moment after so many triangles, or within the one after them.
+pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Option<Moment> {
+    triangles.map(|triangles| Moment { triangles, fragments })
 }
 
 /// What the window starts with.

@@ -33,6 +33,7 @@ fn arrive(line: &str) -> Place {
         buffer: args.seen.buffer.unwrap_or(Buffer::Color),
         stage: args.seen.stage,
         triangles: args.seen.triangles,
+        fragments: args.seen.fragments,
         pixel: args.at,
     }
 }
@@ -48,6 +49,7 @@ fn places() -> Vec<Place> {
         buffer: Buffer::Color,
         stage: None,
         triangles: None,
+        fragments: None,
         pixel: None,
     };
     let mut turned =
@@ -57,7 +59,13 @@ fn places() -> Vec<Place> {
         turned.camera.dolly(0.97);
     }
     turned.recipe.set_all(&["upscaler.method=bicubic", "upscaler.scale=3", "light.direction=0.1,-7,1e-9"]).unwrap();
-    let mut flat = Place { stage: Some(Stage::Clip), buffer: Buffer::Color, triangles: Some(0), ..turned.clone() };
+    let mut flat = Place {
+        stage: Some(Stage::Clip),
+        buffer: Buffer::Color,
+        triangles: Some(3),
+        fragments: Some(2),
+        ..turned.clone()
+    };
     flat.camera.projection = Projection::Orthographic { height: 1.0 / 3.0 };
     vec![plain, turned, flat]
 }

@@ -113,9 +113,9 @@ fn tab(tab: Tab) -> bottom::Tab {
     }
 }
 
-fn seen(SeenArgs { buffer, stage, triangles, picture }: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
-    let shown = stage.map(Shown::Stage).or(buffer.map(Shown::Buffer));
-    Seen { pixel, shown, triangles, picture }
+fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
+    let shown = args.stage.map(Shown::Stage).or(args.buffer.map(Shown::Buffer));
+    Seen { pixel, shown, moment: args.moment(), picture: args.picture }
 }
 
 fn start(view: View, seen: Seen) -> WindowStart {

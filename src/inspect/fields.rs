@@ -29,10 +29,23 @@ impl FieldChange {
 
 /// Every key of a recipe with its value as [`Recipe::set`] takes it, in the order of [`Recipe::keys`].
 pub fn fields(recipe: &Recipe) -> Vec<(String, String)> {
+    let mut fields = Vec::new();
     // A recipe holds nothing that JSON cannot.
-    let tree = serde_json::to_value(recipe).unwrap_or(Value::Null);
-    let value = |key: &str| tree.pointer(&format!("/{}", key.replace('.', "/"))).map(text);
-    Recipe::keys().into_iter().filter_map(|(key, _)| value(&key).map(|value| (key, value))).collect()
+    collect(&serde_json::to_value(recipe).unwrap_or(Value::Null), "", &mut fields);
+    fields
+}
+
+/// Keys and values without asking what else each key takes, which costs more: this is called with every frame of the
+/// window.
+fn collect(tree: &Value, prefix: &str, fields: &mut Vec<(String, String)>) {
+    let Value::Object(inner) = tree else {
+        fields.push((prefix.to_owned(), text(tree)));
+        return;
+    };
+    for (name, value) in inner {
+        let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+        collect(value, &key, fields);
+    }
 }
 
 /// What differs, in the order of [`Recipe::keys`].
@@ -106,6 +119,13 @@ mod tests {
         for upscaler in Upscaling::every() {
             comes_back(&Recipe { upscaler, ..default });
         }
+    }
+
+    #[test]
+    fn fields_are_the_keys_of_a_recipe_in_their_order() {
+        let keys: Vec<_> = Recipe::keys().into_iter().map(|(key, _)| key).collect();
+        let told: Vec<_> = fields(&Recipe::default()).into_iter().map(|(key, _)| key).collect();
+        assert_eq!(told, keys);
     }
 
     #[test]

@@ -15,11 +15,16 @@ use crate::upscale::Sampling;
 pub enum Wanted {
     /// A pixel, column and row.
     Pixel(u32, u32),
+    /// A pixel in the middle of the canvas, enlarged so many percent.
+    View(u32, u32, u32),
     /// A triangle of the scene.
     Triangle(TriangleId),
     /// All instances of these numbers, under the name that they were found by.
     Object(String, Vec<u32>),
 }
+
+/// Least and greatest enlargement that can be asked for, in percent.
+const PERCENT: std::ops::RangeInclusive<u32> = 4..=25_600;
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -33,13 +38,22 @@ pub enum Found {
 }
 
 impl Wanted {
-    /// Reads "12,34", "tri 56" or the name of an object, or a part of it. The error says what could not be found.
+    /// Reads "12,34", "800% 12,34", "tri 56" or the name of an object, or a part of it. The error says what could not be found.
     pub fn parse(text: &str, scene: &Scene, Viewport { width, height }: Viewport) -> Result<Self, String> {
         if let Some((x, y)) = parse_pixel(text) {
             return if x < width && y < height {
                 Ok(Self::Pixel(x, y))
             } else {
                 Err(format!("The picture ends at {},{}", width - 1, height - 1))
+            };
+        }
+        if let Some((percent, place)) = parse_enlargement(text)
+            && let Some((x, y)) = parse_pixel(&place)
+        {
+            return if PERCENT.contains(&percent) {
+                Ok(Self::View(x.min(width.saturating_sub(1)), y.min(height.saturating_sub(1)), percent))
+            } else {
+                Err(format!("Pictures are shown from {} to {} %", PERCENT.start(), PERCENT.end()))
             };
         }
         if let Some(number) = parse_triangle(text) {
@@ -66,7 +80,7 @@ impl Wanted {
     /// As a person calls it.
     pub fn words(&self) -> String {
         match self {
-            Self::Pixel(x, y) => format!("Pixel {x}, {y}"),
+            Self::Pixel(x, y) | Self::View(x, y, _) => format!("Pixel {x}, {y}"),
             Self::Triangle(id) => format!("Triangle {}", id.0),
             Self::Object(name, numbers) if numbers.len() == 1 => format!("“{name}”"),
             Self::Object(name, numbers) => format!("“{name}” ({} objects)", numbers.len()),
@@ -86,6 +100,12 @@ fn parse_pixel(text: &str) -> Option<(u32, u32)> {
     numbers.next().is_none().then_some((x, y))
 }
 
+/// "800% 12,34": percent, and the rest.
+fn parse_enlargement(text: &str) -> Option<(u32, String)> {
+    let (percent, place) = text.split_once('%')?;
+    Some((percent.trim().parse().ok()?, place.to_owned()))
+}
+
 /// "tri 12", "triangle 12", "t12" or "#12".
 fn parse_triangle(text: &str) -> Option<u64> {
     let text = text.trim().to_lowercase();
@@ -96,7 +116,7 @@ fn parse_triangle(text: &str) -> Option<u64> {
 /// Looks for something in a frame, by drawing its triangles once more.
 pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> Found {
     let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
-        Wanted::Pixel(x, y) => return Found::Seen((*x, *y), 1),
+        Wanted::Pixel(x, y) | Wanted::View(x, y, _) => return Found::Seen((*x, *y), 1),
         Wanted::Triangle(id) => &|triangle| triangle.id == *id,
         Wanted::Object(_, numbers) => &|triangle| numbers.contains(&triangle.instance),
     };
@@ -192,6 +212,8 @@ mod tests {
             assert_eq!(parse(text), Ok(Wanted::Triangle(TriangleId(7))), "{text}");
         }
         assert!(parse("tri 1536").unwrap_err().contains("1536 triangles"));
+        assert_eq!(parse("800% 12,30"), Ok(Wanted::View(12, 30, 800)));
+        assert!(parse("1 % 0,0").unwrap_err().contains("25600 %"));
         assert!(parse("48,0").unwrap_err().contains("47,31"));
         assert!(parse("no such thing").unwrap_err().contains("no such thing"));
         let name = scene.instances[3].name.clone();

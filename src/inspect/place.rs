@@ -34,6 +34,9 @@ pub struct Place {
     pub stage: Option<Stage>,
     /// Only the first so many rasterized triangles.
     pub triangles: Option<usize>,
+    /// Of the last of them only the first so many fragments.
+    #[serde(default)]
+    pub fragments: Option<usize>,
     /// The questioned pixel.
     pub pixel: Option<(u32, u32)>,
 }
@@ -68,6 +71,9 @@ impl Place {
         }
         if let Some(limit) = self.triangles {
             option("triangles", limit.to_string());
+            if let Some(fragments) = self.fragments {
+                option("fragments", fragments.to_string());
+            }
         }
         if let Some((x, y)) = self.pixel {
             option("at", format!("{x},{y}"));
@@ -111,6 +117,7 @@ mod tests {
             buffer: Buffer::Color,
             stage: None,
             triangles: None,
+            fragments: None,
             pixel: None,
         }
     }
@@ -131,11 +138,16 @@ mod tests {
         assert_eq!(line.matches(" --").count(), 1, "{line}");
         place.recipe.set("culling=none").unwrap();
         (place.pixel, place.buffer, place.triangles) = (Some((3, 4)), Buffer::Depth, Some(7));
-        (place.picture, place.mirrored) = (Some((320, 200)), true);
+        (place.picture, place.mirrored, place.fragments) = (Some((320, 200)), true, Some(8));
         let line = place.command_line();
-        for part in
-            ["--mirror-z", "--set culling=none", "--picture 320x200", "--buffer depth", "--triangles 7", "--at 3,4"]
-        {
+        for part in [
+            "--mirror-z",
+            "--set culling=none",
+            "--picture 320x200",
+            "--buffer depth",
+            "--triangles 7 --fragments 8",
+            "--at 3,4",
+        ] {
             assert!(line.contains(part), "{part} in {line}");
         }
     }

@@ -163,7 +163,11 @@ impl Workbench {
         dropped_files(ui, &mut commands);
         self.layout(ui, &mut commands);
         for command in commands {
+            let nudges = matches!(command, Command::NudgePick(..));
             self.run(ui, command);
+            if let Some(pixel) = self.session.pick.filter(|_| nudges) {
+                self.canvas.zoom.keep_in_view(pixel, self.session.canvas_px);
+            }
         }
         if !ui.input(|i| i.pointer.any_down()) {
             self.session.settle(ui.input(|i| i.time));
@@ -472,13 +476,13 @@ impl Workbench {
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
-            Command::Overlays(overlays::Change::SaveTotals) => self.save(ui, overlays::save::totals(&self.session)),
             Command::WhatIf(what_if::Change::Step(step)) => {
                 if let Some(pixel) = self.session.change_beside_pick(step > 0) {
                     self.session.pick = Some(pixel);
                     self.canvas.bring_into_view(pixel, self.session.canvas_px);
                 }
             }
+            Command::Overlays(overlays::Change::SaveTotals) => self.save(ui, overlays::save::totals(&self.session)),
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
             Command::SaveData => self.save(ui, range::save::data(&self.session)),
@@ -494,6 +498,10 @@ impl Workbench {
             Command::OpenTab(tab) => self.tab = tab,
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
+            Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
+                let center = (x as f32 + 0.5, y as f32 + 0.5);
+                self.canvas.zoom.set_view(percent as f32 / 100.0, self.session.canvas_px, center);
+            }
             Command::Place(place::Change::Find(wanted)) => self.find(ui, wanted),
             Command::Place(place::Change::Copy) => {
                 ui.ctx().copy_text(self.session.command_line());

@@ -175,8 +175,8 @@ impl Canvas {
         };
         numbers(&painter, placement, shown, ui.input(|i| i.modifiers.alt), value);
         marks::paint(&painter, placement, session, view);
-        self.boxing.paint(ui, &painter, placement, session);
         watch::markers(&painter, placement, session, (width, height), tokens(ui));
+        self.boxing.paint(ui, &painter, placement, session);
         if let Some((x, y)) = session.pick.filter(|(x, y)| *x < width && *y < height) {
             marker(&painter, placement, (x, y), tokens(ui).accent);
         }

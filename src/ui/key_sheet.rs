@@ -47,8 +47,8 @@ enum Topic {
 impl Topic {
     const ALL: [(Self, &'static str); 9] = [
         (Self::Mouse, "Mouse"),
-        (Self::Pixel, "The picked pixel"),
         (Self::Picture, "The picture on the canvas"),
+        (Self::Pixel, "The picked pixel"),
         (Self::Stages, "Stages and triangles"),
         (Self::Places, "Finding and keeping places"),
         (Self::Scene, "Scene and view"),
@@ -112,7 +112,8 @@ pub fn ui(ui: &mut Ui, filter: &mut String) {
     let all: usize = topics.iter().map(|(_, lines)| rows(lines) + 1).sum();
     let height = (ui.ctx().content_rect().height() * 0.74).max(120.0);
     let count = columns(ui);
-    ScrollArea::vertical().max_height(height).show(ui, |ui| {
+    // At once as high as it may be: a sheet that grows from frame to frame has no button that can be hit.
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         ui.spacing_mut().interact_size.y = LINE_POINTS;
         ui.spacing_mut().item_spacing.y = 1.0;
         ui.columns(count, |columns| {

@@ -54,8 +54,8 @@ pub struct Seen {
     pub pixel: Option<(u32, u32)>,
     /// A buffer or the picture after a stage.
     pub shown: Option<Shown>,
-    /// Only the first so many rasterized triangles.
-    pub triangles: Option<usize>,
+    /// An earlier moment of the frame than its last.
+    pub moment: Option<Moment>,
     /// Size of the picture.
     pub picture: Option<Viewport>,
 }
@@ -64,7 +64,9 @@ impl Seen {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
-        session.triangle_limit = self.triangles;
+        if let Some(moment) = self.moment {
+            session.begin_at(moment);
+        }
         if let Some(Viewport { width, height }) = self.picture {
             session.state.size = PictureSize::Fixed(width, height);
         }

@@ -87,6 +87,14 @@ impl Zoom {
         self.set_view(scale, canvas_px, (x as f32 + 0.5, y as f32 + 0.5));
     }
 
+    /// Moves the picture no further than needed to have a pixel and its neighbours on the rectangle; a fitted one is there.
+    pub fn keep_in_view(&mut self, (x, y): (u32, u32), canvas_px: (u32, u32)) {
+        let Some(scale) = self.scale else { return };
+        let seen = vec2(canvas_px.0 as f32, canvas_px.1 as f32) / scale;
+        let (first, last) = (vec2(x as f32, y as f32) - Vec2::splat(1.0), vec2(x as f32, y as f32) + Vec2::splat(2.0));
+        self.origin = self.origin.max(last - seen).min(first);
+    }
+
     /// Screen pixels per picture pixel, if not fitted.
     pub fn scale(&self) -> Option<f32> {
         self.scale
@@ -137,5 +145,25 @@ impl Zoom {
     /// The unrounded enlargement behind a shown one: wheel steps smaller than one must add up.
     fn wheeled_of(&self, shown: f32) -> f32 {
         if (self.wheeled - shown).abs() <= 0.5 && shown >= WHOLE_FROM { self.wheeled } else { shown }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_is_kept_in_view_by_the_least_move() {
+        let mut zoom = Zoom::default();
+        zoom.keep_in_view((500, 0), (100, 80));
+        assert_eq!(zoom.scale(), None, "what is fitted stays so");
+        zoom.set_view(10.0, (100, 80), (50.0, 50.0));
+        let before = zoom.origin;
+        zoom.keep_in_view((50, 50), (100, 80));
+        assert_eq!(zoom.origin, before, "it is seen already");
+        zoom.keep_in_view((60, 50), (100, 80));
+        assert_eq!(zoom.origin, vec2(62.0 - 10.0, before.y), "ten columns are seen, the one beyond it is the last");
+        zoom.keep_in_view((20, 10), (100, 80));
+        assert_eq!(zoom.origin, vec2(19.0, 9.0));
     }
 }

@@ -20,7 +20,7 @@ pub(super) fn hatch(outer: &[Point], inner: &[Point], step: f32) -> Vec<[Point; 
     let mut lines = Vec::new();
     for number in first..=last {
         let c = number as f32 * step;
-        let Some([from, to]) = interval(outer, c) else { continue };
+        let Some([from, to]) = interval(outer, c).filter(|[from, to]| to > from) else { continue };
         let line = |from: f32, to: f32| [[from, c - from], [to, c - to]];
         match interval(inner, c) {
             Some([start, end]) if end > from && start < to => {

@@ -26,7 +26,7 @@ pub use explode::{corners, exploded};
 pub use fate::{Met, fates};
 pub use outside::{first_view, fit, with_planes};
 pub use overlay::{Kind, Look, Mark, drawn};
-pub use picture::{MeshPicture, paint, shown_at};
+pub use picture::{MeshPicture, Painting, paint, shown_at};
 
 choice! {
     /// How triangles are drawn.

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::{Inner, MeshStyle, exploded, fates, is_triangle, met_color};
 use crate::image::{Image, Rgba8};
+use crate::inspect::selection::TriangleSelection;
 use crate::math::unit_or;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
@@ -30,6 +31,9 @@ pub struct MeshPicture {
 /// How dark a triangle gets that is seen edge-on.
 const LEAST_LIGHT: f32 = 0.38;
 
+/// How bright triangles stay that others are singled out from.
+const DIM: f32 = 0.35;
+
 /// The grey of a triangle that is seen head-on.
 const FLAT: Rgba8 = [196, 198, 202, 255];
 
@@ -52,30 +56,40 @@ fn settings() -> Settings {
     }
 }
 
-/// Draws the scene for the second camera `outside`, with its triangles moved `apart`.
-pub fn paint(
-    scene: &Scene,
-    inner: &Inner,
-    outside: Camera,
-    size: Viewport,
-    (style, apart): (MeshStyle, f32),
-    backdrop: [u8; 3],
-) -> MeshPicture {
+/// How the triangles are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Painting {
+    /// In which colours.
+    pub style: MeshStyle,
+    /// How far they are moved apart, in distances from the middle of their mesh.
+    pub apart: f32,
+    /// Triangles that are singled out: all others are dimmed, unless there are none.
+    pub selection: TriangleSelection,
+    /// The colour behind everything.
+    pub backdrop: [u8; 3],
+}
+
+/// Draws the scene for the second camera `outside`.
+pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
+    let Painting { style, apart, selection, backdrop } = painting;
+    let (style, apart) = (*style, *apart);
     let moved = (apart != 0.0).then(|| exploded(scene, apart));
     let shown = moved.as_ref().unwrap_or(scene);
     let settings = settings();
     let geometry = prepare(shown, &outside, &settings, size, &mut ());
     let owner = owners(shown, &geometry, &settings, size);
     let colors = colors(scene, inner, style);
-    let [r, g, b] = backdrop;
+    let [r, g, b] = *backdrop;
     let mut image = Image::filled(size.width, size.height, [r, g, b, 255]);
+    let is_dim = |id: TriangleId| !selection.is_empty() && !selection.contains(id);
     if style == MeshStyle::Wire {
-        wires(&geometry, &colors, &mut image);
+        wires(&geometry, &colors, is_dim, &mut image);
     } else {
         let lights = lights(shown, outside.eye);
         for (pixel, id) in image.pixels_mut().iter_mut().zip(owner.pixels()).filter(|(_, id)| is_triangle(**id)) {
             let place = id.0 as usize;
-            *pixel = lit(colors.get(place).copied().unwrap_or(FLAT), lights.get(place).copied().unwrap_or(1.0));
+            let light = lights.get(place).copied().unwrap_or(1.0) * if is_dim(*id) { DIM } else { 1.0 };
+            *pixel = lit(colors.get(place).copied().unwrap_or(FLAT), light);
         }
     }
     MeshPicture { image, owner, camera: outside }
@@ -143,12 +157,12 @@ fn lit([r, g, b, a]: Rgba8, light: f32) -> Rgba8 {
 }
 
 /// The edges of all triangles; fronts over backs.
-fn wires(geometry: &Geometry, colors: &[Rgba8], image: &mut Image<Rgba8>) {
+fn wires(geometry: &Geometry, colors: &[Rgba8], is_dim: impl Fn(TriangleId) -> bool, image: &mut Image<Rgba8>) {
     let front = met_color(super::Met::Drawn);
     let color = |triangle: &ScreenTriangle| colors.get(triangle.id.0 as usize).copied().unwrap_or(FLAT);
     for fronts in [false, true] {
         for triangle in geometry.triangles.iter().filter(|triangle| (color(triangle) == front) == fronts) {
-            let color = color(triangle);
+            let color = lit(color(triangle), if is_dim(triangle.id) { DIM } else { 1.0 });
             for (x, y) in edge_pixels(triangle, image.size()) {
                 image.set(x, y, color);
             }

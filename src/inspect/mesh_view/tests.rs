@@ -1,6 +1,7 @@
 use glam::DVec3;
 
 use super::*;
+use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::settings::Culling;
 use crate::scene::{Scene, builtin};
 
@@ -16,6 +17,10 @@ fn scene(id: &str) -> Scene {
 
 fn outside(scene: &Scene, inner: &Inner) -> Camera {
     with_planes(first_view(scene, inner, SIZE.aspect()), scene, inner)
+}
+
+fn painting(style: MeshStyle, backdrop: [u8; 3]) -> Painting {
+    Painting { style, apart: 0.0, selection: TriangleSelection::default(), backdrop }
 }
 
 fn marks(scene: &Scene, look: &Look) -> Vec<Mark> {
@@ -34,7 +39,7 @@ fn the_first_view_shows_the_eye_and_every_triangle_can_be_picked() {
         let eye = marks.iter().find(|mark| mark.kind == Kind::Eye).unwrap();
         let [x, y] = eye.points[0];
         assert!((0.0..160.0).contains(&x) && (0.0..120.0).contains(&y), "{id}: {x}, {y}");
-        let painted = paint(&scene, &inner, seen, SIZE, (MeshStyle::Flat, 0.0), [0; 3]);
+        let painted = paint(&scene, &inner, seen, SIZE, &painting(MeshStyle::Flat, [0; 3]));
         let shown = painted.owner.pixels().iter().filter(|id| **id != TriangleId::NONE).count();
         let lit = painted.image.pixels().iter().filter(|pixel| pixel[..3] != [0; 3]).count();
         assert!(shown > 0 && shown == lit, "{id}: {shown} {lit}");
@@ -138,7 +143,7 @@ fn every_style_draws_and_keys_name_colours_apart() {
     let inner = inner(&scene);
     let seen = outside(&scene, &inner);
     let pictures: Vec<_> =
-        MeshStyle::ALL.iter().map(|style| paint(&scene, &inner, seen, SIZE, (*style, 0.0), [9; 3]).image).collect();
+        MeshStyle::ALL.iter().map(|style| paint(&scene, &inner, seen, SIZE, &painting(*style, [9; 3])).image).collect();
     for (index, picture) in pictures.iter().enumerate() {
         assert!(picture.pixels().iter().any(|pixel| pixel[..3] != [9; 3]));
         assert!(!pictures[..index].contains(picture), "{:?}", MeshStyle::ALL[index]);
@@ -149,5 +154,20 @@ fn every_style_draws_and_keys_name_colours_apart() {
         colors.sort_unstable();
         colors.dedup();
         assert_eq!(colors.len(), before);
+    }
+}
+
+#[test]
+fn what_is_singled_out_stays_bright() {
+    let scene = scene("cubes");
+    let inner = inner(&scene);
+    let seen = outside(&scene, &inner);
+    let plain = paint(&scene, &inner, seen, SIZE, &painting(MeshStyle::Flat, [0; 3]));
+    let chosen = plain.owner.pixels().iter().copied().find(|id| is_triangle(*id)).unwrap();
+    let selection = TriangleSelection::new("one", [chosen]);
+    let singled = paint(&scene, &inner, seen, SIZE, &Painting { selection, ..painting(MeshStyle::Flat, [0; 3]) });
+    assert_eq!(shown_at(&plain.owner, chosen).map(|(x, y)| plain.owner.at(x, y)), Some(chosen));
+    for ((id, before), after) in plain.owner.pixels().iter().zip(plain.image.pixels()).zip(singled.image.pixels()) {
+        assert_eq!(before == after, *id == chosen || !is_triangle(*id), "{id:?}");
     }
 }

@@ -155,6 +155,8 @@ impl Lab {
             | Command::ResetCamera
             | Command::AskForPixel
             | Command::CopyPicture
+            | Command::WhatIf(_)
+            | Command::Watch(_)
             | Command::SaveOutline(..)
             | Command::ZoomOne => return None,
             Command::Open(path) if file::is_named_picture(&path) => Change::Picture(path),

@@ -7,7 +7,8 @@ use eframe::egui::{
 
 use super::picture::{Painter, Wish};
 use super::{Change, inner, look, marks};
-use crate::inspect::mesh_view::{MeshStyle, first_view, key};
+use crate::inspect::mesh_view::{MeshStyle, Painting, first_view, key};
+use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, TriangleId};
@@ -55,8 +56,12 @@ impl MeshPane {
             inner: inner(view),
             camera,
             size: Viewport { width: px.x as u32, height: px.y as u32 },
-            style: session.mesh_view.style,
-            backdrop: [r, g, b],
+            painting: Painting {
+                style: session.mesh_view.style,
+                apart: session.mesh_view.apart,
+                selection: session.selection.clone(),
+                backdrop: [r, g, b],
+            },
             look: look(session, view),
         };
         let Some(painted) = self.painter.picture(ui.ctx(), wish, waits) else { return };
@@ -77,6 +82,8 @@ impl MeshPane {
             && let Some(triangle) = response.interact_pointer_pos().and_then(under)
         {
             commands.push(Command::MeshView(Change::Select(triangle)));
+            let one = TriangleSelection::new(format!("triangle {}", triangle.0), [triangle]);
+            commands.push(Command::Select(one));
         }
         legend(ui, &painter, rect, session.mesh_view.style);
         caption(ui, &painter, rect, session, view, hovered);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use eframe::egui::Context;
 
 use crate::image::{Image, Rgba8};
-use crate::inspect::mesh_view::{Inner, Look, Mark, MeshStyle, drawn, paint, with_planes};
+use crate::inspect::mesh_view::{Inner, Look, Mark, Painting, drawn, paint, with_planes};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene, TriangleId};
 use crate::ui::task::{Listening, Task};
@@ -19,8 +19,7 @@ pub(super) struct Wish {
     pub(super) camera: Camera,
     /// Size of the picture.
     pub(super) size: Viewport,
-    pub(super) style: MeshStyle,
-    pub(super) backdrop: [u8; 3],
+    pub(super) painting: Painting,
     pub(super) look: Look,
 }
 
@@ -33,7 +32,7 @@ impl Wish {
     fn has_same_triangles(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
             && (self.inner, self.camera, self.size) == (other.inner, other.camera, other.size)
-            && (self.style, self.backdrop, self.look.apart) == (other.style, other.backdrop, other.look.apart)
+            && self.painting == other.painting
     }
 }
 
@@ -54,13 +53,13 @@ impl Painted {
 
     /// Draws; of the last picture what has not changed is kept.
     fn new(wish: Wish, last: Option<Self>) -> Self {
-        let Wish { scene, inner, camera, size, style, backdrop, look } = &wish;
+        let Wish { scene, inner, camera, size, painting, look } = &wish;
         let seen = with_planes(*camera, scene, inner);
         let marks = Arc::new(drawn(scene, inner, look, &seen, *size));
         if let Some(last) = last.filter(|last| last.wish.has_same_triangles(&wish)) {
             return Self { wish, marks, ..last };
         }
-        let picture = paint(scene, inner, seen, *size, (*style, look.apart), *backdrop);
+        let picture = paint(scene, inner, seen, *size, painting);
         Self { image: Arc::new(picture.image), owner: Arc::new(picture.owner), marks, wish }
     }
 }

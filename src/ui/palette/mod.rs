@@ -84,22 +84,26 @@ impl Palette {
         self.chosen = (self.chosen as i64 + step).clamp(0, count.saturating_sub(1) as i64) as usize;
         let entered = ui.input(|input| input.key_pressed(Key::Enter));
         ui.add_space(space::XS);
-        let clicked = ScrollArea::vertical().max_height(LIST_HEIGHT).auto_shrink([false, true]).show(ui, |ui| {
-            ui.spacing_mut().item_spacing.y = 0.0;
-            let mut clicked = None;
-            for place in 0..count {
-                let Some((entry, letters)) = self.at(place) else { continue };
-                let chosen = place == self.chosen;
-                let row = row(ui, entry, letters, chosen);
-                if chosen && step != 0 {
-                    row.scroll_to_me(None);
+        let clicked = ScrollArea::vertical()
+            .max_height(LIST_HEIGHT)
+            .min_scrolled_height(LIST_HEIGHT)
+            .auto_shrink([false, true])
+            .show(ui, |ui| {
+                ui.spacing_mut().item_spacing.y = 0.0;
+                let mut clicked = None;
+                for place in 0..count {
+                    let Some((entry, letters)) = self.at(place) else { continue };
+                    let chosen = place == self.chosen;
+                    let row = row(ui, entry, letters, chosen);
+                    if chosen && step != 0 {
+                        row.scroll_to_me(None);
+                    }
+                    if row.clicked() {
+                        clicked = Some(place);
+                    }
                 }
-                if row.clicked() {
-                    clicked = Some(place);
-                }
-            }
-            clicked
-        });
+                clicked
+            });
         if count == 0 {
             ui.label(RichText::new("Nothing has these letters.").color(tokens(ui).text_weak));
         }

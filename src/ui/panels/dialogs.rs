@@ -181,6 +181,7 @@ fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<C
         let viewport = session.viewport();
         ui.label(format!("Column and row, from 0,0 to {},{}.", viewport.width - 1, viewport.height - 1));
         ui.label("Or a triangle (tri 12) or the name of an object: a pixel that shows it is picked.");
+        ui.label("Or an enlargement with the pixel in the middle (800% 12,34): the same crop again.");
         let field = ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  a name").desired_width(240.0));
         field.request_focus();
         let wanted = Wanted::parse(text, &session.scene, viewport);

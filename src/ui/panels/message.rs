@@ -37,6 +37,9 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<&Path>, commands: &mut
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {
             line(ui, Icon::Lightbulb, tokens(ui).accent, HINT, Some(Command::CloseHint), commands);
+        } else if let Some(words) = session.what_if.unasked(&session.state.recipe) {
+            let text = format!("{words}.  X shows what that changed.");
+            line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
         } else {
             let (name, help) = match session.shown {
                 Shown::Buffer(buffer) => (buffer.name(), buffer.help()),

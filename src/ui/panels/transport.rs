@@ -60,6 +60,12 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
     }
+    if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
+        commands.push(Command::WhatIf(what_if::Change::Toggle));
+    }
+    if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
+        commands.push(Command::MeshView(mesh_view::Change::Toggle));
+    }
     let help = "Range and histogram of what is shown, on the picture";
     if icon_button(ui, Icon::ChartColumn, help).clicked() {
         commands.push(Command::Range(range::Change::Open(!session.range.open)));
@@ -73,12 +79,6 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.overlays.open, &name));
     if response.clicked() {
         commands.push(Command::Overlays(overlays::Change::ToggleOpen));
-    }
-    if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
-        commands.push(Command::WhatIf(what_if::Change::Toggle));
-    }
-    if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
-        commands.push(Command::MeshView(mesh_view::Change::Toggle));
     }
 }
 
@@ -133,6 +133,6 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
     let text = format!("{} × {}  {zoom}", viewport.width, viewport.height);
     if ui.available_width() >= FIGURES_POINTS {
         ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
-            .on_hover_text("Size of the picture in px, and its enlargement on screen");
+            .on_hover_text("Size of the picture in px, and its enlargement on screen. Ctrl+G sets it: 800% 12,34");
     }
 }

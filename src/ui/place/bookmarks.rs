@@ -20,7 +20,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         empty_state(ui, Icon::Bookmark, "No bookmarks yet", help);
     }
     let height = ui.ctx().content_rect().height() * 0.6;
-    ScrollArea::vertical().max_height(height).show(ui, |ui| {
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).show(ui, |ui| {
         Grid::new("bookmarks").num_columns(4).spacing([8.0, 4.0]).show(ui, |ui| {
             for (number, bookmark) in bookmarks.iter().enumerate() {
                 let key = if number < 9 { format!("Ctrl+{}", number + 1) } else { String::new() };

@@ -13,6 +13,7 @@ use super::command::Command;
 use super::engine::Shown;
 use super::session::{Level, PictureSize, Session};
 use crate::inspect::find::{Found, Wanted};
+use crate::inspect::scrub::Moment;
 use crate::inspect::{Buffer, Place};
 use crate::scene::SceneSource;
 use visits::Visits;
@@ -87,6 +88,7 @@ impl Session {
             buffer,
             stage,
             triangles: self.triangle_limit,
+            fragments: self.scrub.fragment_limit(self.triangle_limit),
             pixel: self.pick,
         }
     }
@@ -181,6 +183,7 @@ impl Session {
             return None;
         }
         self.case = None;
+        self.lab.open = false;
         if place.scene == self.place().scene {
             self.stand_at(&place);
             return None;
@@ -202,7 +205,10 @@ impl Session {
         self.state.size =
             place.picture.map_or(PictureSize::Canvas, |(width, height)| PictureSize::Fixed(width, height));
         self.shown = place.stage.map_or(Shown::Buffer(place.buffer), Shown::Stage);
-        self.triangle_limit = place.triangles;
+        self.triangle_limit = None;
+        if let Some(triangles) = place.triangles {
+            self.begin_at(Moment { triangles, fragments: place.fragments });
+        }
         self.pick = place.pixel;
         let here = self.place();
         self.places.visits.arrived(here);

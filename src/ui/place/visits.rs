@@ -98,6 +98,7 @@ mod tests {
             buffer: Buffer::Color,
             stage: None,
             triangles: None,
+            fragments: None,
             pixel: Some((pixel, 0)),
         }
     }

@@ -179,6 +179,9 @@ fn verdicts(ui: &mut Ui, session: &Session) {
     let Some(view) = &session.view else { return };
     let Some(found) = session.what_if.current(view) else { return };
     let (Some(before), Some(after)) = (&found.before.report, &view.report) else { return };
+    if (before.x, before.y) != (after.x, after.y) {
+        return;
+    }
     let changed = found.changes.mask.get(after.x, after.y) == Some(true);
     let place = format!("Pixel {}, {}", after.x, after.y);
     ui.horizontal(|ui| {

@@ -14,6 +14,7 @@ use super::command::Command;
 use super::engine::{Request, View};
 use super::session::Session;
 use crate::chain::Recipe;
+use crate::inspect::fields;
 use drawer::{Found, WhatIfRequest};
 
 /// What the canvas shows of A and B.
@@ -83,6 +84,14 @@ impl WhatIf {
         }
     }
 
+    /// The last change in words, if its bar is closed and the settings still are what it made of them.
+    pub fn unasked(&self, after: &Recipe) -> Option<String> {
+        let before = self.before.as_ref().filter(|before| !self.open && *before != after)?;
+        let changed = fields::changes(before, after);
+        let first = changed.first()?.words();
+        Some(if changed.len() == 1 { first } else { format!("{first}, and {} more", changed.len() - 1) })
+    }
+
     /// Whether the renderer has to be asked anew; takes the request for asked.
     pub fn asks_anew(&mut self, request: Option<&WhatIfRequest>) -> bool {
         let same = match (&self.asked, request) {
@@ -101,7 +110,7 @@ impl WhatIf {
 
     /// What was found, if it is of what is shown now.
     fn current(&self, view: &View) -> Option<&Found> {
-        let same = |found: &&Found| found.request.after.same_view(&view.request);
+        let same = |found: &&Found| found.request.after.same_picture(&view.request);
         self.found.as_ref().filter(|_| self.open).filter(same)
     }
 

@@ -57,6 +57,17 @@ fn what_was_before_every_change_is_kept_and_a_pinned_a_stays() {
 }
 
 #[test]
+fn a_change_is_said_in_words_until_it_is_asked_about() {
+    let mut session = session("triangle");
+    session.apply(Command::WhatIf(Change::Toggle));
+    assert_eq!(session.what_if.unasked(&session.state.recipe), None);
+    set(&mut session, "culling=none");
+    assert_eq!(session.what_if.unasked(&session.state.recipe).as_deref(), Some("culling: back → none"));
+    session.apply(Command::WhatIf(Change::Toggle));
+    assert_eq!(session.what_if.unasked(&session.state.recipe), None);
+}
+
+#[test]
 fn undoing_is_a_change_like_any_other() {
     let mut session = session("triangle");
     let first = session.state.recipe;
