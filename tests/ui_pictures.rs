@@ -268,6 +268,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             mesh: None,
             compare: None,
             tab: None,
+            shown: None,
             moment: None,
             fate: None,
             lab: None,

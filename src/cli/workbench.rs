@@ -50,6 +50,7 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
+        shown: look.number.map(Shown::Intermediate),
         moment: look.moment,
         fate: look.fate,
         probe: look.probe,
@@ -100,6 +101,7 @@ fn tab(tab: Tab) -> bottom::Tab {
     match tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
+        Tab::Arithmetic => bottom::Tab::Arithmetic,
         Tab::Xray => bottom::Tab::Xray,
         Tab::Histogram => bottom::Tab::Histogram,
         Tab::Fates => bottom::Tab::Fates,

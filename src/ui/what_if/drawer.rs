@@ -127,6 +127,7 @@ fn changes(before: &View, after: &View) -> Option<Changes> {
             (&after.frame, after.buffers.as_deref()),
         ),
         Shown::Stage(_) => Changes::of_pictures(&before.picture, &after.picture),
+        Shown::Intermediate(_) => Changes::of_pictures(&like(before, after), &after.picture),
     }
 }
 
@@ -136,6 +137,10 @@ fn like(before: &View, after: &View) -> Arc<Image<Rgba8>> {
         (Shown::Buffer(buffer), Some(range)) if before.range != after.range => {
             Arc::new(view::picture(buffer, &before.frame, before.buffers.as_deref(), Some(range)))
         }
+        (Shown::Intermediate(_), Some(range)) if before.range != after.range => match &before.captured {
+            Some(captured) => Arc::new(captured.picture(&before.frame, Some(range))),
+            None => before.picture.clone(),
+        },
         _ => before.picture.clone(),
     }
 }
