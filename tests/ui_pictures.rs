@@ -267,7 +267,6 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             probe: false,
             mesh: None,
             compare: None,
-            changes: Vec::new(),
             tab: None,
             shown: None,
             moment: None,

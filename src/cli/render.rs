@@ -82,7 +82,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     };
     let captured = captured.as_ref();
     let ends = captured.filter(|_| args.stage.is_none()).and_then(Captured::range);
-    let shown = Shown { buffer, captured, scene: &scene, recipe: &recipe, frame: &frame };
+    let is_whole = args.triangles.is_none();
+    let shown = Shown { buffer, captured, scene: &scene, recipe: &recipe, frame: &frame, is_whole };
     let buffers = (args.stage.is_none() && buffer != Buffer::Color)
         .then(|| capture(&scene, &recipe, &frame).completed_for(buffer, &recipe, &frame));
     let faults = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref()).map(Hits::summary);
@@ -133,6 +134,8 @@ struct Shown<'a> {
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
+    /// Whether all triangles were drawn.
+    is_whole: bool,
 }
 
 impl Shown<'_> {
@@ -150,7 +153,7 @@ impl Shown<'_> {
             scene: self.scene,
             recipe: self.recipe,
             frame: self.frame,
-            is_whole: true,
+            is_whole: self.is_whole,
             watched: &watched,
             shown: &|x, y| self.value(buffers, x, y),
             range: match self.captured {

@@ -78,11 +78,7 @@ pub(crate) struct Look {
     #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
     pub(crate) moment: Option<Moment>,
 
-    /// The quantity on the canvas
-    #[arg(long, value_parser = parse::choice::<Buffer>())]
-    pub(crate) buffer: Option<Buffer>,
-
-    /// Show its range and histogram on the picture
+    /// Show range and histogram of what is shown on the picture
     #[arg(long)]
     pub(crate) range: bool,
 
@@ -133,7 +129,6 @@ impl Default for Look {
             tab: None,
             number: None,
             moment: None,
-            buffer: None,
             range: false,
             overlay: Vec::new(),
             overlays: false,

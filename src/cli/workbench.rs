@@ -52,7 +52,6 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         tab: look.tab.map(tab),
         shown: look.number.map(Shown::Intermediate),
         moment: look.moment,
-        changes: look_changes(look),
         fate: look.fate,
         probe: look.probe,
         mesh: look.mesh,
@@ -62,6 +61,7 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
             .into_iter()
             .chain(look.watch.then_some(Command::Watch(watch::Change::AddPick)))
             .chain(look.open.into_iter().flat_map(open_first))
+            .chain(laid_over(look))
             .collect(),
     };
     ui::screenshot(&request).map_err(|picture| {
@@ -70,13 +70,12 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
     })
 }
 
-/// What is shown on the canvas.
-fn look_changes(look: &Look) -> Vec<Command> {
-    let show = look.buffer.map(|buffer| Command::Show(Shown::Buffer(buffer)));
+/// What lies over the picture on the canvas.
+fn laid_over(look: &Look) -> impl Iterator<Item = Command> {
     let range = look.range.then_some(Command::Range(range::Change::Open(true)));
     let layers = look.overlay.iter().map(|overlay| Command::Overlays(overlays::Change::Toggle(*overlay)));
     let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
-    show.into_iter().chain(range).chain(layers).chain(list).collect()
+    range.into_iter().chain(layers).chain(list)
 }
 
 fn comparison(compare: Compare) -> Change {

@@ -42,14 +42,16 @@ pub mod overlays;
 
 pub mod pixel;
 
+pub mod place;
+
 pub mod planes;
+
+pub mod probe;
 
 pub mod range;
 
 pub mod scrub;
 
-pub mod place;
-pub mod probe;
 pub mod selection;
 
 pub mod stages;

@@ -102,8 +102,6 @@ pub struct ScreenshotRequest {
     pub mesh: Option<MeshStyle>,
     /// What is compared, if anything.
     pub compare: Option<Change>,
-    /// What else is changed before the picture is taken.
-    pub changes: Vec<Command>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
     /// What the canvas shows, if not the colours.
@@ -214,9 +212,6 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     if let Some(style) = request.mesh {
         let mesh = &mut app.session_mut().mesh_view;
         (mesh.open, mesh.style) = (true, style);
-    }
-    for command in request.changes.iter().cloned() {
-        app.session_mut().apply(command);
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
