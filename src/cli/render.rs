@@ -73,7 +73,7 @@ pub(crate) struct RenderArgs {
 
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let Drawn { scene, camera, recipe, frame } = args.frame.draw(args.triangles)?;
+    let Drawn { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let shown = Shown { buffer: args.buffer, scene: &scene, recipe: &recipe, frame: &frame };
     let buffers = (args.stage.is_none() && args.buffer != Buffer::Color)
         .then(|| capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame));
