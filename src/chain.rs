@@ -384,6 +384,12 @@ impl Frame {
         self.tiled.as_ref().map_or_else(|| self.geometry.triangles.len(), |report| report.counts.rasterized as usize)
     }
 
+    /// The view that was drawn: the frame's own, or one moved to where the samples lie. `recipe` is the frame's.
+    pub fn drawn_from(&self, recipe: &Recipe) -> Camera {
+        let (_, place) = sampling_after(self.past.as_deref(), recipe);
+        camera_of(&self.camera, self.sampling, self.viewport, place)
+    }
+
     /// What depths of the frame mean.
     pub fn depth_scale(&self) -> &DepthScale {
         &self.drawn.depth_scale

@@ -9,7 +9,7 @@ use rasterscope::chain::Recipe;
 use rasterscope::drawing::file::EXTENSIONS;
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::outline::OutlineKind;
-use rasterscope::inspect::{Buffer, Stage};
+use rasterscope::inspect::{Buffer, Intermediate, Stage};
 use rasterscope::lab::Page;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::report::stability::catalogue;
@@ -103,6 +103,7 @@ fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_case
     let scenes = builtin::ALL.iter().map(|scene| scene.id.to_owned());
     let methods = upscale::ALL.iter().map(|upscaler| upscaler.id().to_owned());
     let buffers = Buffer::ALL.iter().map(|buffer| buffer.id().to_owned());
+    let buffers = buffers.chain(Intermediate::ALL.iter().map(|number| number.id().to_owned()));
     let kinds = Task::KINDS.iter().map(|kind| (*kind).to_owned());
     let classes = catalogue::all().map(|class| class.id.to_owned());
     let pages = Page::ALL.iter().map(|page| page.id().to_owned());
@@ -280,6 +281,37 @@ fn the_story_of_a_pixel_is_told_in_words() {
     for part in ["Won by", "fragment 1 of 2", "fragment 2 of 2", "overwritten", "visible", "λ′", "edges"] {
         assert!(text.contains(part), "no `{part}` in:\n{text}");
     }
+}
+
+#[test]
+fn the_trace_of_a_pixel_ends_in_its_colour_in_words_and_as_json() {
+    let folder = folder();
+    let options = ["interpenetrating", "--size", "64x48"];
+    assert_success(&run(&folder, &[&["render", "-o", "out.png"], &options[..]].concat()));
+    let [r, g, b, _] = picture(&folder, "out.png").at(32, 24);
+    let traced = |more: &[&str]| run(&folder, &[&["pixel", "--at", "32,24", "--trace"], more, &options[..]].concat());
+    let output = traced(&[]);
+    assert_success(&output);
+    let text = stdout(&output);
+    assert!(text.starts_with("arithmetic of pixel 32, 24: fragment "), "{text}");
+    for part in
+        ["Model: ", "Transform: ", "Coverage: ", "edge 2 · decision = inside", "λ0 on the screen", "depth test = "]
+    {
+        assert!(text.contains(part), "no `{part}` in:\n{text}");
+    }
+    let last = text.lines().rev().take(3).map(str::trim).collect::<Vec<_>>();
+    for (line, (channel, code)) in last.iter().rev().zip([("red", r), ("green", g), ("blue", b)]) {
+        assert!(line.starts_with(&format!("pixel {channel} = {code} [u8 0x{code:02X}]")), "{line}");
+    }
+    let output = traced(&["--json", "--fragment", "1"]);
+    assert_success(&output);
+    let trace: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&trace["fragment"], &trace["pixel"]), (&serde_json::json!(0), &serde_json::json!([32, 24])));
+    let lines = trace["lines"].as_array().unwrap();
+    let weight = lines.iter().find(|line| line["what"] == "weight 1").unwrap();
+    assert!(weight["rounding_ulp"].as_f64().is_some_and(|ulps| ulps.abs() <= 0.5), "{weight}");
+    assert_eq!((&weight["kind"], &weight["buffer"]), (&serde_json::json!("f32"), &serde_json::json!("weight-1")));
+    assert_failure(&traced(&["--fragment", "9"]), 2, "--fragment 9");
 }
 
 #[test]

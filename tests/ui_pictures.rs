@@ -269,6 +269,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             compare: None,
             changes: Vec::new(),
             tab: None,
+            shown: None,
             moment: None,
             fate: None,
             lab: None,

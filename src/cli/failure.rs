@@ -38,6 +38,9 @@ pub(crate) enum Failure {
         picture.width, picture.height, picture.width - 1, picture.height - 1
     )]
     OutsidePicture { x: u32, y: u32, picture: Viewport },
+    /// `--fragment` names none that is there.
+    #[error("--fragment {number}: {there_are} fragments touched the pixel")]
+    NoSuchFragment { number: u32, there_are: usize },
     /// A picture cannot be written.
     #[error(transparent)]
     Picture(#[from] ImageFileError),

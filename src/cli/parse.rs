@@ -24,9 +24,34 @@ fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
 
 /// Parser for a closed set of alternatives, which help lists with what they do.
 pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
-    let values = C::ALL.iter().map(|choice| PossibleValue::new(choice.id()).help(choice.help()));
-    PossibleValuesParser::new(values)
-        .try_map(|id| C::ALL.iter().copied().find(|choice| choice.id() == id).ok_or("not one of the alternatives"))
+    PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not one of the alternatives"))
+}
+
+/// Parser for two sets of alternatives, no word of which is in both.
+pub(crate) fn either<A: Choice + Send + Sync, B: Choice + Send + Sync>() -> impl TypedValueParser<Value = Either<A, B>>
+{
+    let values = possible_values::<A>().chain(possible_values::<B>());
+    PossibleValuesParser::new(values).try_map(|id| {
+        let first = named::<A>(&id).map(Either::First);
+        first.or_else(|| named::<B>(&id).map(Either::Second)).ok_or("not one of the alternatives")
+    })
+}
+
+/// One of two sets of alternatives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Either<A, B> {
+    /// Of the first set.
+    First(A),
+    /// Of the second set.
+    Second(B),
+}
+
+fn possible_values<C: Choice>() -> impl Iterator<Item = PossibleValue> {
+    C::ALL.iter().map(|choice| PossibleValue::new(choice.id()).help(choice.help()))
+}
+
+fn named<C: Choice>(id: &str) -> Option<C> {
+    C::ALL.iter().copied().find(|choice| choice.id() == id)
 }
 
 #[cfg(test)]

@@ -1,7 +1,13 @@
 //! `rasterscope pixel`: why a pixel looks as it does, in words or as JSON.
 
+use std::hint::black_box;
+use std::time::Instant;
+
 use clap::Args;
-use rasterscope::inspect::inspect;
+use rasterscope::inspect::{Trace, inspect};
+use rasterscope::measure::timing::summarize;
+
+use serde::Serialize;
 
 use super::failure::Failure;
 use super::pixel_text::describe;
@@ -38,6 +44,18 @@ pub(crate) struct PixelArgs {
     /// Print JSON instead of text
     #[arg(long)]
     json: bool,
+
+    /// Print the arithmetic of the fragment that the pixel shows, line by line: formula, value, bits, exact value, rounding
+    #[arg(long)]
+    trace: bool,
+
+    /// Trace this fragment instead, counted from 1 in drawing order
+    #[arg(long, value_name = "N", requires = "trace", value_parser = clap::value_parser!(u32).range(1..))]
+    fragment: Option<u32>,
+
+    /// Also print how long a trace takes, the median of this many
+    #[arg(long, value_name = "TRACES", requires = "trace", value_parser = clap::value_parser!(u32).range(1..=10000))]
+    times: Option<u32>,
 }
 
 /// Draws, replays the pixel, and prints what happened there.
@@ -50,10 +68,35 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     }
     let Drawn { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
     let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
-    if args.json {
-        let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
-        output::print(&(json + "\n"))
-    } else {
-        output::print(&describe(&report))
+    if !args.trace {
+        return if args.json { print_json(&report) } else { output::print(&describe(&report)) };
     }
+    let fragment = args.fragment.map(|number| number as usize - 1);
+    if let Some(number) = args.fragment.filter(|number| *number as usize > report.fragments.len()) {
+        return Err(Failure::NoSuchFragment { number, there_are: report.fragments.len() });
+    }
+    let make = || Trace::of(&scene, &recipe, &frame, &report, fragment);
+    let trace = make();
+    if args.json {
+        print_json(&trace)?;
+    } else {
+        output::print(&trace.to_string())?;
+    }
+    args.times.map_or(Ok(()), |times| print_time(times, make))
+}
+
+fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let json = serde_json::to_string_pretty(value).map_err(|e| Failure::Output(e.into()))?;
+    output::print(&(json + "\n"))
+}
+
+/// How long a trace takes.
+fn print_time(times: u32, make: impl Fn() -> Trace) -> Result<(), Failure> {
+    let times_ms = (0..times).map(|_| {
+        let start = Instant::now();
+        black_box(make());
+        start.elapsed().as_secs_f64() * 1e3
+    });
+    let Some(summary) = summarize(&times_ms.collect::<Vec<_>>()) else { return Ok(()) };
+    output::print(&format!("\na trace takes {:.3} ms, the median of {times}\n", summary.median))
 }

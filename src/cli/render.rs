@@ -10,16 +10,18 @@ use rasterscope::image::file::write_png;
 use rasterscope::image::pfm::{Floats, write_pfm};
 use rasterscope::inspect::buffers::Buffers;
 use rasterscope::inspect::display::Display;
+use rasterscope::inspect::intermediate::{self, Captured};
 use rasterscope::inspect::overlays::{Context, Overlay, Sheet, compose, csv};
 use rasterscope::inspect::planes::planes;
 use rasterscope::inspect::view::Value;
-use rasterscope::inspect::{Buffer, Hits, Stage, capture, stages, view};
+use rasterscope::inspect::{Buffer, Hits, Intermediate, Stage, capture, stages, view};
 use rasterscope::measure::stages::stage_times;
 use rasterscope::measure::timing::summarize;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
+use super::parse::Either;
 use super::scene_args::{Drawn, FrameArgs};
 use super::seen_args::moment;
 use super::{output, parse};
@@ -31,8 +33,8 @@ pub(crate) struct RenderArgs {
     frame: FrameArgs,
 
     /// The quantity to show
-    #[arg(long, default_value = "color", value_parser = parse::choice::<Buffer>())]
-    buffer: Buffer,
+    #[arg(long, default_value = "color", value_parser = parse::either::<Buffer, Intermediate>())]
+    buffer: Either<Buffer, Intermediate>,
 
     /// Show the picture after this stage instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
@@ -74,16 +76,23 @@ pub(crate) struct RenderArgs {
 /// Draws, writes the picture, and says in one line what was made.
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let Drawn { scene, camera, recipe, frame } = args.frame.draw(moment(args.triangles, args.fragments))?;
-    let shown = Shown { buffer: args.buffer, scene: &scene, recipe: &recipe, frame: &frame };
-    let buffers = (args.stage.is_none() && args.buffer != Buffer::Color)
-        .then(|| capture(&scene, &recipe, &frame).completed_for(args.buffer, &recipe, &frame));
+    let (buffer, captured) = match args.buffer {
+        Either::First(buffer) => (buffer, None),
+        Either::Second(number) => (Buffer::Color, Some(intermediate::capture(&scene, &recipe, &frame, number))),
+    };
+    let captured = captured.as_ref();
+    let ends = captured.filter(|_| args.stage.is_none()).and_then(Captured::range);
+    let shown = Shown { buffer, captured, scene: &scene, recipe: &recipe, frame: &frame };
+    let buffers = (args.stage.is_none() && buffer != Buffer::Color)
+        .then(|| capture(&scene, &recipe, &frame).completed_for(buffer, &recipe, &frame));
     let faults = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref()).map(Hits::summary);
-    let image = match (args.stage, &buffers) {
-        (Some(stage), _) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
-        (None, None) => frame.image(),
-        (None, Some(buffers)) => {
-            let range = view::range(args.buffer, &frame, Some(buffers));
-            &view::picture(args.buffer, &frame, Some(buffers), range)
+    let image = match (args.stage, &buffers, captured) {
+        (Some(stage), ..) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
+        (None, _, Some(captured)) => &captured.picture(&frame, ends),
+        (None, None, None) => frame.image(),
+        (None, Some(buffers), None) => {
+            let range = view::range(buffer, &frame, Some(buffers));
+            &view::picture(buffer, &frame, Some(buffers), range)
         }
     };
     let sheets = shown.sheets(&args.overlay, buffers.as_ref());
@@ -106,6 +115,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         frame.times.total.as_secs_f64() * 1e3,
         frame.drawn_share() * 100.0,
     ))?;
+    if let Some(range) = ends {
+        output::print(&format!("from {:?} (dark) to {:?} (bright)\n", range.low, range.high))?;
+    }
     if let Some(faults) = faults {
         output::print(&format!("shared edges: {faults}\n"))?;
     }
@@ -116,6 +128,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
 /// The quantity that is drawn.
 struct Shown<'a> {
     buffer: Buffer,
+    /// A number on the way, which takes the place of the buffer.
+    captured: Option<&'a Captured>,
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
@@ -123,7 +137,10 @@ struct Shown<'a> {
 
 impl Shown<'_> {
     fn value(&self, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
-        view::value(self.buffer, self.frame, buffers, x, y)
+        match self.captured {
+            Some(captured) => captured.value(self.frame, x, y),
+            None => view::value(self.buffer, self.frame, buffers, x, y),
+        }
     }
 
     /// What is laid over it.
@@ -136,7 +153,10 @@ impl Shown<'_> {
             is_whole: true,
             watched: &watched,
             shown: &|x, y| self.value(buffers, x, y),
-            range: Display::default().range(self.buffer, self.frame, buffers),
+            range: match self.captured {
+                Some(captured) => captured.range(),
+                None => Display::default().range(self.buffer, self.frame, buffers),
+            },
         };
         overlays.iter().map(|overlay| overlay.sheet(&context)).collect()
     }

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
-use rasterscope::inspect::Buffer;
 use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::inspect::mesh_view::MeshStyle;
 use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::scrub::Moment;
+use rasterscope::inspect::{Buffer, Intermediate};
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -70,6 +70,10 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) tab: Option<Tab>,
 
+    /// Show this number on the way from triangle to colour, all over the picture
+    #[arg(long, value_name = "NUMBER", value_parser = parse::choice::<Intermediate>())]
+    pub(crate) number: Option<Intermediate>,
+
     /// Draw only the first triangles, and of the last of them only the first fragments if their number is given, too
     #[arg(long, value_name = "TRIANGLES[,FRAGMENTS]", value_parser = moment)]
     pub(crate) moment: Option<Moment>,
@@ -127,6 +131,7 @@ impl Default for Look {
             measure: false,
             compare: None,
             tab: None,
+            number: None,
             moment: None,
             buffer: None,
             range: false,
@@ -187,6 +192,8 @@ pub(crate) enum Tab {
     FrameTime,
     /// What each upscaler costs and how wrong it is
     ErrorTime,
+    /// Every step of the arithmetic of the picked pixel
+    Arithmetic,
     /// What the picked pixel is made of
     Xray,
     /// How often each value of what is shown is there

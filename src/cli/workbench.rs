@@ -50,6 +50,7 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         selected: look.at,
         compare: look.compare.map(comparison),
         tab: look.tab.map(tab),
+        shown: look.number.map(Shown::Intermediate),
         moment: look.moment,
         changes: look_changes(look),
         fate: look.fate,
@@ -101,6 +102,7 @@ fn tab(tab: Tab) -> bottom::Tab {
     match tab {
         Tab::FrameTime => bottom::Tab::FrameTime,
         Tab::ErrorTime => bottom::Tab::ErrorTime,
+        Tab::Arithmetic => bottom::Tab::Arithmetic,
         Tab::Xray => bottom::Tab::Xray,
         Tab::Histogram => bottom::Tab::Histogram,
         Tab::Fates => bottom::Tab::Fates,

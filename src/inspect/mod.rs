@@ -24,6 +24,8 @@ pub mod histogram;
 
 pub mod hits;
 
+pub mod intermediate;
+
 pub mod measured;
 
 pub mod mesh_view;
@@ -48,6 +50,8 @@ pub mod stages;
 
 pub mod statistics;
 
+pub mod trace;
+
 mod verdict;
 
 pub mod vertices;
@@ -62,7 +66,9 @@ pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use fates::Fates;
 pub use hits::{Fault, FaultKind, Hits};
+pub use intermediate::Intermediate;
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};
 pub use place::Place;
 pub use selection::TriangleSelection;
 pub use stages::Stage;
+pub use trace::Trace;

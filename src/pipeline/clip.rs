@@ -150,6 +150,23 @@ pub enum Cut {
     Pieces,
 }
 
+/// An edge that was cut at a plane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EdgeCut {
+    /// The plane.
+    pub(crate) plane: Plane,
+    /// The end inside of it.
+    pub(crate) inside: ClipVertex,
+    /// The end outside.
+    pub(crate) outside: ClipVertex,
+    /// Distances of both ends from the plane, the first ≥ 0, the second < 0.
+    pub(crate) distances: [f64; 2],
+    /// How far along the edge the plane is met, from the end inside.
+    pub(crate) t: f64,
+    /// The new vertex.
+    pub(crate) vertex: ClipVertex,
+}
+
 /// The polygon that is being clipped, with memory kept from triangle to triangle.
 #[derive(Clone, Debug, Default)]
 pub struct Polygon {
@@ -160,6 +177,17 @@ pub struct Polygon {
 impl Polygon {
     /// Clips one triangle.
     pub fn clip(&mut self, triangle: &[ClipVertex; 3], widening: f32) -> Result<Cut, Fate> {
+        self.clip_watched(triangle, widening, &mut |_| {})
+    }
+
+    /// [`Polygon::clip`], telling every cut that is made of an edge.
+    #[inline]
+    pub(crate) fn clip_watched(
+        &mut self,
+        triangle: &[ClipVertex; 3],
+        widening: f32,
+        watch: &mut impl FnMut(&EdgeCut),
+    ) -> Result<Cut, Fate> {
         if !triangle.iter().all(|v| v.position.is_finite()) {
             return Err(Fate::NotFinite);
         }
@@ -174,7 +202,7 @@ impl Polygon {
         self.vertices.clear();
         self.vertices.extend_from_slice(triangle);
         for plane in Plane::ALL.into_iter().filter(crosses) {
-            self.cut(plane, widening);
+            self.cut(plane, widening, watch);
         }
         if self.vertices.len() >= 3 { Ok(Cut::Pieces) } else { Err(Fate::ClippedAway) }
     }
@@ -185,12 +213,12 @@ impl Polygon {
     }
 
     /// The convex polygon as triangles around its first vertex.
-    fn fan(&self) -> impl Iterator<Item = [ClipVertex; 3]> {
+    pub(crate) fn fan(&self) -> impl Iterator<Item = [ClipVertex; 3]> {
         let first = self.vertices[0];
         self.vertices[1..].windows(2).map(move |pair| [first, pair[0], pair[1]])
     }
 
-    fn cut(&mut self, plane: Plane, widening: f32) {
+    fn cut(&mut self, plane: Plane, widening: f32, watch: &mut impl FnMut(&EdgeCut)) {
         self.next.clear();
         for (i, a) in self.vertices.iter().enumerate() {
             let b = &self.vertices[(i + 1) % self.vertices.len()];
@@ -198,24 +226,33 @@ impl Polygon {
             if da >= 0.0 {
                 self.next.push(*a);
             }
-            let crossing = match (da >= 0.0, db >= 0.0) {
-                (true, false) => between(a, b, (da, db)),
-                (false, true) => between(b, a, (db, da)),
+            let (inside, outside, distances) = match (da >= 0.0, db >= 0.0) {
+                (true, false) => (a, b, (da, db)),
+                (false, true) => (b, a, (db, da)),
                 _ => continue,
             };
+            let t = share_beyond(distances);
+            let crossing = between(inside, outside, distances);
             let position = plane.pin(crossing.position, widening);
             let cut_at = if plane.is_of_depth() { Some(plane) } else { crossing.cut_at };
-            self.next.push(ClipVertex { position, cut_at, ..crossing });
+            let vertex = ClipVertex { position, cut_at, ..crossing };
+            watch(&EdgeCut { plane, inside: *inside, outside: *outside, distances: distances.into(), t, vertex });
+            self.next.push(vertex);
         }
         std::mem::swap(&mut self.vertices, &mut self.next);
     }
+}
+
+/// How far along an edge from the inside to the outside its plane is met, in [0, 1].
+fn share_beyond((da, db): (f64, f64)) -> f64 {
+    da / (da - db)
 }
 
 /// The vertex at which the edge from `a`, at distance `da` ≥ 0 inside a plane, to `b`, at `db` < 0, meets the plane. As a
 /// weighted mean it never leaves the range of its ends; neither weight is the other's rest, so that an end at the eye itself,
 /// next to which the other one is 10³⁸ times farther, still lets the other one tell the direction.
 fn between(a: &ClipVertex, b: &ClipVertex, (da, db): (f64, f64)) -> ClipVertex {
-    let t = da / (da - db);
+    let t = share_beyond((da, db));
     let position = a.position.as_dvec4() * (db / (db - da)) + b.position.as_dvec4() * t;
     ClipVertex {
         position: position.as_vec4(),

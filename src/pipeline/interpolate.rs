@@ -18,8 +18,14 @@ use super::viewport::ScreenTriangle;
 /// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
 #[inline]
 pub fn affine_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
-    let inverse_area = 1.0 / triangle.doubled_area as f32;
+    let inverse_area = inverse_area(triangle);
     sample.edges.map(|e| e as f32 * inverse_area)
+}
+
+/// What edge values are multiplied with to become screen-space weights.
+#[inline]
+pub(crate) fn inverse_area(triangle: &ScreenTriangle) -> f32 {
+    1.0 / triangle.doubled_area as f32
 }
 
 /// Weights for attributes at a sample. But for the published ones they are divided by their sum.
@@ -28,10 +34,28 @@ pub fn attribute_weights(triangle: &ScreenTriangle, sample: &Sample, interpolati
     if interpolation == Interpolation::Published {
         return published_weights(triangle, sample);
     }
+    let WeightTerms { q, inverse_sum, .. } = weight_terms(triangle, sample);
+    q.map(|q| q * inverse_sum)
+}
+
+/// What weights for attributes are the products of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WeightTerms {
+    /// Edge values, each times the relative 1/w of its corner.
+    pub(crate) q: [f32; 3],
+    /// Their sum.
+    pub(crate) sum: f32,
+    /// 1 over that.
+    pub(crate) inverse_sum: f32,
+}
+
+/// The terms of all weights but the published ones.
+#[inline(always)]
+pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &Sample) -> WeightTerms {
     let [r0, r1, r2] = triangle.relative_inv_w;
     let q = [sample.edges[0] as f32 * r0, sample.edges[1] as f32 * r1, sample.edges[2] as f32 * r2];
-    let inverse_sum = 1.0 / (q[0] + q[1] + q[2]);
-    q.map(|q| q * inverse_sum)
+    let sum = q[0] + q[1] + q[2];
+    WeightTerms { q, sum, inverse_sum: 1.0 / sum }
 }
 
 /// Weights as an article prints them: from P = a·v02 + b·v01 in the coordinates of the first corner, b by the determinant,
@@ -153,7 +177,7 @@ pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attrib
 
 /// Exact derivatives of the texture coordinates at a sample by the screen. u is N / D with N = Σ uᵢ·rᵢ·λᵢ and D = Σ rᵢ·λᵢ,
 /// both affine on the screen, so du = (dN − u·dD) / D.
-fn uv_gradient(triangle: &ScreenTriangle, fragment: &Fragment) -> [Vec2; 2] {
+pub(crate) fn uv_gradient(triangle: &ScreenTriangle, fragment: &Fragment) -> [Vec2; 2] {
     let [v0, v1, v2] = triangle.corners_px().map(Vec2::from);
     let doubled_area = (v1 - v0).perp_dot(v2 - v0);
     // What each λ changes by to the right and downwards.

@@ -37,7 +37,7 @@ pub struct Sampler {
     /// The number that each code of a texel is mixed as.
     number_of_code: &'static [f32; 256],
     /// What brings the mixed number into [0, 1].
-    pub(super) scale: f32,
+    pub(crate) scale: f32,
 }
 
 impl Sampler {
@@ -94,7 +94,7 @@ impl Sampler {
     /// The texels that [`Sampler::sample`] reads at `uv` in a texture of this size, and how many of them count.
     #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
     pub fn taps(self, (width, height): (u32, u32), uv: Vec2) -> ([TexelTap; 4], usize) {
-        let (u, v) = (bring_into_unit(uv.x, self.address), bring_into_unit(uv.y, self.address));
+        let [u, v] = self.unit(uv);
         let mut taps = [TexelTap::default(); 4];
         match self.filter {
             Filter::Point => {
@@ -112,6 +112,17 @@ impl Sampler {
                 (taps, 4)
             }
         }
+    }
+
+    /// Texture coordinates in [0, 1], as they are before they are counted in texels.
+    #[inline(always)]
+    pub(crate) fn unit(self, uv: Vec2) -> [f64; 2] {
+        [bring_into_unit(uv.x, self.address), bring_into_unit(uv.y, self.address)]
+    }
+
+    /// How much of the way from the texel before to the one after a coordinate of [`Sampler::unit`] lies, among `size`.
+    pub(crate) fn share_of_next(self, unit: f64, size: u32) -> f32 {
+        neighbours(unit, size, self.address).1
     }
 
     /// The two copies of a texture that are read for a pixel over which texture coordinates change by `uv_gradient`, and
@@ -135,7 +146,7 @@ impl Sampler {
 
     /// A colour of codes in the numbers that are mixed.
     #[inline]
-    fn number_of(self, [r, g, b, _]: Rgba8) -> Vec3 {
+    pub(crate) fn number_of(self, [r, g, b, _]: Rgba8) -> Vec3 {
         let number = |code: u8| self.number_of_code[code as usize];
         Vec3::new(number(r), number(g), number(b))
     }

@@ -105,9 +105,9 @@ pub struct Shader<'a> {
     pub(super) settings: &'a Settings,
     sampler: Sampler,
     tables: &'static Tables,
-    pub(super) light_direction: Vec3,
+    pub(crate) light_direction: Vec3,
     /// Material colour × tint, in the numbers of the colour space.
-    pub(super) diffuse: Vec3,
+    pub(crate) diffuse: Vec3,
     pub(super) texture: Option<Readable<'a>>,
     dark_texture: Option<Readable<'a>>,
     /// Of the material alone.
@@ -140,6 +140,11 @@ impl<'a> Shader<'a> {
     #[inline]
     pub fn transparency(&self) -> Transparency {
         self.transparency
+    }
+
+    /// The opacity of the material alone.
+    pub(crate) fn opacity(&self) -> f32 {
+        self.opacity
     }
 
     /// What its fragments are made of.
@@ -204,8 +209,14 @@ impl<'a> Shader<'a> {
         if !self.settings.shading.reads_material() {
             return self.shade(fragment, triangle);
         }
+        self.encode(self.mixed_over(fragment, below))
+    }
+
+    /// The colour of a blended fragment over what lies `below` it, in the numbers of the colour space, before it is encoded.
+    #[inline(always)]
+    pub(crate) fn mixed_over(&self, fragment: &Fragment, below: Rgba8) -> Vec3 {
         let (albedo, alpha) = self.albedo_and_alpha(fragment);
-        self.encode(albedo * self.light(fragment) * alpha + self.sampler.value_of(below) * (1.0 - alpha))
+        albedo * self.light(fragment) * alpha + self.sampler.value_of(below) * (1.0 - alpha)
     }
 
     /// Colour of a fragment of `triangle` as if nothing could be seen through it.
@@ -213,7 +224,7 @@ impl<'a> Shader<'a> {
     pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
             Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel => {
-                self.encode(self.albedo(fragment) * self.light(fragment))
+                self.encode(self.reflected(fragment))
             }
             Shading::VertexColor => self.encode(fragment.color),
             Shading::Checker => quantized(self.checker(fragment)),
@@ -226,9 +237,15 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// The light that the surface gives back, in the numbers of the colour space, before it is encoded.
+    #[inline(always)]
+    pub(crate) fn reflected(&self, fragment: &Fragment) -> Vec3 {
+        self.albedo(fragment) * self.light(fragment)
+    }
+
     /// Surface colour without light, in the numbers of the colour space.
     #[inline]
-    fn albedo(&self, fragment: &Fragment) -> Vec3 {
+    pub(crate) fn albedo(&self, fragment: &Fragment) -> Vec3 {
         let plain = self.plain_albedo(fragment);
         match self.texture_for(fragment) {
             Some(texture) => plain * texture.color(self.sampler, fragment),
@@ -238,7 +255,7 @@ impl<'a> Shader<'a> {
 
     /// Surface colour without light and texture.
     #[inline]
-    fn plain_albedo(&self, fragment: &Fragment) -> Vec3 {
+    pub(crate) fn plain_albedo(&self, fragment: &Fragment) -> Vec3 {
         if self.attributes.color { self.diffuse * fragment.color } else { self.diffuse }
     }
 

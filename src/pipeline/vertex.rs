@@ -71,12 +71,17 @@ pub struct DrawMatrices {
 impl DrawMatrices {
     /// For one instance seen by a camera. `aspect` is width over height.
     pub fn new(instance: &Instance, camera: &Camera, aspect: f32, mapping: DepthMapping) -> Self {
-        let product: DMat4 = camera.clip_from_view(aspect, mapping).as_dmat4()
-            * camera.view_from_world_f64()
-            * instance.world_from_model.as_dmat4();
+        let product = Self::product(instance, camera, aspect, mapping);
         let linear = glam::DMat3::from_mat4(instance.world_from_model.as_dmat4());
         let normal = if linear.determinant() == 0.0 { linear } else { linear.inverse().transpose() };
         Self { clip_from_model: product.as_mat4(), world_from_model_normal: normal.as_mat3() }
+    }
+
+    /// Clip space from model space before it is rounded.
+    pub(crate) fn product(instance: &Instance, camera: &Camera, aspect: f32, mapping: DepthMapping) -> DMat4 {
+        camera.clip_from_view(aspect, mapping).as_dmat4()
+            * camera.view_from_world_f64()
+            * instance.world_from_model.as_dmat4()
     }
 
     /// A position in clip space.
@@ -117,29 +122,63 @@ pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
 
 /// Transforms all vertices of a mesh. `source_weights` is left zero: it belongs to triangles, not to vertices.
 pub fn transform(mesh: &Mesh, matrices: &DrawMatrices, settings: &Settings, plan: &DrawPlan) -> Vec<ClipVertex> {
-    let reads = |part| plan.runs(part);
-    let (normals, uvs, colors) = (reads(Part::Normals), reads(Part::TextureCoordinates), reads(Part::VertexColors));
-    let light_direction = unit_or(settings.light.direction.as_dvec3(), Vec3::Y);
-    (0..mesh.positions.len())
-        .map(|i| {
-            let mut varyings = Varyings { color: Vec3::ONE, ..Varyings::default() };
-            if normals {
-                let normal = matrices.world_from_model_normal * mesh.normals[i];
-                varyings.normal = unit_or(normal.as_dvec3(), Vec3::Y);
-                if settings.shading == Shading::Gouraud {
-                    varyings.light = lambert(varyings.normal, light_direction, settings.light.ambient);
-                }
+    let transformer = Transformer::new(mesh, matrices, settings, plan);
+    (0..mesh.positions.len()).map(|i| transformer.vertex(i)).collect()
+}
+
+/// What one draw does with each vertex of its mesh.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Transformer<'a> {
+    mesh: &'a Mesh,
+    matrices: &'a DrawMatrices,
+    settings: &'a Settings,
+    normals: bool,
+    uvs: bool,
+    colors: bool,
+    light_direction: Vec3,
+}
+
+impl<'a> Transformer<'a> {
+    /// For a mesh and what its draw needs.
+    pub(crate) fn new(mesh: &'a Mesh, matrices: &'a DrawMatrices, settings: &'a Settings, plan: &DrawPlan) -> Self {
+        let reads = |part| plan.runs(part);
+        Self {
+            mesh,
+            matrices,
+            settings,
+            normals: reads(Part::Normals),
+            uvs: reads(Part::TextureCoordinates),
+            colors: reads(Part::VertexColors),
+            light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
+        }
+    }
+
+    /// One vertex of the mesh.
+    #[inline]
+    pub(crate) fn vertex(&self, i: usize) -> ClipVertex {
+        let Self { mesh, matrices, settings, .. } = *self;
+        let mut varyings = Varyings { color: Vec3::ONE, ..Varyings::default() };
+        if self.normals {
+            varyings.normal = unit_or(self.world_normal(i).as_dvec3(), Vec3::Y);
+            if settings.shading == Shading::Gouraud {
+                varyings.light = lambert(varyings.normal, self.light_direction, settings.light.ambient);
             }
-            if uvs {
-                varyings.uv = mesh.uvs[i];
-            }
-            if colors {
-                varyings.color = to_working_space(mesh.colors[i], settings.color_space);
-            }
-            let position = matrices.clip_position(mesh.positions[i]);
-            ClipVertex { position, cut_at: None, varyings }
-        })
-        .collect()
+        }
+        if self.uvs {
+            varyings.uv = mesh.uvs[i];
+        }
+        if self.colors {
+            varyings.color = to_working_space(mesh.colors[i], settings.color_space);
+        }
+        let position = matrices.clip_position(mesh.positions[i]);
+        ClipVertex { position, cut_at: None, varyings }
+    }
+
+    /// The normal of a vertex in world space, of any length.
+    #[inline]
+    pub(crate) fn world_normal(&self, i: usize) -> Vec3 {
+        self.matrices.world_from_model_normal * self.mesh.normals[i]
+    }
 }
 
 #[cfg(test)]

@@ -139,10 +139,17 @@ impl Viewport {
     /// Projects one corner, whose w is positive.
     #[inline]
     pub fn project_vertex(self, vertex: &ClipVertex, scale: &DepthScale) -> ScreenVertex {
-        let inv_w = 1.0 / vertex.position.w;
-        let position_px = self.pixels_from_ndc(vertex.position.truncate() * inv_w);
+        let (inv_w, ndc) = divided(vertex);
+        let position_px = self.pixels_from_ndc(ndc);
         ScreenVertex::at(position_px.into(), scale.of_vertex(vertex), inv_w, vertex.varyings)
     }
+}
+
+/// 1/w of a vertex, and its position times that: normalised device coordinates, y up.
+#[inline]
+pub(crate) fn divided(vertex: &ClipVertex) -> (f32, Vec3) {
+    let inv_w = 1.0 / vertex.position.w;
+    (inv_w, vertex.position.truncate() * inv_w)
 }
 
 /// 1/w of three corners divided by the largest of them, in (0, 1]; all 1 if they are equal. Never 0, so that weights sum

@@ -202,8 +202,8 @@ impl Workbench {
     fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
         // In a narrow window the canvas still has the largest share.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
-        let (left, right) = (share(292.0), share(316.0));
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(90.0).show(ui, |ui| {
+        let (left, right, least) = (share(292.0), share(316.0), self.tab.least_height());
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(least).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
         Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
@@ -476,6 +476,7 @@ impl Workbench {
                 self.canvas.one_to_one((viewport.width, viewport.height), self.session.canvas_px);
             }
             Command::StepFault(step) => self.step_fault(step > 0),
+            Command::Trace(_) => self.tab = Tab::Arithmetic,
             Command::WhatIf(what_if::Change::Step(step)) => {
                 if let Some(pixel) = self.session.change_beside_pick(step > 0) {
                     self.session.pick = Some(pixel);

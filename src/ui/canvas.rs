@@ -32,7 +32,6 @@ use crate::image::{Image, Rgba8};
 use crate::inspect::Buffer;
 use crate::inspect::display::Kind;
 use crate::inspect::view::{Value, absence};
-use crate::pipeline::settings::Choice as _;
 
 /// The grid is drawn from this many points per pixel on.
 const GRID_FROM: f32 = 10.0;
@@ -243,10 +242,12 @@ fn legend(ui: &Ui, canvas: Rect, session: &Session, view: &View) -> Rect {
     let painter = ui.painter().with_clip_rect(canvas);
     const WIDTH: f32 = 220.0;
     const BAR: f32 = 8.0;
-    let (name, help) = match view.request.shown {
-        Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
-        Shown::Stage(stage) => (stage.name(), stage.help()),
+    let shown = view.request.shown;
+    let missing = match shown {
+        Shown::Buffer(buffer) => absence(buffer, &view.frame),
+        _ => None,
     };
+    let (name, help) = (shown.name(), missing.unwrap_or(shown.help()));
     let small = FontId::proportional(font_size::SMALL);
     let text = painter.layout(format!("{name}: {help}"), small, tokens(ui).text, WIDTH);
     let range = view.range.filter(|_| kind(view.request.shown) == Kind::Numbers);

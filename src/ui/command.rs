@@ -21,6 +21,7 @@ use super::range;
 use super::scrub;
 use super::session::{PictureSize, PointerMode};
 use super::timings::TimingsView;
+use super::trace;
 use super::vertices;
 use super::watch;
 use super::what_if;
@@ -29,6 +30,7 @@ use crate::inspect::outline::OutlineKind;
 use crate::inspect::range::Fit;
 use crate::inspect::scrub::Unit;
 use crate::inspect::selection::TriangleSelection;
+use crate::inspect::trace::Direction;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
 
@@ -157,6 +159,8 @@ pub enum Command {
     ToggleLab,
     /// Change something in the lab.
     Lab(lab::Change),
+    /// Step through the arithmetic of the picked pixel.
+    Trace(trace::Change),
     /// Go through the making of the frame.
     Scrub(scrub::Change),
     /// Ask for triangles by how they ended.
@@ -310,6 +314,32 @@ pub const BINDINGS: &[Binding] = &[
     ),
     bind(Modifiers::NONE, Key::L, || Command::ToggleLab, "The 2D lab, and back to the pipeline"),
     bind(Modifiers::NONE, Key::K, || Command::Lab(lab::Change::TogglePlay), "Play the steps of the lab, or stop"),
+    bind(Modifiers::SHIFT, Key::F10, || Command::Trace(trace::Change::Step(-1)), "Arithmetic: one line back"),
+    bind(Modifiers::NONE, Key::F10, || Command::Trace(trace::Change::Step(1)), "Arithmetic: one line forward"),
+    bind(
+        Modifiers::SHIFT,
+        Key::F5,
+        || Command::Trace(trace::Change::Run(None, Direction::Back)),
+        "Arithmetic: back to the last notable line",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::F5,
+        || Command::Trace(trace::Change::Run(None, Direction::Forward)),
+        "Arithmetic: on to the next notable line",
+    ),
+    bind(
+        Modifiers::SHIFT,
+        Key::F11,
+        || Command::Trace(trace::Change::Stage(Direction::Back)),
+        "Arithmetic: the stage before",
+    ),
+    bind(
+        Modifiers::NONE,
+        Key::F11,
+        || Command::Trace(trace::Change::Stage(Direction::Forward)),
+        "Arithmetic: the next stage",
+    ),
     bind(Modifiers::NONE, Key::M, || Command::MeshView(mesh_view::Change::Toggle), "The scene from outside, and back"),
     bind(Modifiers::NONE, Key::C, || Command::TogglePointerMode, "Camera mode and back"),
     bind(Modifiers::NONE, Key::H, || Command::ResetCamera, "Back to the scene's own view"),

@@ -12,11 +12,13 @@ use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
 use crate::inspect::buffers::{Buffer, Buffers, capture};
+use crate::inspect::intermediate::{self, Captured};
 use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
-use crate::inspect::{PixelReport, Stage, inspect};
+use crate::inspect::{Intermediate, PixelReport, Stage, inspect};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
+use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Until, prepare};
 use crate::scene::{Camera, Scene};
@@ -28,6 +30,28 @@ pub enum Shown {
     Buffer(Buffer),
     /// The picture after a stage.
     Stage(Stage),
+    /// A number on the way from triangle to colour.
+    Intermediate(Intermediate),
+}
+
+impl Shown {
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Buffer(buffer) => buffer.name(),
+            Self::Stage(stage) => stage.name(),
+            Self::Intermediate(intermediate) => intermediate.name(),
+        }
+    }
+
+    /// One sentence: what is seen.
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Buffer(buffer) => buffer.help(),
+            Self::Stage(stage) => stage.help(),
+            Self::Intermediate(intermediate) => intermediate.help(),
+        }
+    }
 }
 
 /// Everything that decides what the window shows.
@@ -96,6 +120,8 @@ pub struct View {
     pub picture: Arc<Image<Rgba8>>,
     /// Quantities of the frame, if a buffer that needs them is shown.
     pub buffers: Option<Arc<Buffers>>,
+    /// The number of every sample that is shown, if one is.
+    pub captured: Option<Arc<Captured>>,
     /// Ends of the colour map, if one is used.
     pub range: Option<Range>,
     /// What the picture was made from, and its figures.
@@ -144,23 +170,25 @@ impl Engine {
             }
         }
         let fresh = last.is_none();
-        let (frame, rasterized, kept_buffers, kept) = match last {
-            Some(view) => (view.frame, view.rasterized, view.buffers, Some((view.request, view.looked))),
+        let (frame, rasterized, kept_buffers, kept_captured, kept) = match last {
+            Some(view) => (view.frame, view.rasterized, view.buffers, view.captured, Some((view.request, view.looked))),
             None => {
                 let (frame, rasterized) = render(&request, &mut self.renderer, (&mut self.reel, whole));
-                (Arc::new(frame), rasterized, None, None)
+                (Arc::new(frame), rasterized, None, None, None)
             }
         };
+        let captured = needed_capture(&request, &frame, kept_captured);
         let buffers = needed_buffers(&request, &frame, kept_buffers);
         let looked = {
-            let source = Source { frame: &frame, buffers: buffers.as_deref(), stage: None };
-            look::look(&request, source, kept)
+            let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
+            look::look(&request, Source { frame: &frame, buffers, captured, stage: None }, kept)
         };
         let report =
             request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
         let (picture, range) = (looked.picture.clone(), looked.range);
         let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
-        let view = View { request, frame, rasterized, picture, buffers, range, looked, report, timeline, fresh };
+        let view =
+            View { request, frame, rasterized, picture, buffers, captured, range, looked, report, timeline, fresh };
         self.last = Some(view.clone());
         view
     }
@@ -186,6 +214,13 @@ fn needed_buffers(request: &Request, frame: &Frame, kept: Option<Arc<Buffers>>) 
         (_, Some(kept)) => Some(kept),
         (_, None) => Some(Arc::new(capture(scene, recipe, frame).completed_for(buffer, recipe, frame))),
     }
+}
+
+/// The number of every sample that is shown, if one is: that of the last answer if it is the same.
+fn needed_capture(request: &Request, frame: &Frame, kept: Option<Arc<Captured>>) -> Option<Arc<Captured>> {
+    let Shown::Intermediate(which) = request.shown else { return None };
+    let again = || Arc::new(intermediate::capture(&request.scene, &request.recipe, frame, which));
+    Some(kept.filter(|kept| kept.which == which).unwrap_or_else(again))
 }
 
 /// A frame, and how many triangles it would have without a limit.

@@ -8,6 +8,7 @@ use crate::chain::Frame;
 use crate::image::{Image, Rgba8};
 use crate::inspect::buffers::Buffers;
 use crate::inspect::display::{Display, Kind};
+use crate::inspect::intermediate::Captured;
 use crate::inspect::measured::{Measured, measure};
 use crate::inspect::overlays::watch::Watched;
 use crate::inspect::overlays::{Context, Sheet, compose};
@@ -63,6 +64,8 @@ pub struct Source<'a> {
     pub frame: &'a Frame,
     /// Quantities of the frame, if a buffer that needs them is shown.
     pub buffers: Option<&'a Buffers>,
+    /// The number of every sample that is shown, if one is.
+    pub captured: Option<&'a Captured>,
     /// The picture after a stage, if such a picture is shown.
     pub stage: Option<&'a Image<Rgba8>>,
 }
@@ -72,6 +75,7 @@ impl Source<'_> {
     fn value(&self, shown: Shown, x: u32, y: u32) -> Value {
         match shown {
             Shown::Buffer(buffer) => value(buffer, self.frame, self.buffers, x, y),
+            Shown::Intermediate(_) => self.captured.map_or(Value::Nothing, |captured| captured.value(self.frame, x, y)),
             Shown::Stage(_) => self.stage.and_then(|stage| stage.get(x, y)).map_or(Value::Nothing, Value::Color),
         }
     }
@@ -83,7 +87,7 @@ impl Source<'_> {
             return (display.picture(buffer, self.frame, self.buffers, range), range);
         }
         let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(shown, x, y));
-        let range = display.range_of(kind(shown), size, || None, value);
+        let range = display.range_of(kind(shown), size, || self.captured.and_then(Captured::range), value);
         (display.picture_of(None, size, range, value), range)
     }
 }
@@ -152,6 +156,7 @@ pub fn kind(shown: Shown) -> Kind {
     match shown {
         Shown::Buffer(buffer) => Kind::of(buffer),
         Shown::Stage(_) => Kind::Colors,
+        Shown::Intermediate(_) => Kind::Numbers,
     }
 }
 
@@ -159,6 +164,10 @@ impl View {
     /// The exact value that is shown at a pixel inside the picture, whatever colours stand for it.
     pub fn value(&self, x: u32, y: u32) -> Value {
         let (buffers, stage) = (self.buffers.as_deref(), self.looked.stage.as_deref());
-        Source { frame: &self.frame, buffers, stage }.value(self.request.shown, x, y)
+        Source { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage }.value(
+            self.request.shown,
+            x,
+            y,
+        )
     }
 }

@@ -36,6 +36,8 @@ pub mod worker;
 
 pub mod lab;
 
+pub mod trace;
+
 pub mod probe;
 
 pub mod command;

@@ -24,6 +24,7 @@ use super::probe::Probing;
 use super::range::{self, RangeControl};
 use super::scrub::{self, Scrub};
 use super::timings::Timings;
+use super::trace::TraceView;
 use super::vertices::Vertices;
 use super::watch::Watch;
 use super::what_if::WhatIf;
@@ -209,6 +210,8 @@ pub struct Session {
     pub mesh_view: MeshView,
     /// The 2D lab.
     pub lab: Lab,
+    /// The arithmetic of the picked pixel.
+    pub trace: TraceView,
     /// Ranges and colours of what is shown.
     pub range: RangeControl,
     /// What is laid over the picture.
@@ -281,6 +284,7 @@ impl Session {
             vertices: Vertices::default(),
             mesh_view: MeshView::default(),
             lab: Lab::default(),
+            trace: TraceView::default(),
             range: RangeControl::default(),
             overlays: Overlays::default(),
             selection: TriangleSelection::default(),
@@ -461,6 +465,7 @@ impl Session {
                 self.lab.apply(lab::Change::Open(!self.lab.open));
             }
             Command::Lab(change) => return self.lab.apply(change).map(Command::Lab),
+            Command::Trace(change) => return self.trace.apply(change, self.view.as_ref()).map(Command::Trace),
             Command::Place(change) => return self.change_places(change),
             Command::WhatIf(change) => return self.change_what_if(change),
             Command::Watch(change) => self.change_watch(change),
@@ -595,7 +600,7 @@ impl Session {
         let last = Stage::ALL.len() as i64 - 1;
         let now = match self.shown {
             Shown::Stage(stage) => Stage::ALL.iter().position(|s| *s == stage).map_or(last, |i| i as i64),
-            Shown::Buffer(_) => last,
+            Shown::Buffer(_) | Shown::Intermediate(_) => last,
         };
         self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
     }

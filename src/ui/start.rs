@@ -105,6 +105,8 @@ pub struct ScreenshotRequest {
     pub changes: Vec<Command>,
     /// The tab that is open, if not the first.
     pub tab: Option<Tab>,
+    /// What the canvas shows, if not the colours.
+    pub shown: Option<Shown>,
     /// How much of the frame is drawn, if not all.
     pub moment: Option<Moment>,
     /// The triangles that are selected, by how they ended; the tab of fates is open then.
@@ -214,6 +216,9 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     }
     if let Some(tab) = request.tab {
         app.open_tab(tab);
+    }
+    if let Some(shown) = request.shown {
+        app.session_mut().shown = shown;
     }
     if let Some(moment) = request.moment {
         app.session_mut().begin_at(moment);

@@ -1,6 +1,7 @@
 //! Drives the window through its accessibility tree, without a display.
 
 mod appearance;
+mod arithmetic;
 mod bench;
 mod camera;
 mod cases;

@@ -42,9 +42,14 @@ impl DepthFunction {
         Self { course: Course::Space, encoding, least, rises }
     }
 
+    /// Whether depth is linear in space rather than on the screen.
+    pub(crate) fn is_linear_in_space(&self) -> bool {
+        self.course == Course::Space
+    }
+
     /// The least depth, and per corner what multiplies its edge value (or, where depth is linear in space, its weight).
     #[inline(always)]
-    pub(in crate::pipeline) fn terms(&self) -> (f64, [f64; 3]) {
+    pub(crate) fn terms(&self) -> (f64, [f64; 3]) {
         (self.least, self.rises)
     }
 }
@@ -58,7 +63,13 @@ fn rises(corners: [f64; 3]) -> (f64, [f64; 3]) {
 /// Depth of a covered sample, as it is stored.
 #[inline]
 pub fn depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
-    let DepthFunction { course, encoding, least, rises } = triangle.depth;
+    triangle.depth.encoding.quantize(unquantised_depth_at(triangle, sample))
+}
+
+/// Depth of a covered sample before it is quantised, in [0, 1].
+#[inline]
+pub(crate) fn unquantised_depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f64 {
+    let DepthFunction { course, least, rises, .. } = triangle.depth;
     let weighted = |[a, b, c]: [f64; 3]| a * rises[0] + b * rises[1] + c * rises[2];
     let rise = match course {
         Course::Screen => weighted(sample.edges),
@@ -72,5 +83,5 @@ pub fn depth_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
             if sum > 0.0 { weighted(weights) / sum } else { 0.0 }
         }
     };
-    encoding.quantize((least + rise).clamp(0.0, 1.0))
+    (least + rise).clamp(0.0, 1.0)
 }

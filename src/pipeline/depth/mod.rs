@@ -13,8 +13,10 @@ mod function;
 mod scale;
 
 pub use encoding::DepthEncoding;
+pub(crate) use function::unquantised_depth_at;
 pub use function::{DepthFunction, depth_at};
 pub use scale::DepthScale;
+pub(crate) use scale::Law;
 
 use super::settings::{DepthTest, Settings};
 

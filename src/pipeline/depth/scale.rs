@@ -38,7 +38,7 @@ pub struct DepthScale {
 
 /// How depth follows from the distance, and the vertex from its clip position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Law {
+pub(crate) enum Law {
     /// In perspective, where the distance is w.
     Perspective(DepthMapping),
     /// Without, where depth is linear and simply z; mirrored where it is reversed.
@@ -75,6 +75,16 @@ impl DepthScale {
             Law::Perspective(DepthMapping::Linear) | Law::Orthographic { .. } => 1.0 / (far - near),
         };
         Self { law, encoding, near, far, factor }
+    }
+
+    /// How depth follows from the distance.
+    pub(crate) fn law(&self) -> Law {
+        self.law
+    }
+
+    /// Distances of the near and the far plane, and the factor of [`DepthScale::depth`], which is set up once for a view.
+    pub(crate) fn planes_and_factor(&self) -> [f64; 3] {
+        [self.near, self.far, self.factor]
     }
 
     /// In which numbers depths are stored.

@@ -1,6 +1,7 @@
 //! A triangle in an arithmetic that is chosen when the program runs: for whoever asks a few of its pixels.
 
 use super::numbers::Edge;
+use super::steps::EdgeSteps;
 use super::{Exact, Fixed, Floating, Sample, Triangle, within_fixed_point};
 use crate::pipeline::settings::{Arithmetic, FillRule};
 
@@ -45,6 +46,11 @@ impl AnyTriangle {
     /// Edge values at a pixel's centre, inside the triangle or not.
     pub fn sample(&self, pixel: (u32, u32)) -> Sample {
         each!(self, triangle => triangle.sample(pixel, pixel))
+    }
+
+    /// How each edge comes to its value at a pixel's centre.
+    pub fn steps(&self, (column, row): (u32, u32)) -> [EdgeSteps; 3] {
+        each!(self, triangle => triangle.edges().each_ref().map(|edge| edge.steps(column.into(), row.into())))
     }
 
     /// For each edge, opposite to the corner of the same number, whether samples exactly on it belong to the triangle.

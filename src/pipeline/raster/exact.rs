@@ -10,6 +10,7 @@ use robust::{Coord, orient2d};
 
 use super::float::{Floating, unit_scale};
 use super::numbers::{Edge, Inward, Numbers, Walk};
+use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::MAX_SIDE_PX;
 
@@ -142,6 +143,13 @@ impl Edge for ExactEdge {
     fn contains(&self, column: i64, row: i64) -> bool {
         let sign = self.sign_at(column, row);
         sign > 0.0 || (sign == 0.0 && self.owned)
+    }
+
+    fn steps(&self, column: i64, row: i64) -> EdgeSteps {
+        let Self { from, to, sign, scale, .. } = *self;
+        let centre = centre(column, row);
+        let numbers = EdgeNumbers::Exact { from, to, centre, sign, value: oriented(from, to, centre) * sign };
+        EdgeSteps { inward: self.inward, owned: self.owned, contains: self.contains(column, row), scale, numbers }
     }
 
     fn boundary(&self, row: i64) -> i64 {

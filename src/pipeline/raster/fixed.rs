@@ -13,6 +13,7 @@
 //! pipeline's guard band (±2²⁴ grid steps) values stay below 2⁵³, so that they are exact as f64, too.
 
 use super::numbers::{Edge, Inward, Numbers, Walk};
+use super::steps::{EdgeNumbers, EdgeSteps};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, snap};
 use crate::pipeline::settings::FillRule;
 
@@ -108,6 +109,13 @@ impl Edge for FixedEdge {
     #[inline]
     fn contains(&self, column: i64, row: i64) -> bool {
         self.at(column, row) >= i64::from(!self.owned)
+    }
+
+    fn steps(&self, column: i64, row: i64) -> EdgeSteps {
+        let Self { a, b, c, owned } = *self;
+        let centre = [centre(column), centre(row)];
+        let numbers = EdgeNumbers::Fixed { a, b, c, centre, value: self.at(column, row) };
+        EdgeSteps { inward: self.inward(), owned, contains: self.contains(column, row), scale: 1.0, numbers }
     }
 
     fn boundary(&self, row: i64) -> i64 {

@@ -8,6 +8,7 @@
 use num_traits::Float;
 
 use super::numbers::{Edge, Inward, Numbers, Walk};
+use super::steps::{EdgeNumbers, EdgeSteps, FloatSteps};
 use crate::pipeline::settings::FillRule;
 
 /// IEEE floats of type `F`.
@@ -25,7 +26,25 @@ pub struct FloatEdge<F> {
     scale: f64,
 }
 
-impl<F: Float + Default + Into<f64>> Numbers for Floating<F> {
+/// A float that explanations can tell from the other one.
+pub trait Explained: Sized {
+    /// The numbers of an edge as those of an arithmetic.
+    fn numbers(steps: FloatSteps<Self>) -> EdgeNumbers;
+}
+
+impl Explained for f32 {
+    fn numbers(steps: FloatSteps<Self>) -> EdgeNumbers {
+        EdgeNumbers::F32(steps)
+    }
+}
+
+impl Explained for f64 {
+    fn numbers(steps: FloatSteps<Self>) -> EdgeNumbers {
+        EdgeNumbers::F64(steps)
+    }
+}
+
+impl<F: Float + Default + Into<f64> + Explained> Numbers for Floating<F> {
     type Coordinate = F;
     type Edge = FloatEdge<F>;
 
@@ -77,13 +96,22 @@ fn centre<F: Float>(pixel: i64) -> F {
     F::from(pixel).unwrap_or_else(F::nan) + half()
 }
 
-impl<F: Float + Default + Into<f64>> FloatEdge<F> {
+impl<F: Float + Default + Into<f64> + Explained> FloatEdge<F> {
     #[inline]
     fn at(&self, column: i64, row: i64) -> F {
-        let along = [self.lower[0] - self.upper[0], self.lower[1] - self.upper[1]];
-        let to_centre = [centre::<F>(column) - self.upper[0], centre::<F>(row) - self.upper[1]];
-        let value = along[0] * to_centre[1] - along[1] * to_centre[0];
-        if self.negated { -value } else { value }
+        self.float_steps(column, row).value
+    }
+
+    #[inline(always)]
+    fn float_steps(&self, column: i64, row: i64) -> FloatSteps<F> {
+        let Self { upper, lower, negated, .. } = *self;
+        let along = [lower[0] - upper[0], lower[1] - upper[1]];
+        let centre = [centre::<F>(column), centre::<F>(row)];
+        let to_centre = [centre[0] - upper[0], centre[1] - upper[1]];
+        let products = [along[0] * to_centre[1], along[1] * to_centre[0]];
+        let value = products[0] - products[1];
+        let value = if negated { -value } else { value };
+        FloatSteps { upper, lower, centre, along, to_centre, products, negated, value }
     }
 
     /// The x at which the centre line of a row crosses.
@@ -99,7 +127,7 @@ impl<F: Float + Default + Into<f64>> FloatEdge<F> {
     }
 }
 
-impl<F: Float + Default + Into<f64>> Edge for FloatEdge<F> {
+impl<F: Float + Default + Into<f64> + Explained> Edge for FloatEdge<F> {
     type Walk = FloatWalk<F>;
 
     fn inward(&self) -> Inward {
@@ -123,6 +151,16 @@ impl<F: Float + Default + Into<f64>> Edge for FloatEdge<F> {
     fn contains(&self, column: i64, row: i64) -> bool {
         let value = self.at(column, row);
         value > F::zero() || (value == F::zero() && self.owned)
+    }
+
+    fn steps(&self, column: i64, row: i64) -> EdgeSteps {
+        EdgeSteps {
+            inward: self.inward(),
+            owned: self.owned,
+            contains: self.contains(column, row),
+            scale: self.scale,
+            numbers: F::numbers(self.float_steps(column, row)),
+        }
     }
 
     fn boundary(&self, row: i64) -> i64 {
@@ -150,7 +188,7 @@ pub struct FloatWalk<F> {
     slope: F,
 }
 
-impl<F: Float + Default + Into<f64>> Walk for FloatWalk<F> {
+impl<F: Float + Default + Into<f64> + Explained> Walk for FloatWalk<F> {
     fn boundary(&self) -> i64 {
         self.edge.column_beyond(self.x)
     }

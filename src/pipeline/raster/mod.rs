@@ -24,6 +24,8 @@ mod published;
 
 mod scanline;
 
+pub mod steps;
+
 mod tiled;
 
 mod triangle;

@@ -4,6 +4,7 @@
 //! pixel's centre lie; at which column does this row cross you; and what is your value there. How corners are held, and
 //! whether the answers are exact, is the arithmetic's business.
 
+use super::steps::EdgeSteps;
 use crate::pipeline::settings::FillRule;
 
 /// Numbers to rasterize with.
@@ -46,6 +47,9 @@ pub trait Edge: Copy {
 
     /// Whether the centre of a pixel is inside, or on the line and owned.
     fn contains(&self, column: i64, row: i64) -> bool;
+
+    /// How the value at the centre of a pixel comes about.
+    fn steps(&self, column: i64, row: i64) -> EdgeSteps;
 
     /// The first column of a row that lies beyond the edge: inside for a left edge, outside for a right one. Not for
     /// horizontal edges. Exact arithmetic clamps it to the columns that a picture can have.

@@ -56,7 +56,7 @@ fn line(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, ends: [Pos2; 2]) {
     let warning = tokens(ui).warning;
     match kind {
         Kind::Ray => {
-            painter.line_segment(ends, Stroke::new(3.5, MARK_EDGE));
+            painter.line_segment(ends, Stroke::new(3.5, tokens(ui).canvas));
             painter.line_segment(ends, Stroke::new(1.5, warning));
         }
         Kind::RayBehind => dashed(painter, ends, Stroke::new(1.0, warning.gamma_multiply(0.7))),
@@ -65,8 +65,9 @@ fn line(ui: &Ui, painter: &Painter, kind: Kind, rect: Rect, ends: [Pos2; 2]) {
         }
         Kind::Culled => dashed(painter, ends, Stroke::new(1.0, CULLED)),
         _ => {
-            painter.line_segment(ends, Stroke::new(2.5, MARK_EDGE.gamma_multiply(0.6)));
-            painter.line_segment(ends, Stroke::new(1.0, ON_PIXEL[0]));
+            // Over triangles the line is seen by its edge, which is as the ground.
+            painter.line_segment(ends, Stroke::new(2.5, tokens(ui).canvas.gamma_multiply(0.6)));
+            painter.line_segment(ends, Stroke::new(1.0, tokens(ui).text_strong));
         }
     }
 }

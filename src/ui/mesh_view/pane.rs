@@ -23,6 +23,9 @@ use crate::ui::widgets::{combo, icon_button};
 /// Triangles are moved apart at most so far.
 const MOST_APART: f32 = 2.0;
 
+/// The slider has its name beside it if there is so much room left, in points.
+const NAME_FROM_POINTS: f32 = 56.0;
+
 /// The pane.
 #[derive(Default)]
 pub struct MeshPane {
@@ -123,13 +126,15 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
                     push(Change::Fit(aspect));
                 }
                 let mut apart = mesh.apart;
-                ui.spacing_mut().slider_width = (ui.available_width() - 62.0).clamp(24.0, 120.0);
+                ui.spacing_mut().slider_width = (ui.available_width() - NAME_FROM_POINTS).clamp(56.0, 120.0);
                 let slider = ui.add(Slider::new(&mut apart, 0.0..=MOST_APART).show_value(false));
                 slider.widget_info(|| WidgetInfo::slider(true, apart.into(), "Exploded"));
                 if slider.on_hover_text("Explode: triangles move away from the middle of their mesh").changed() {
                     push(Change::Apart(apart));
                 }
-                ui.label(egui::RichText::new("Explode").small().color(tokens(ui).text_weak));
+                if ui.available_width() >= NAME_FROM_POINTS {
+                    ui.label(egui::RichText::new("Explode").small().color(tokens(ui).text_weak));
+                }
             });
         });
     });
@@ -194,7 +199,7 @@ fn caption(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session, view
             let where_to = if seen { "picked where the picture shows it" } else { "no pixel of the picture shows it" };
             format!("Triangle {}: {where_to}", triangle.0)
         }
-        (None, None) => "Drag turns, Shift-drag shifts, wheel comes closer, W A S D Q E fly".to_owned(),
+        (None, None) => "Drag turns, Shift-drag shifts, the wheel nears, W A S D fly".to_owned(),
     };
     let font = FontId::proportional(font_size::SMALL);
     let galley = painter.layout(text, font, tokens(ui).text, (rect.width() - 4.0 * space::S).max(40.0));

@@ -3,7 +3,7 @@
 
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
-use crate::inspect::{Buffer, Stage, fields};
+use crate::inspect::{Buffer, Intermediate, Stage, fields};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::{SceneSource, builtin};
 use crate::ui::command::{BINDINGS, Command};
@@ -100,6 +100,11 @@ pub fn all(session: &Session) -> Vec<Entry> {
         let shown = Shown::Buffer(*buffer);
         let title = format!("Show buffer: {}", buffer.name());
         entry(Kind::Buffer, title, Command::Show(shown)).with(buffer.help(), session.shown == shown)
+    }));
+    entries.extend(Intermediate::ALL.iter().map(|number| {
+        let shown = Shown::Intermediate(*number);
+        let title = format!("Show number: {}", number.name());
+        entry(Kind::Buffer, title, Command::Show(shown)).with(number.help(), session.shown == shown)
     }));
     entries.extend(Stage::ALL.iter().map(|stage| {
         let shown = Shown::Stage(*stage);

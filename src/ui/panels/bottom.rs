@@ -8,6 +8,7 @@ use crate::ui::fates::tab as fates;
 use crate::ui::probe;
 use crate::ui::range::panel;
 use crate::ui::session::Session;
+use crate::ui::trace::panel as trace;
 use crate::ui::vertices;
 use crate::ui::watch;
 
@@ -19,6 +20,8 @@ pub enum Tab {
     FrameTime,
     /// What each upscaler costs and how wrong it is.
     ErrorTime,
+    /// Every step of the arithmetic of a pixel.
+    Arithmetic,
     /// What a pixel of the picture is made of.
     Xray,
     /// How often each value is there.
@@ -41,10 +44,26 @@ pub enum Tab {
     Log,
 }
 
+impl Tab {
+    /// What it needs to be of use, in points.
+    pub fn least_height(self) -> f32 {
+        match self {
+            // Some rows of the table under the current line.
+            Self::Arithmetic => 250.0,
+            _ => 90.0,
+        }
+    }
+}
+
 /// All tabs, with name and explanation.
 pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::FrameTime, "Frame time", "How long a frame takes with each upscaler"),
     (Tab::ErrorTime, "Error vs time", "What each upscaler costs and how wrong its picture is; a click compares it"),
+    (
+        Tab::Arithmetic,
+        "Arithmetic",
+        "Every step from the corners of a triangle to the picked pixel, with the numbers and what each step rounded",
+    ),
     (
         Tab::Xray,
         "X-ray",
@@ -116,7 +135,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 probe::controls(ui, session, commands);
             }
-            Tab::Xray | Tab::Log => {}
+            Tab::Arithmetic | Tab::Xray | Tab::Log => {}
         }
     });
     ui.add_space(4.0);
@@ -125,6 +144,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Histogram => panel::ui(ui, session, commands),
         Tab::FrameTime => frame_times::ui(ui, session, commands),
         Tab::ErrorTime => tradeoff::ui(ui, session, commands),
+        Tab::Arithmetic => trace::ui(ui, session, commands),
         Tab::Xray => xray::ui(ui, session, commands),
         Tab::Fates => fates::ui(ui, session, commands),
         Tab::Scaling => scaling::ui(ui, session),

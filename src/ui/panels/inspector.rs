@@ -15,6 +15,7 @@ use crate::ui::overlays;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::trace;
 use crate::ui::watch;
 use crate::ui::what_if;
 use crate::ui::widgets::{Status, chip, copy_button, empty_state, section_header, swatch, value_row};
@@ -61,6 +62,9 @@ impl Inspector {
                 weights(ui, fragment);
             }
             self.fragments(ui, report);
+            if let Some(fragment) = explained {
+                arithmetic_button(ui, report, fragment, commands);
+            }
             samples(ui, report);
             sources(ui, report, commands);
             if let Some(fragment) = explained {
@@ -93,6 +97,15 @@ impl Inspector {
                 self.chosen = Some(index);
             }
         }
+    }
+}
+
+/// A button that writes out the arithmetic of a fragment.
+fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecord, commands: &mut Vec<Command>) {
+    let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
+    let help = "Every step from the corners of the triangle to the pixel, with the numbers and what each step rounded";
+    if ui.button("Write out its arithmetic").on_hover_text(help).clicked() {
+        commands.push(Command::Trace(trace::Change::Fragment(index)));
     }
 }
 

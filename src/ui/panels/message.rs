@@ -5,9 +5,7 @@ use std::path::Path;
 
 use eframe::egui::{Align, Color32, Label, Layout, Rect, RichText, Sense, Ui, Vec2};
 
-use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::engine::Shown;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
@@ -41,10 +39,7 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<&Path>, commands: &mut
             let text = format!("{words}.  X shows what that changed.");
             line(ui, Icon::Diff, tokens(ui).accent, &text, None, commands);
         } else {
-            let (name, help) = match session.shown {
-                Shown::Buffer(buffer) => (buffer.name(), buffer.help()),
-                Shown::Stage(stage) => (stage.name(), stage.help()),
-            };
+            let (name, help) = (session.shown.name(), session.shown.help());
             line(ui, Icon::Eye, tokens(ui).text_weak, &format!("{name}: {help}"), None, commands);
         }
     });

@@ -2,7 +2,7 @@
 
 use eframe::egui::{self, Button, RichText, Ui, WidgetInfo};
 
-use crate::inspect::{Buffer, Stage};
+use crate::inspect::{Buffer, Intermediate, Stage};
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
@@ -33,11 +33,7 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::StepStage(-1));
     }
     let mut shown = session.shown;
-    let name = match shown {
-        Shown::Buffer(buffer) => buffer.name(),
-        Shown::Stage(stage) => stage.name(),
-    };
-    combo("shown", name, (ui.available_width() - 408.0).clamp(64.0, 140.0))
+    combo("shown", shown.name(), (ui.available_width() - 408.0).clamp(64.0, 140.0))
         .height(480.0)
         .show_ui(ui, |ui| {
             ui.weak("Buffers of the frame");
@@ -47,6 +43,11 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui.weak("Pictures after a stage");
             for stage in Stage::ALL {
                 ui.selectable_value(&mut shown, Shown::Stage(*stage), stage.name()).on_hover_text(stage.help());
+            }
+            ui.weak("Numbers on the way");
+            for number in Intermediate::ALL {
+                let value = Shown::Intermediate(*number);
+                ui.selectable_value(&mut shown, value, number.name()).on_hover_text(number.help());
             }
         })
         .response

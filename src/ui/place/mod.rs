@@ -72,6 +72,8 @@ impl Session {
         let (buffer, stage) = match self.shown {
             Shown::Buffer(buffer) => (buffer, None),
             Shown::Stage(stage) => (Buffer::Color, Some(stage)),
+            // Numbers on the way are looked at in passing; no place leads back to them.
+            Shown::Intermediate(_) => (Buffer::Color, None),
         };
         Place {
             scene: match &self.source {

@@ -78,6 +78,7 @@ fn title(ui: &mut Ui, view: &View, changes: &mut Vec<Change>) {
     let (name, help) = match view.request.shown {
         Shown::Buffer(buffer) => (buffer.name(), absence(buffer, &view.frame).unwrap_or(buffer.help())),
         Shown::Stage(stage) => (stage.name(), stage.help()),
+        Shown::Intermediate(number) => (number.name(), number.help()),
     };
     ui.label(RichText::new(name).strong());
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

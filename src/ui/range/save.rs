@@ -14,6 +14,7 @@ pub fn data(session: &Session) -> impl FnOnce() -> Result<PathBuf, String> + Sen
     let stem = match session.shown {
         Shown::Buffer(buffer) => buffer.id(),
         Shown::Stage(stage) => stage.id(),
+        Shown::Intermediate(number) => number.id(),
     };
     let (view, path) = (session.view.clone(), free_name(&session.folder, stem, "pfm"));
     move || {

@@ -130,6 +130,9 @@ fn changes(before: &View, after: &View) -> Option<Changes> {
             (Some(before), Some(after)) => Changes::of_pictures(before, after),
             _ => Changes::of_pictures(&before.picture, &after.picture),
         },
+        Shown::Intermediate(_) => {
+            Changes::of_pictures(&like(before, after).unwrap_or_else(|| before.picture.clone()), &after.picture)
+        }
     }
 }
 
@@ -137,7 +140,15 @@ fn changes(before: &View, after: &View) -> Option<Changes> {
 /// it A keeps its own, and its own range beside it.
 fn like(before: &View, after: &View) -> Option<Arc<Image<Rgba8>>> {
     let look = &after.request.look;
-    let Shown::Buffer(buffer) = after.request.shown else { return None };
-    let differs = before.range != after.range && look.layers.is_empty();
-    differs.then(|| Arc::new(look.display.picture(buffer, &before.frame, before.buffers.as_deref(), after.range)))
+    if before.range == after.range || !look.layers.is_empty() {
+        return None;
+    }
+    match after.request.shown {
+        Shown::Buffer(buffer) => {
+            Some(look.display.picture(buffer, &before.frame, before.buffers.as_deref(), after.range))
+        }
+        Shown::Intermediate(_) => before.captured.as_ref().map(|captured| captured.picture(&before.frame, after.range)),
+        Shown::Stage(_) => None,
+    }
+    .map(Arc::new)
 }

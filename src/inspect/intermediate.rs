@@ -1,0 +1,273 @@
+//! Any number on the way from a triangle to a colour as a buffer over the whole picture.
+//!
+//! The frame is drawn once more, watched; of each sample the fragment that was written last tells. Numbers come from the same
+//! functions that drew.
+
+use super::stages::NOT_DRAWN;
+use super::view::{Range, Value, magnitude_color};
+use crate::chain::{Frame, Recipe, redraw};
+use crate::image::Image;
+use crate::image::Rgba8;
+use crate::pipeline::Until;
+use crate::pipeline::depth::{DepthEncoding, DepthScale, depth_at};
+use crate::pipeline::interpolate::{Fragment, affine_weights, uv_gradient};
+use crate::pipeline::observe::Observer;
+use crate::pipeline::plan::{DrawPlan, Part};
+use crate::pipeline::raster::{AnyTriangle, Sample};
+use crate::pipeline::settings::{Choice, Settings, choice};
+use crate::pipeline::shade::Shader;
+use crate::pipeline::viewport::ScreenTriangle;
+use crate::scene::Scene;
+
+choice! {
+    /// A number that the pipeline computes on its way.
+    Intermediate {
+        Edge0 = "edge-0", "Edge value 0", "Which side of the edge opposite to corner 0 a sample lies on, and how far in: 0 on the line, in the unit of the arithmetic.";
+        Edge1 = "edge-1", "Edge value 1", "Which side of the edge opposite to corner 1 a sample lies on, and how far in: 0 on the line, in the unit of the arithmetic.";
+        Edge2 = "edge-2", "Edge value 2", "Which side of the edge opposite to corner 2 a sample lies on, and how far in: 0 on the line, in the unit of the arithmetic.";
+        Lambda0 = "lambda-0", "λ0 on screen", "The share of corner 0 on the screen: its edge value over the area.";
+        Lambda1 = "lambda-1", "λ1 on screen", "The share of corner 1 on the screen: its edge value over the area.";
+        Lambda2 = "lambda-2", "λ2 on screen", "The share of corner 2 on the screen: its edge value over the area.";
+        Weight0 = "weight-0", "Weight 0", "The share of corner 0 that attributes are mixed with.";
+        Weight1 = "weight-1", "Weight 1", "The share of corner 1 that attributes are mixed with.";
+        Weight2 = "weight-2", "Weight 2", "The share of corner 2 that attributes are mixed with.";
+        InvW = "inv-w", "1/w", "1 over the distance along the line of sight: what is affine on the screen.";
+        Distance = "distance", "View distance", "The distance along the line of sight, in world units; 1 without perspective.";
+        Depth = "fragment-depth", "Fragment depth", "The depth of the fragment as it is stored, blended or not.";
+        DepthSlope = "depth-slope", "Depth per pixel", "Steps of the depth buffer from a pixel to its right neighbour on the same triangle: where it is 0, depth stands still.";
+        DepthStep = "depth-step", "Depth resolution", "The distance to the next depth that can be stored, in world units: surfaces closer than that may tie.";
+        U = "u", "u", "The first texture coordinate, before addressing.";
+        V = "v", "v", "The second texture coordinate, downwards, before addressing.";
+        DuDx = "du-dx", "du/dx", "What u changes by in a pixel to the right.";
+        DvDx = "dv-dx", "dv/dx", "What v changes by in a pixel to the right.";
+        DuDy = "du-dy", "du/dy", "What u changes by in a pixel downwards.";
+        DvDy = "dv-dy", "dv/dy", "What v changes by in a pixel downwards.";
+        Footprint = "footprint", "Texels per pixel", "The longer side of a pixel on the texture, in texels: above 1 texels are skipped.";
+        Cosine = "cosine", "N·L", "The cosine of the angle between normal and light.";
+        Light = "light", "Light", "The factor that light multiplies the surface with.";
+        Alpha = "alpha", "Alpha", "The share with which the fragment covers what lies behind.";
+    }
+}
+
+/// 1/w at a sample.
+pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
+    let lambda = affine_weights(triangle, sample);
+    lambda.iter().zip(&triangle.vertices).map(|(lambda, vertex)| lambda * vertex.inv_w).sum()
+}
+
+/// Colour of what is no finite number; no other number has it.
+pub const NOT_FINITE: Rgba8 = [255, 0, 220, 255];
+
+/// One number of every sample of a frame.
+#[derive(Clone, Debug)]
+pub struct Captured {
+    /// Which one.
+    pub which: Intermediate,
+    /// Packed as the frame's framebuffer is; `None` where nothing was drawn, or nothing computed it.
+    pub values: Image<Option<f32>>,
+}
+
+impl Captured {
+    /// The number at a pixel of the full picture.
+    pub fn value(&self, frame: &Frame, x: u32, y: u32) -> Value {
+        let Some((column, row)) = frame.sample_at(x, y) else { return Value::NotDrawn };
+        self.values.at(column, row).map_or(Value::Nothing, Value::Number)
+    }
+
+    /// The ends of the colour map: least and greatest finite number.
+    pub fn range(&self) -> Option<Range> {
+        Range::fit(self.values.pixels().iter().filter_map(|value| *value))
+    }
+
+    /// As a full picture.
+    pub fn picture(&self, frame: &Frame, range: Option<Range>) -> Image<Rgba8> {
+        let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
+        let (width, height) = frame.image().size();
+        Image::from_fn(width, height, |x, y| match self.value(frame, x, y) {
+            Value::Number(number) if number.is_finite() => magnitude_color(range.position(number)),
+            Value::Number(_) => NOT_FINITE,
+            _ => NOT_DRAWN,
+        })
+    }
+}
+
+/// Draws the frame once more and keeps one number of every sample.
+pub fn capture(scene: &Scene, recipe: &Recipe, frame: &Frame, which: Intermediate) -> Captured {
+    let (width, height) = frame.drawn.color.size();
+    let shaders = scene.instances.iter().zip(&frame.plans);
+    let mut capture = Capture {
+        which,
+        settings: &recipe.pipeline,
+        scale: frame.depth_scale(),
+        shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
+        plans: &frame.plans,
+        edges: None,
+        values: Image::filled(width, height, None),
+    };
+    redraw(scene, recipe, frame, Until::Shade, &mut capture);
+    Captured { which, values: capture.values }
+}
+
+/// Writes down one number of what is drawn.
+struct Capture<'a> {
+    which: Intermediate,
+    settings: &'a Settings,
+    scale: &'a DepthScale,
+    shaders: Vec<Shader<'a>>,
+    plans: &'a [DrawPlan],
+    /// The edges of the triangle that was asked for last.
+    edges: Option<(ScreenTriangle, AnyTriangle)>,
+    values: Image<Option<f32>>,
+}
+
+impl Capture<'_> {
+    fn value(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) -> Option<f32> {
+        let sample = &fragment.sample;
+        let instance = triangle.instance as usize;
+        let shader = &self.shaders[instance];
+        let has = |part| self.plans[instance].runs(part);
+        let uv = |value: f32| has(Part::TextureCoordinates).then_some(value);
+        let lambda = || affine_weights(triangle, sample);
+        let gradient = || has(Part::TextureCoordinates).then(|| uv_gradient(triangle, fragment));
+        match self.which {
+            Intermediate::Edge0 => Some(sample.edges[0] as f32),
+            Intermediate::Edge1 => Some(sample.edges[1] as f32),
+            Intermediate::Edge2 => Some(sample.edges[2] as f32),
+            Intermediate::Lambda0 => Some(lambda()[0]),
+            Intermediate::Lambda1 => Some(lambda()[1]),
+            Intermediate::Lambda2 => Some(lambda()[2]),
+            Intermediate::Weight0 => Some(fragment.weights[0]),
+            Intermediate::Weight1 => Some(fragment.weights[1]),
+            Intermediate::Weight2 => Some(fragment.weights[2]),
+            Intermediate::InvW => Some(inv_w_at(triangle, sample)),
+            Intermediate::Distance => Some(1.0 / inv_w_at(triangle, sample)),
+            Intermediate::Depth => Some(depth_at(triangle, sample)),
+            Intermediate::DepthSlope => self.depth_slope(triangle, sample),
+            Intermediate::DepthStep => Some(self.scale.resolution(depth_at(triangle, sample)) as f32),
+            Intermediate::U => uv(fragment.uv.x),
+            Intermediate::V => uv(fragment.uv.y),
+            Intermediate::DuDx => Some(gradient()?[0].x),
+            Intermediate::DvDx => Some(gradient()?[0].y),
+            Intermediate::DuDy => Some(gradient()?[1].x),
+            Intermediate::DvDy => Some(gradient()?[1].y),
+            Intermediate::Footprint => {
+                let (width, height) = shader.texture_for(fragment)?.level(0).size();
+                let texels = glam::Vec2::new(width as f32, height as f32);
+                gradient()?.into_iter().map(|change| (change * texels).length()).reduce(f32::max)
+            }
+            Intermediate::Cosine => has(Part::Normals).then(|| shader.cosine(fragment)),
+            Intermediate::Light => has(Part::Light).then(|| shader.light(fragment)),
+            Intermediate::Alpha => Some(shader.alpha(fragment)),
+        }
+    }
+
+    /// Signed steps of the depth buffer to the pixel at the right.
+    fn depth_slope(&mut self, triangle: &ScreenTriangle, sample: &Sample) -> Option<f32> {
+        let Settings { arithmetic, fill_rule, .. } = *self.settings;
+        if self.edges.as_ref().is_none_or(|(known, _)| known != triangle) {
+            self.edges = Some((*triangle, AnyTriangle::new(arithmetic, triangle.corners_px(), fill_rule)?));
+        }
+        let (_, edges) = self.edges.as_ref()?;
+        let here = depth_at(triangle, sample);
+        let beside = depth_at(triangle, &edges.sample((sample.x + 1, sample.y)));
+        Some(signed_steps(self.scale.encoding(), here, beside))
+    }
+}
+
+fn signed_steps(encoding: DepthEncoding, from: f32, to: f32) -> f32 {
+    let steps = encoding.steps_between(from, to) as f32;
+    if to < from { -steps } else { steps }
+}
+
+impl Observer for Capture<'_> {
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let value = self.value(triangle, fragment);
+        self.values.set(fragment.sample.column, fragment.sample.row, value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::inspect::trace::Trace;
+    use crate::inspect::{Buffer, inspect};
+    use crate::pipeline::settings::{DepthFormat, Filter, Interpolation};
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    const VIEW: Viewport = Viewport { width: 28, height: 20 };
+
+    #[test]
+    fn no_name_is_that_of_another_buffer() {
+        for number in Intermediate::ALL {
+            assert!(Buffer::ALL.iter().all(|buffer| buffer.id() != number.id() && buffer.name() != number.name()));
+        }
+    }
+
+    #[test]
+    fn buffers_hold_what_the_lines_say() {
+        let mut recipe = Recipe::default();
+        recipe.pipeline.filter = Filter::Trilinear;
+        for id in ["cubes", "stained-glass"] {
+            let scene = builtin::by_id(id).unwrap().build();
+            let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+            let captured: Vec<_> = Intermediate::ALL.iter().map(|n| capture(&scene, &recipe, &frame, *n)).collect();
+            let mut compared = 0;
+            for (x, y) in (0..VIEW.height).flat_map(|y| (0..VIEW.width).map(move |x| (x, y))) {
+                let report = inspect(&scene, &recipe, &frame, x, y).unwrap();
+                let trace = Trace::of(&scene, &recipe, &frame, &report, None);
+                if report.visible().is_none() {
+                    assert!(captured.iter().all(|c| c.value(&frame, x, y) == Value::Nothing), "{id} {x},{y}");
+                    continue;
+                }
+                for line in &trace.lines {
+                    let Some(captured) = captured.iter().find(|c| Some(c.which) == line.buffer) else { continue };
+                    let Value::Number(value) = captured.value(&frame, x, y) else { panic!("{id} {line:?}") };
+                    assert_eq!(
+                        f64::from(value),
+                        line.number().unwrap().to_f64() as f32 as f64,
+                        "{id} {x},{y} {line:?}"
+                    );
+                    compared += 1;
+                }
+            }
+            assert!(compared > 1000, "{id}: {compared}");
+        }
+    }
+
+    #[test]
+    fn the_slope_of_depth_is_the_step_to_the_neighbour() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.pipeline.depth_format = DepthFormat::Unorm24;
+        let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        let slope = capture(&scene, &recipe, &frame, Intermediate::DepthSlope);
+        let depth = frame.drawn.depth.as_ref().unwrap();
+        let encoding = frame.depth_scale().encoding();
+        let mut compared = 0;
+        for (x, y) in (0..VIEW.height).flat_map(|y| (0..VIEW.width - 1).map(move |x| (x, y))) {
+            let pair = [slope.values.at(x, y), slope.values.at(x + 1, y)];
+            let [Some(step), Some(_)] = pair else { continue };
+            assert_eq!(step, signed_steps(encoding, depth.at(x, y), depth.at(x + 1, y)), "{x},{y}");
+            compared += 1;
+        }
+        assert!(compared > 50, "{compared}");
+    }
+
+    #[test]
+    fn what_is_not_finite_has_a_colour_of_its_own() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.pipeline.interpolation = Interpolation::Published;
+        let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+        let mut captured = capture(&scene, &recipe, &frame, Intermediate::Weight0);
+        let place = captured.values.pixels().iter().position(Option::is_some).unwrap();
+        captured.values.pixels_mut()[place] = Some(f32::NAN);
+        let range = captured.range();
+        assert!(range.is_some_and(|range| range.low.is_finite() && range.high.is_finite()));
+        let picture = captured.picture(&frame, range);
+        assert_eq!(picture.pixels()[place], NOT_FINITE);
+        assert_eq!(picture.pixels().iter().filter(|pixel| **pixel == NOT_FINITE).count(), 1);
+    }
+}

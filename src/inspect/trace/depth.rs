@@ -1,0 +1,83 @@
+//! The depth of the fragment, as it is stored, against what the buffer holds.
+
+use super::formula::{Formula, given, sum, whole};
+use super::line::{Notable, Scribe, TraceStage};
+use super::subject::Subject;
+use crate::inspect::depth::DepthRecord;
+use crate::inspect::intermediate::Intermediate;
+use crate::pipeline::depth::{Comparison, depth_at, unquantised_depth_at};
+
+/// Writes depth and test.
+pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+    scribe.enter(TraceStage::Depth);
+    if subject.record.stored_depth.is_none() {
+        scribe.decide("depth test", "off: what is drawn last is seen", "passes");
+        return;
+    }
+    let (triangle, sample) = (subject.triangle, &subject.sample);
+    let (least, rises) = triangle.depth.terms();
+    let depths = triangle.vertices.each_ref().map(|vertex| vertex.depth);
+    let of_least = given("depth 0", depths[0]).min(given("depth 1", depths[1])).min(given("depth 2", depths[2]));
+    scribe.compute("least depth", least, &of_least);
+    let is_linear = triangle.depth.is_linear_in_space();
+    for corner in 0..3 {
+        let above = given(format!("depth {corner}"), depths[corner]) - given("least", least);
+        let formula = if is_linear { above } else { above / given("doubled area", triangle.doubled_area) };
+        scribe.compute(format!("rise {corner}"), rises[corner], &formula);
+    }
+    let formula = if is_linear { in_space(subject, least, rises) } else { on_screen(sample.edges, least, rises) };
+    let unquantised = unquantised_depth_at(triangle, sample);
+    let within = formula.max(whole("0", 0)).min(whole("1", 1));
+    scribe.compute("depth in f64", unquantised, &within);
+    let depth = DepthRecord::new(depth_at(triangle, sample), subject.frame.depth_scale());
+    stored(unquantised, &depth, subject, scribe);
+    scribe.read("one step in world units", "to the next depth that can be stored", depth.resolution);
+    test(subject, &depth, scribe);
+}
+
+fn on_screen(edges: [f64; 3], least: f64, rises: [f64; 3]) -> Formula {
+    let term = |corner: usize| given(format!("edge {corner}"), edges[corner]) * given("rise", rises[corner]);
+    given("least", least) + sum((0..3).map(term))
+}
+
+fn in_space(subject: &Subject<'_>, least: f64, rises: [f64; 3]) -> Formula {
+    let inv_w = subject.triangle.vertices.each_ref().map(|vertex| f64::from(vertex.inv_w));
+    let weight = |corner: usize| {
+        let edge = given(format!("edge {corner}"), subject.sample.edges[corner]).max(whole("0", 0));
+        edge * given("1/w", inv_w[corner])
+    };
+    let above = sum((0..3).map(|corner| weight(corner) * given("rise", rises[corner])));
+    given("least", least) + above / sum((0..3).map(weight))
+}
+
+/// The depth in the numbers that the buffer holds.
+fn stored(unquantised: f64, depth: &DepthRecord, subject: &Subject<'_>, scribe: &mut Scribe) {
+    let depth64 = || given("depth in f64", unquantised);
+    match depth.code.zip(subject.frame.depth_scale().encoding().largest_code()) {
+        None => {
+            scribe.compute("depth as stored", depth.value, &depth64()).shown_by(Intermediate::Depth);
+        }
+        Some((code, largest)) => {
+            scribe.compute("code", code, &(depth64() * given("largest code", largest)));
+            let formula = given("code", code) / given("largest code", largest);
+            scribe.compute("depth as stored", depth.value, &formula).shown_by(Intermediate::Depth);
+        }
+    }
+}
+
+fn test(subject: &Subject<'_>, depth: &DepthRecord, scribe: &mut Scribe) {
+    let Some(stored) = subject.record.stored_depth else { return };
+    scribe.read("depth in the buffer", "what was there before this fragment", stored.value);
+    let comparison = Comparison::of(subject.settings);
+    let passes = comparison.passes(depth.value, stored.value);
+    let steps = depth.steps_from(&stored);
+    let step = if depth.code.is_some() { "codes" } else { "ulp" };
+    let sign = comparison.symbol();
+    let words = match comparison {
+        Comparison::Always => "every fragment passes".to_owned(),
+        _ => format!("{} {sign} {}? They are {steps} {step} apart", depth.value, stored.value),
+    };
+    let line = scribe.decide("depth test", words, if passes { "passes" } else { "fails" });
+    line.flag(Notable::DepthEqual, depth.value == stored.value);
+    line.flag(Notable::Tie, depth.value == stored.value && comparison != Comparison::Always);
+}

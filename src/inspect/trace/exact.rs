@@ -1,0 +1,297 @@
+//! Exact numbers: a fraction of whole numbers times a power of two, never shortened, so that sums and products of floats
+//! cost little. Independent of the pipeline's arithmetic, which it is there to judge.
+
+use std::cmp::Ordering;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use num_bigint::BigInt;
+use num_traits::{One as _, Signed as _, ToPrimitive as _, Zero as _};
+
+/// Bits that a root is computed to, far beyond those of an f64. It is the one number here that is not exact.
+const ROOT_BITS: i64 = 160;
+
+/// A number without error: numerator / denominator · 2^exponent.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    numerator: BigInt,
+    /// > 0.
+    denominator: BigInt,
+    exponent: i64,
+}
+
+impl Exact {
+    /// A float; `None` for NaN and the infinities.
+    pub fn from_f64(value: f64) -> Option<Self> {
+        /// Bits of the fraction field, and the exponent of its last place in the smallest numbers.
+        const FRACTION_BITS: u32 = 52;
+        const LEAST_EXPONENT: i64 = -1074;
+        if !value.is_finite() {
+            return None;
+        }
+        let bits = value.to_bits();
+        let field = (bits >> FRACTION_BITS & 0x7ff) as i64;
+        let fraction = bits & ((1 << FRACTION_BITS) - 1);
+        let (magnitude, exponent) = match field {
+            0 => (fraction, LEAST_EXPONENT),
+            _ => (fraction | 1 << FRACTION_BITS, field - 1 + LEAST_EXPONENT),
+        };
+        // Without the zeros at its end the number is short, and what is computed of it stays so.
+        let zeros = if magnitude == 0 { 0 } else { magnitude.trailing_zeros() };
+        let numerator = BigInt::from((magnitude >> zeros) as i64 * if value.is_sign_negative() { -1 } else { 1 });
+        let exponent = if magnitude == 0 { 0 } else { exponent + i64::from(zeros) };
+        Some(Self { numerator, denominator: BigInt::one(), exponent })
+    }
+
+    /// A whole number.
+    pub fn whole(value: i64) -> Self {
+        Self { numerator: value.into(), denominator: BigInt::one(), exponent: 0 }
+    }
+
+    /// A fraction of whole numbers; `None` if it divides by 0.
+    pub fn ratio(numerator: i64, denominator: i64) -> Option<Self> {
+        Self::whole(numerator).divided_by(&Self::whole(denominator))
+    }
+
+    /// Whether it is 0.
+    pub fn is_zero(&self) -> bool {
+        self.numerator.is_zero()
+    }
+
+    /// Its magnitude.
+    pub fn abs(&self) -> Self {
+        Self { numerator: self.numerator.abs(), ..self.clone() }
+    }
+
+    /// The quotient; `None` if it divides by 0.
+    pub fn divided_by(&self, other: &Self) -> Option<Self> {
+        if other.is_zero() {
+            return None;
+        }
+        let (numerator, denominator) = (&self.numerator * &other.denominator, &self.denominator * &other.numerator);
+        let flip = if denominator.is_negative() { -1 } else { 1 };
+        let exponent = self.exponent - other.exponent;
+        Some(Self { numerator: numerator * flip, denominator: denominator * flip, exponent })
+    }
+
+    /// Times 2^`places`.
+    pub fn shifted(&self, places: i64) -> Self {
+        Self { exponent: self.exponent + places, ..self.clone() }
+    }
+
+    /// Numerator and denominator with the power of two multiplied in.
+    pub(super) fn parts(&self) -> (BigInt, BigInt) {
+        let shift = self.exponent.unsigned_abs();
+        if self.exponent >= 0 {
+            (&self.numerator << shift, self.denominator.clone())
+        } else {
+            (self.numerator.clone(), &self.denominator << shift)
+        }
+    }
+
+    /// The largest whole number not above.
+    pub fn floor(&self) -> Self {
+        let (numerator, denominator) = self.parts();
+        Self { numerator: div_floor(&numerator, &denominator), denominator: BigInt::one(), exponent: 0 }
+    }
+
+    /// The nearest whole number, of two as near the even one.
+    pub fn round_ties_even(&self) -> Self {
+        let below = self.floor();
+        let twice_rest = (self - &below).shifted(1);
+        match twice_rest.cmp(&Self::whole(1)) {
+            Ordering::Less => below,
+            Ordering::Equal if !below.numerator.bit(0) => below,
+            Ordering::Equal | Ordering::Greater => &below + &Self::whole(1),
+        }
+    }
+
+    /// The root of this degree of a number that is not negative, cut off after [`ROOT_BITS`]; `None` of a negative one.
+    pub fn root(&self, degree: u32) -> Option<Self> {
+        if self.numerator.is_negative() {
+            return None;
+        }
+        let Some(magnitude) = self.floor_log2() else { return Some(self.clone()) };
+        // So many places that the root has enough bits; a multiple of the degree, as they leave the root divided by it.
+        let places = (ROOT_BITS - magnitude.div_euclid(i64::from(degree))).max(0);
+        let (numerator, denominator) = self.shifted(places * i64::from(degree)).parts();
+        Some(Self {
+            numerator: (numerator / denominator).nth_root(degree),
+            denominator: BigInt::one(),
+            exponent: -places,
+        })
+    }
+
+    /// To the power of a whole number.
+    pub fn power(&self, exponent: u32) -> Self {
+        (0..exponent).fold(Self::whole(1), |product, _| &product * self)
+    }
+
+    /// e with 2^e ≤ |x| < 2^(e + 1); `None` for 0.
+    pub fn floor_log2(&self) -> Option<i64> {
+        if self.is_zero() {
+            return None;
+        }
+        let bits = |n: &BigInt| n.bits() as i64;
+        // A quotient of n and d bits lies between 2^(n − d − 1) and 2^(n − d + 1).
+        let guess = bits(&self.numerator) - bits(&self.denominator);
+        let (numerator, denominator) = (self.numerator.abs(), &self.denominator);
+        let is_less = match u64::try_from(guess) {
+            Ok(shift) => numerator < denominator << shift,
+            Err(_) => numerator << guess.unsigned_abs() < *denominator,
+        };
+        Some(guess - i64::from(is_less) + self.exponent)
+    }
+
+    /// A float near it.
+    pub fn approximate(&self) -> f64 {
+        /// Enough that what is cut off does not show.
+        const BITS: i64 = 66;
+        let Some(magnitude) = self.floor_log2() else { return 0.0 };
+        let shift = BITS - magnitude;
+        let (numerator, denominator) = self.shifted(shift).parts();
+        let whole = (numerator / denominator).to_f64().unwrap_or(f64::NAN);
+        // In two steps, each of a power that there is.
+        let half = (-shift / 2) as i32;
+        whole * 2.0_f64.powi(half) * 2.0_f64.powi((-shift) as i32 - half)
+    }
+}
+
+/// Rounded down, also below 0.
+fn div_floor(numerator: &BigInt, denominator: &BigInt) -> BigInt {
+    let quotient = numerator / denominator;
+    if numerator.is_negative() && &quotient * denominator != *numerator { quotient - 1 } else { quotient }
+}
+
+impl Add for &Exact {
+    type Output = Exact;
+
+    fn add(self, other: &Exact) -> Exact {
+        let exponent = self.exponent.min(other.exponent);
+        let at = |number: &Exact| &number.numerator << (number.exponent - exponent).unsigned_abs();
+        let (a, b) = (at(self), at(other));
+        if self.denominator == other.denominator {
+            return Exact { numerator: a + b, denominator: self.denominator.clone(), exponent };
+        }
+        let numerator = a * &other.denominator + b * &self.denominator;
+        Exact { numerator, denominator: &self.denominator * &other.denominator, exponent }
+    }
+}
+
+impl Sub for &Exact {
+    type Output = Exact;
+
+    fn sub(self, other: &Exact) -> Exact {
+        self + &-other
+    }
+}
+
+impl Mul for &Exact {
+    type Output = Exact;
+
+    fn mul(self, other: &Exact) -> Exact {
+        Exact {
+            numerator: &self.numerator * &other.numerator,
+            denominator: &self.denominator * &other.denominator,
+            exponent: self.exponent + other.exponent,
+        }
+    }
+}
+
+impl Div for &Exact {
+    type Output = Option<Exact>;
+
+    fn div(self, other: &Exact) -> Option<Exact> {
+        self.divided_by(other)
+    }
+}
+
+impl Neg for &Exact {
+    type Output = Exact;
+
+    fn neg(self) -> Exact {
+        Exact { numerator: -&self.numerator, denominator: self.denominator.clone(), exponent: self.exponent }
+    }
+}
+
+impl PartialEq for Exact {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Exact {}
+
+impl PartialOrd for Exact {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Exact {
+    fn cmp(&self, other: &Self) -> Ordering {
+        (self - other).numerator.cmp(&BigInt::zero())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use num_rational::BigRational;
+
+    use super::*;
+
+    fn exact(value: f64) -> Exact {
+        Exact::from_f64(value).unwrap()
+    }
+
+    #[test]
+    fn it_is_the_arithmetic_of_fractions() {
+        let mut rng = fastrand::Rng::with_seed(8);
+        let rational = |x: &Exact| {
+            let (numerator, denominator) = x.parts();
+            BigRational::new(numerator, denominator)
+        };
+        for _ in 0..500 {
+            let [a, b] = [(); 2].map(|()| f64::from_bits(rng.u64(..)));
+            let [Some(x), Some(y)] = [a, b].map(Exact::from_f64) else { continue };
+            let (p, q) = (BigRational::from_float(a).unwrap(), BigRational::from_float(b).unwrap());
+            assert_eq!((rational(&x), rational(&y)), (p.clone(), q.clone()));
+            assert_eq!(rational(&(&x + &y)), &p + &q);
+            assert_eq!(rational(&(&x - &y)), &p - &q);
+            assert_eq!(rational(&(&x * &y)), &p * &q);
+            assert_eq!((&x / &y).map(|z| rational(&z)), Some(&p / &q));
+            assert_eq!(x.cmp(&y), p.cmp(&q));
+            assert_eq!(rational(&x.floor()), p.floor());
+            assert_eq!(x.approximate(), a, "a float is its own neighbour");
+        }
+        assert_eq!(&exact(1.0) / &exact(0.0), None);
+        assert_eq!(Exact::from_f64(f64::NAN), None);
+    }
+
+    #[test]
+    fn roots_are_right_to_many_more_digits_than_a_float_has() {
+        for (value, degree) in [(2.0, 2), (3e-40, 2), (1e300, 5), (0.25, 12), (0.0, 3)] {
+            let x = exact(value);
+            let root = x.root(degree).unwrap();
+            let error = (&root.power(degree) - &x).abs();
+            assert!(error.is_zero() || error.floor_log2() < x.shifted(-150).floor_log2(), "{value} {degree}");
+        }
+        assert_eq!(exact(9.0).root(2), Some(exact(3.0)));
+        assert_eq!(exact(-1.0).root(2), None);
+    }
+
+    #[test]
+    fn ties_go_to_the_even_neighbour() {
+        for (value, rounded) in [(0.5, 0.0), (1.5, 2.0), (-0.5, 0.0), (-1.5, -2.0), (-0.6, -1.0), (2.4, 2.0)] {
+            assert_eq!(exact(value).round_ties_even(), exact(rounded), "{value}");
+        }
+    }
+
+    #[test]
+    fn the_magnitude_is_that_of_the_leading_bit() {
+        for (value, magnitude) in [(1.0, 0), (0.75, -1), (2.0, 1), (3.99, 1), (-8.0, 3)] {
+            assert_eq!(exact(value).floor_log2(), Some(magnitude), "{value}");
+        }
+        assert_eq!(Exact::ratio(1, 3).unwrap().floor_log2(), Some(-2));
+        assert_eq!(Exact::whole(0).floor_log2(), None);
+    }
+}

@@ -1,0 +1,292 @@
+//! What a line computes, as a formula over named numbers: in words, with the numbers put in, and its exact value.
+//!
+//! A formula stands beside the pipeline's value, never in its place: the pipeline's own functions compute what is shown, and
+//! the formula says without any error what they should have arrived at from the same inputs.
+
+use std::borrow::Cow;
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use super::exact::Exact;
+use super::number::Number;
+
+/// A formula over named numbers.
+#[derive(Clone, Debug)]
+pub enum Formula {
+    /// A number of the pipeline, and its name.
+    Given(Cow<'static, str>, Number),
+    /// A number that is part of the formula itself.
+    Constant(&'static str, Exact),
+    /// Two parts.
+    Binary(Op, Box<Self>, Box<Self>),
+    /// Something of one part.
+    Unary(Function, Box<Self>),
+}
+
+/// An operation on two numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Op {
+    /// a + b.
+    Add,
+    /// a − b.
+    Subtract,
+    /// a · b.
+    Multiply,
+    /// a / b.
+    Divide,
+    /// The larger one.
+    Max,
+    /// The smaller one.
+    Min,
+}
+
+/// A function of one number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Function {
+    /// −x.
+    Negate,
+    /// √x.
+    SquareRoot,
+    /// x to the power of 5/12, which is 1/2.4.
+    SrgbRoot,
+    /// x to the power of 12/5, which is 2.4.
+    SrgbPower,
+    /// ⌊x⌋.
+    Floor,
+    /// The nearest whole number, ties to even.
+    Round,
+}
+
+/// What a formula comes to.
+#[derive(Clone, Debug)]
+pub struct Evaluated {
+    /// Its exact value.
+    pub value: Exact,
+    /// The most leading bits that any sum or difference in it cancelled.
+    pub lost_bits: u32,
+}
+
+/// A named number of the pipeline.
+pub fn given(name: impl Into<Cow<'static, str>>, number: impl Into<Number>) -> Formula {
+    Formula::Given(name.into(), number.into())
+}
+
+/// A whole number that is part of a formula.
+pub fn whole(text: &'static str, value: i64) -> Formula {
+    Formula::Constant(text, Exact::whole(value))
+}
+
+/// A fraction that is part of a formula, as it is written with a point; the denominator is not 0.
+pub fn fraction(text: &'static str, numerator: i64, denominator: i64) -> Formula {
+    Formula::Constant(text, Exact::ratio(numerator, denominator).unwrap_or_else(|| Exact::whole(0)))
+}
+
+/// The sum of formulas; 0 of none.
+pub fn sum(terms: impl IntoIterator<Item = Formula>) -> Formula {
+    terms.into_iter().reduce(|a, b| a + b).unwrap_or_else(|| whole("0", 0))
+}
+
+impl Formula {
+    /// The larger one of two.
+    pub fn max(self, other: Self) -> Self {
+        Self::Binary(Op::Max, Box::new(self), Box::new(other))
+    }
+
+    /// The smaller one of two.
+    pub fn min(self, other: Self) -> Self {
+        Self::Binary(Op::Min, Box::new(self), Box::new(other))
+    }
+
+    /// A function of it.
+    pub fn apply(self, function: Function) -> Self {
+        Self::Unary(function, Box::new(self))
+    }
+
+    /// In words: names and signs.
+    pub fn words(&self) -> String {
+        self.text(&|formula| match formula {
+            // A name with a sign in it would be taken for a formula.
+            Self::Given(name, _) if name.contains('/') => format!("({name})"),
+            Self::Given(name, _) => name.to_string(),
+            _ => String::new(),
+        })
+        .0
+    }
+
+    /// The same with the numbers in place of the names.
+    pub fn numbers(&self) -> String {
+        self.text(&|formula| match formula {
+            Self::Given(_, number) if number.to_f64() < 0.0 => format!("({number})"),
+            Self::Given(_, number) => number.to_string(),
+            _ => String::new(),
+        })
+        .0
+    }
+
+    /// How many operations round, if each is done alone.
+    pub fn operations(&self) -> usize {
+        match self {
+            Self::Given(..) | Self::Constant(..) => 0,
+            Self::Binary(Op::Max | Op::Min, a, b) => a.operations() + b.operations(),
+            Self::Binary(_, a, b) => 1 + a.operations() + b.operations(),
+            Self::Unary(Function::Negate, a) => a.operations(),
+            Self::Unary(_, a) => 1 + a.operations(),
+        }
+    }
+
+    /// The types of its inputs, each as often as it occurs.
+    pub fn kinds(&self) -> Vec<&'static str> {
+        match self {
+            Self::Given(_, number) => vec![number.kind()],
+            Self::Constant(..) => Vec::new(),
+            Self::Binary(_, a, b) => [a.kinds(), b.kinds()].concat(),
+            Self::Unary(_, a) => a.kinds(),
+        }
+    }
+
+    /// Its exact value; `None` where an input is no finite number, or something is divided by 0.
+    pub fn evaluate(&self) -> Option<Evaluated> {
+        match self {
+            Self::Given(_, number) => Some(Evaluated { value: number.exact()?, lost_bits: 0 }),
+            Self::Constant(_, value) => Some(Evaluated { value: value.clone(), lost_bits: 0 }),
+            Self::Binary(op, a, b) => {
+                let (a, b) = (a.evaluate()?, b.evaluate()?);
+                let value = match op {
+                    Op::Add => &a.value + &b.value,
+                    Op::Subtract => &a.value - &b.value,
+                    Op::Multiply => &a.value * &b.value,
+                    Op::Divide => a.value.divided_by(&b.value)?,
+                    Op::Max => (&a.value).max(&b.value).clone(),
+                    Op::Min => (&a.value).min(&b.value).clone(),
+                };
+                let here = match op {
+                    Op::Add | Op::Subtract => cancelled_bits(&a.value, &b.value, &value),
+                    _ => 0,
+                };
+                Some(Evaluated { value, lost_bits: here.max(a.lost_bits).max(b.lost_bits) })
+            }
+            Self::Unary(function, a) => {
+                let Evaluated { value, lost_bits } = a.evaluate()?;
+                let value = match function {
+                    Function::Negate => -&value,
+                    Function::SquareRoot => value.root(2)?,
+                    Function::SrgbRoot => value.power(5).root(12)?,
+                    Function::SrgbPower => value.power(12).root(5)?,
+                    Function::Floor => value.floor(),
+                    Function::Round => value.round_ties_even(),
+                };
+                Some(Evaluated { value, lost_bits })
+            }
+        }
+    }
+
+    /// Its text, and how tightly its outermost sign binds.
+    fn text(&self, name: &impl Fn(&Self) -> String) -> (String, Binding) {
+        let inside = |part: &Self, least: Binding| {
+            let (text, binding) = part.text(name);
+            if binding < least { format!("({text})") } else { text }
+        };
+        match self {
+            Self::Given(..) => (name(self), Binding::Atom),
+            Self::Constant(text, _) => ((*text).to_owned(), Binding::Atom),
+            Self::Binary(op, a, b) => {
+                let (sign, binding, of_second) = match op {
+                    Op::Add => ("+", Binding::Sum, Binding::Sum),
+                    Op::Subtract => ("−", Binding::Sum, Binding::Product),
+                    Op::Multiply => ("·", Binding::Product, Binding::Product),
+                    Op::Divide => ("/", Binding::Product, Binding::Atom),
+                    Op::Max => return (format!("max({}, {})", a.text(name).0, b.text(name).0), Binding::Atom),
+                    Op::Min => return (format!("min({}, {})", a.text(name).0, b.text(name).0), Binding::Atom),
+                };
+                (format!("{} {sign} {}", inside(a, binding), inside(b, of_second)), binding)
+            }
+            Self::Unary(function, a) => {
+                let whole = || a.text(name).0;
+                match function {
+                    Function::Negate => (format!("−{}", inside(a, Binding::Atom)), Binding::Product),
+                    Function::SquareRoot => (format!("√({})", whole()), Binding::Atom),
+                    Function::SrgbRoot => (format!("({})^(1/2.4)", whole()), Binding::Atom),
+                    Function::SrgbPower => (format!("({})^2.4", whole()), Binding::Atom),
+                    Function::Floor => (format!("⌊{}⌋", whole()), Binding::Atom),
+                    Function::Round => (format!("round({})", whole()), Binding::Atom),
+                }
+            }
+        }
+    }
+}
+
+/// How tightly signs bind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Binding {
+    Sum,
+    Product,
+    Atom,
+}
+
+/// How many leading bits a sum or difference of two numbers lost: those that its magnitude is below the larger one's. None
+/// where it is 0, which is no rounding of anything if the numbers are equal.
+fn cancelled_bits(a: &Exact, b: &Exact, result: &Exact) -> u32 {
+    let Some(left) = result.floor_log2() else { return 0 };
+    let largest = a.floor_log2().max(b.floor_log2()).unwrap_or(left);
+    u32::try_from(largest - left).unwrap_or(0)
+}
+
+macro_rules! operator {
+    ($trait:ident, $function:ident, $op:ident) => {
+        impl $trait for Formula {
+            type Output = Self;
+
+            fn $function(self, other: Self) -> Self {
+                Self::Binary(Op::$op, Box::new(self), Box::new(other))
+            }
+        }
+    };
+}
+
+operator!(Add, add, Add);
+operator!(Sub, sub, Subtract);
+operator!(Mul, mul, Multiply);
+operator!(Div, div, Divide);
+
+impl Neg for Formula {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        self.apply(Function::Negate)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_numbers_have_the_brackets_that_they_need() {
+        let (a, b, c) = (|| given("a", 2.0_f32), || given("b", -3.0_f32), || given("c", 0.5_f32));
+        assert_eq!((a() * (b() + c())).words(), "a · (b + c)");
+        assert_eq!((a() - (b() - c())).words(), "a − (b − c)");
+        assert_eq!((a() / (b() * c())).words(), "a / (b · c)");
+        assert_eq!((a() * b() + c()).numbers(), "2.0 · (−3.0) + 0.5");
+        assert_eq!((-(a() + b())).words(), "−(a + b)");
+        assert_eq!(a().max(b()).words(), "max(a, b)");
+        assert_eq!((whole("1", 1) - a()).words(), "1 − a");
+    }
+
+    #[test]
+    fn the_exact_value_is_without_rounding() {
+        let formula = given("a", 0.1_f32) + given("b", 0.2_f32);
+        let exact = formula.evaluate().unwrap().value;
+        assert_eq!(exact, &Exact::from_f64(0.1_f32.into()).unwrap() + &Exact::from_f64(0.2_f32.into()).unwrap());
+        assert!((given("a", 1.0_f32) / given("b", 0.0_f32)).evaluate().is_none());
+        assert!(given("a", f32::NAN).evaluate().is_none());
+    }
+
+    #[test]
+    fn lost_bits_are_those_that_cancel() {
+        let near = given("a", 1.0_f32 + 1.0 / 1024.0) - given("b", 1.0_f32);
+        assert_eq!(near.evaluate().unwrap().lost_bits, 10);
+        let far = given("a", 4.0_f32) - given("b", 1.0_f32);
+        assert_eq!(far.evaluate().unwrap().lost_bits, 1);
+        let equal = given("a", 4.0_f32) - given("b", 4.0_f32);
+        assert_eq!(equal.evaluate().unwrap().lost_bits, 0);
+    }
+}

@@ -1,0 +1,295 @@
+//! From the mesh to clip space, and what clipping left: the corners of the one triangle.
+
+use glam::{DMat4, DVec4, Vec4};
+
+use super::formula::{Formula, given, sum, whole};
+use super::line::{Notable, Scribe, TraceStage};
+use super::subject::Subject;
+use crate::pipeline::clip::{Cut, EdgeCut, LEAST_W, Plane, Polygon, guard_band_widening};
+use crate::pipeline::plan::{Part, Step};
+use crate::pipeline::settings::Shading;
+use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
+
+/// What the components of a vector are called.
+pub(super) const AXES: [&str; 4] = ["x", "y", "z", "w"];
+
+/// A vertex in clip space, and what the lines call it.
+#[derive(Clone, Debug)]
+pub(super) struct NamedVertex {
+    pub(super) name: String,
+    pub(super) vertex: ClipVertex,
+}
+
+/// Writes the stages from model to clip. Returns the corners of the fragment's triangle in clip space: those of the mesh, or
+/// of the piece that clipping left. Empty if no piece is the fragment's, which cannot be where the frame is the scene's.
+pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) -> Vec<NamedVertex> {
+    scribe.enter(TraceStage::Model);
+    model(subject, scribe);
+    scribe.enter(TraceStage::Transform);
+    let matrices = subject.matrices();
+    matrix(subject, &matrices, scribe);
+    asides(subject, scribe);
+    let transformer = subject.transformer(&matrices);
+    let corners: Vec<NamedVertex> = (0..3)
+        .map(|corner| {
+            let mut vertex = transformer.vertex(subject.corners[corner]);
+            vertex.varyings.source_weights[corner] = 1.0;
+            NamedVertex { name: format!("corner {corner}"), vertex }
+        })
+        .collect();
+    for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
+        clip_position(subject, &matrices, (corner, name), vertex, scribe);
+    }
+    if subject.runs(Part::Normals) {
+        for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
+            let place = subject.corners[corner];
+            let raw = transformer.world_normal(place).to_array();
+            normal(subject, &matrices, (name, place), (raw, vertex), scribe);
+        }
+    }
+    scribe.enter(TraceStage::Clip);
+    clip(subject, corners, scribe)
+}
+
+fn model(subject: &Subject<'_>, scribe: &mut Scribe) {
+    let mesh = subject.mesh;
+    for (corner, vertex) in subject.corners.into_iter().enumerate() {
+        let mut read = |what: &str, values: &[f32]| {
+            for (axis, value) in values.iter().enumerate() {
+                let name =
+                    if what == "position" { AXES[axis].to_owned() } else { format!("{what} {}", part(what, axis)) };
+                scribe.read(format!("corner {corner} · {name}"), format!("vertex {vertex} of the mesh"), *value);
+            }
+        };
+        read("position", &mesh.positions[vertex].to_array());
+        if subject.runs(Part::Normals) {
+            read("normal", &mesh.normals[vertex].to_array());
+        }
+        if subject.runs(Part::TextureCoordinates) {
+            read("texture", &mesh.uvs[vertex].to_array());
+        }
+        if subject.runs(Part::VertexColors) {
+            read("colour", &mesh.colors[vertex].to_array());
+        }
+    }
+}
+
+fn part(what: &str, axis: usize) -> &'static str {
+    match what {
+        "texture" => ["u", "v"][axis],
+        "colour" => ["r", "g", "b"][axis],
+        _ => AXES[axis],
+    }
+}
+
+/// The entries of clip from model, each rounded once from a product in f64.
+fn matrix(subject: &Subject<'_>, matrices: &DrawMatrices, scribe: &mut Scribe) {
+    let mapping = subject.settings.depth_format.mapping();
+    let product = DrawMatrices::product(subject.instance, &subject.camera, subject.raster.aspect(), mapping);
+    for row in 0..4 {
+        for column in 0..4 {
+            let unrounded = given("(projection × view × model) in f64", product.col(column)[row]);
+            let value = matrices.clip_from_model.col(column)[row];
+            scribe.compute(entry(row, column), value, &unrounded);
+        }
+    }
+}
+
+/// What an entry of the matrix is called.
+fn entry(row: usize, column: usize) -> String {
+    format!("m{row}{column}")
+}
+
+/// Where the corners are in the world and in front of the camera: never computed by the pipeline, which multiplies the
+/// matrices first.
+fn asides(subject: &Subject<'_>, scribe: &mut Scribe) {
+    let (model, view) = (subject.instance.world_from_model.as_dmat4(), subject.camera.view_from_world_f64());
+    for (corner, vertex) in subject.corners.into_iter().enumerate() {
+        let position = subject.mesh.positions[vertex].as_dvec3().extend(1.0);
+        let world = transformed(&model, position, &format!("corner {corner} · world"), scribe);
+        transformed(&view, world, &format!("corner {corner} · view"), scribe);
+    }
+}
+
+/// A point moved by a matrix, and the lines that say so.
+fn transformed(matrix: &DMat4, point: DVec4, what: &str, scribe: &mut Scribe) -> DVec4 {
+    let result = *matrix * point;
+    for row in 0..3 {
+        let formula =
+            product_of(|column| matrix.col(column)[row].into(), point.truncate().to_array().map(Into::into), row);
+        scribe.aside(format!("{what} {}", AXES[row]), result[row], &formula);
+    }
+    result
+}
+
+/// A row of a matrix times a point.
+fn product_of(entries: impl Fn(usize) -> super::Number, point: [super::Number; 3], row: usize) -> Formula {
+    let term = |column: usize| given(entry(row, column), entries(column)) * given(AXES[column], point[column]);
+    sum((0..3).map(term)) + given(entry(row, 3), entries(3))
+}
+
+fn clip_position(
+    subject: &Subject<'_>,
+    matrices: &DrawMatrices,
+    (corner, name): (usize, &str),
+    vertex: &ClipVertex,
+    scribe: &mut Scribe,
+) {
+    let position = subject.mesh.positions[subject.corners[corner]].to_array();
+    for (row, axis) in AXES.into_iter().enumerate() {
+        let entries = |column: usize| matrices.clip_from_model.col(column)[row].into();
+        let formula = product_of(entries, position.map(Into::into), row);
+        scribe.compute(format!("{name} · clip {axis}"), vertex.position[row], &formula);
+    }
+}
+
+/// A vertex normal in the world: turned, and brought to unit length.
+fn normal(
+    subject: &Subject<'_>,
+    matrices: &DrawMatrices,
+    (name, place): (&str, usize),
+    (raw, vertex): ([f32; 3], &ClipVertex),
+    scribe: &mut Scribe,
+) {
+    let of_model = subject.mesh.normals[place].to_array();
+    for (row, turned) in raw.into_iter().enumerate() {
+        let term = |column: usize| {
+            let entry = matrices.world_from_model_normal.col(column)[row];
+            given(format!("n{row}{column}"), entry) * given(AXES[column], of_model[column])
+        };
+        scribe.compute(format!("{name} · turned normal {}", AXES[row]), turned, &sum((0..3).map(term)));
+    }
+    for (row, unit) in vertex.varyings.normal.to_array().into_iter().enumerate() {
+        scribe.compute(format!("{name} · unit normal {}", AXES[row]), unit, &unit_component(raw, row));
+    }
+    if subject.settings.shading == Shading::Gouraud {
+        let light = super::shade::lambert_formula(
+            vertex.varyings.normal.to_array(),
+            subject.shader.light_direction.to_array(),
+            subject.settings.light.ambient,
+        );
+        scribe.compute(format!("{name} · light"), vertex.varyings.light, &light);
+    }
+}
+
+/// A component of a vector at unit length.
+pub(super) fn unit_component(vector: [f32; 3], axis: usize) -> Formula {
+    let component = |axis: usize| given(AXES[axis], vector[axis]);
+    let square = sum((0..3).map(|axis| component(axis) * component(axis)));
+    component(axis) / square.apply(super::formula::Function::SquareRoot)
+}
+
+/// What clipping did; the corners of the fragment's piece.
+fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -> Vec<NamedVertex> {
+    if let Step::LeftOut(reason) = subject.plan.step(Part::Clipping) {
+        scribe.decide("clipping", reason, "left out");
+        return corners;
+    }
+    let widening = guard_band_widening(subject.raster.width, subject.raster.height);
+    let Ok(triangle) = <[ClipVertex; 3]>::try_from(corners.iter().map(|named| named.vertex).collect::<Vec<_>>()) else {
+        return corners;
+    };
+    let mut cuts: Vec<EdgeCut> = Vec::new();
+    let mut polygon = Polygon::default();
+    let outcome = polygon.clip_watched(&triangle, widening, &mut |cut| cuts.push(*cut));
+    for plane in Plane::ALL {
+        if triangle.iter().any(|vertex| plane.distance(vertex.position, widening) < 0.0) {
+            distances(plane, widening, &corners, scribe);
+        }
+    }
+    if outcome != Ok(Cut::Pieces) {
+        scribe.decide("clipping", "no corner lies beyond a plane of the view or of the guard band", "whole");
+        return corners;
+    }
+    let mut named = corners;
+    for (index, cut) in cuts.iter().enumerate() {
+        let name = format!("cut {index}");
+        write_cut(cut, (&name, widening), &named, scribe);
+        named.push(NamedVertex { name, vertex: cut.vertex });
+    }
+    let name_of = |vertex: &ClipVertex| {
+        named.iter().rev().find(|named| named.vertex == *vertex).map_or_else(String::new, |named| named.name.clone())
+    };
+    let around: Vec<_> = polygon.vertices().iter().map(name_of).collect();
+    scribe.decide("clipped polygon", "its corners, in order", around.join(", "));
+    let is_the_one = |piece: &[ClipVertex; 3]| {
+        let projected = piece.each_ref().map(|v| subject.raster.project_vertex(v, &subject.frame.geometry.depth_scale));
+        projected.iter().zip(&subject.triangle.vertices).all(|(a, b)| (a.x, a.y, a.inv_w) == (b.x, b.y, b.inv_w))
+    };
+    let pieces: Vec<_> = polygon.fan().collect();
+    let Some(place) = pieces.iter().position(is_the_one) else { return Vec::new() };
+    let words = format!("{} triangles around the first corner", pieces.len());
+    scribe.decide("piece of the fragment", words, pieces[place].each_ref().map(name_of).join(", "));
+    pieces[place].iter().map(|vertex| NamedVertex { name: name_of(vertex), vertex: *vertex }).collect()
+}
+
+/// The distances of all corners from a plane that they cross.
+fn distances(plane: Plane, widening: f32, corners: &[NamedVertex], scribe: &mut Scribe) {
+    for NamedVertex { name, vertex } in corners {
+        let formula = distance_formula(plane, vertex.position, widening);
+        let distance = plane.distance(vertex.position, widening);
+        let line = scribe.compute(format!("{name} · distance from the {}", plane_name(plane)), distance, &formula);
+        line.flag(Notable::Tie, distance == 0.0);
+    }
+}
+
+fn distance_formula(plane: Plane, position: Vec4, widening: f32) -> Formula {
+    let component = |axis: usize| given(AXES[axis], position[axis]);
+    let side = || component(3) * given("guard band", widening);
+    match plane {
+        Plane::Near => component(2),
+        Plane::Eye => component(3) - given("least w", LEAST_W),
+        Plane::Far => component(3) - component(2),
+        Plane::Left => side() + component(0),
+        Plane::Right => side() - component(0),
+        Plane::Bottom => side() + component(1),
+        Plane::Top => side() - component(1),
+    }
+}
+
+fn plane_name(plane: Plane) -> &'static str {
+    match plane {
+        Plane::Near => "near plane",
+        Plane::Eye => "plane of the eye",
+        Plane::Far => "far plane",
+        Plane::Left => "left guard band",
+        Plane::Right => "right guard band",
+        Plane::Bottom => "lower guard band",
+        Plane::Top => "upper guard band",
+    }
+}
+
+/// A new vertex: how far along its edge, and where.
+fn write_cut(cut: &EdgeCut, (name, widening): (&str, f32), known: &[NamedVertex], scribe: &mut Scribe) {
+    let name_of = |vertex: &ClipVertex| {
+        let known = known.iter().rev().find(|known| known.vertex == *vertex);
+        known.map_or_else(|| "a corner".to_owned(), |known| known.name.clone())
+    };
+    let (inside, outside) = (name_of(&cut.inside), name_of(&cut.outside));
+    let words = format!("the edge from {inside} to {outside} leaves through the {}", plane_name(cut.plane));
+    scribe.decide(name, words, "a new vertex");
+    let [da, db] = [("d inside", cut.distances[0]), ("d outside", cut.distances[1])].map(|(name, d)| given(name, d));
+    scribe.compute(format!("{name} · t"), cut.t, &(da.clone() / (da.clone() - db.clone())));
+    let other = db.clone() / (db - da);
+    for (axis, part) in AXES.into_iter().enumerate() {
+        let (a, b) = (cut.inside.position[axis], cut.outside.position[axis]);
+        let formula = pinned(cut, axis, widening).unwrap_or_else(|| {
+            given(format!("{part} inside"), a) * other.clone() + given(format!("{part} outside"), b) * given("t", cut.t)
+        });
+        scribe.compute(format!("{name} · clip {part}"), cut.vertex.position[axis], &formula);
+    }
+}
+
+/// The component that is put exactly onto the plane, if this one is.
+fn pinned(cut: &EdgeCut, axis: usize, widening: f32) -> Option<Formula> {
+    let w = || given("w", cut.vertex.position.w);
+    let side = || w() * given("guard band", widening);
+    match (cut.plane, AXES[axis]) {
+        (Plane::Near, "z") => Some(whole("0", 0)),
+        (Plane::Eye, "w") => Some(given("least w", LEAST_W)),
+        (Plane::Far, "z") => Some(w()),
+        (Plane::Left, "x") | (Plane::Bottom, "y") => Some(-side()),
+        (Plane::Right, "x") | (Plane::Top, "y") => Some(side()),
+        _ => None,
+    }
+}

@@ -1,0 +1,209 @@
+//! A number as the pipeline holds it: its value, its type, its bits, and how far it is from an exact one.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use super::exact::Exact;
+
+/// A number of the pipeline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// Single precision.
+    F32(f32),
+    /// Double precision.
+    F64(f64),
+    /// A whole number of 64 bits.
+    I64(i64),
+    /// A whole number of 32 bits.
+    U32(u32),
+    /// A code of a colour.
+    U8(u8),
+}
+
+impl Number {
+    /// What its type is called.
+    pub fn kind(self) -> &'static str {
+        match self {
+            Self::F32(_) => "f32",
+            Self::F64(_) => "f64",
+            Self::I64(_) => "i64",
+            Self::U32(_) => "u32",
+            Self::U8(_) => "u8",
+        }
+    }
+
+    /// As a double; whole numbers beyond 2⁵³ are rounded.
+    pub fn to_f64(self) -> f64 {
+        match self {
+            Self::F32(value) => value.into(),
+            Self::F64(value) => value,
+            Self::I64(value) => value as f64,
+            Self::U32(value) => value.into(),
+            Self::U8(value) => value.into(),
+        }
+    }
+
+    /// Whether its type rounds every result.
+    pub fn is_float(self) -> bool {
+        matches!(self, Self::F32(_) | Self::F64(_))
+    }
+
+    /// Without error; `None` for NaN and the infinities.
+    pub fn exact(self) -> Option<Exact> {
+        match self {
+            Self::I64(value) => Some(Exact::whole(value)),
+            other => Exact::from_f64(other.to_f64()),
+        }
+    }
+
+    /// Digits that its type has, in bits; `None` for whole numbers, which lose none.
+    pub fn precision(self) -> Option<u32> {
+        match self {
+            Self::F32(_) => Some(f32::MANTISSA_DIGITS),
+            Self::F64(_) => Some(f64::MANTISSA_DIGITS),
+            Self::I64(_) | Self::U32(_) | Self::U8(_) => None,
+        }
+    }
+
+    /// Whether it is smaller than the numbers of full precision, and not 0.
+    pub fn is_subnormal(self) -> bool {
+        match self {
+            Self::F32(value) => value.is_subnormal(),
+            Self::F64(value) => value.is_subnormal(),
+            Self::I64(_) | Self::U32(_) | Self::U8(_) => false,
+        }
+    }
+
+    /// Whether two numbers are of one type and have the same bits.
+    pub fn same_bits(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::F32(a), Self::F32(b)) => a.to_bits() == b.to_bits(),
+            (Self::F64(a), Self::F64(b)) => a.to_bits() == b.to_bits(),
+            (a, b) => a == b,
+        }
+    }
+
+    /// Its bits as hexadecimal digits.
+    pub fn bits(self) -> String {
+        match self {
+            Self::F32(value) => format!("0x{:08X}", value.to_bits()),
+            Self::F64(value) => format!("0x{:016X}", value.to_bits()),
+            Self::I64(value) => format!("0x{value:X}"),
+            Self::U32(value) => format!("0x{value:08X}"),
+            Self::U8(value) => format!("0x{value:02X}"),
+        }
+    }
+
+    /// How far it lies above an exact result, in units of the last place that its type has at that magnitude: of whole
+    /// numbers, ones. `None` if it is no finite number.
+    pub fn rounding_ulp(self, exact: &Exact) -> Option<f64> {
+        let error = &self.exact()? - exact;
+        Some(error.shifted(-self.last_place(exact)).approximate())
+    }
+
+    /// The exponent of the last place that its type has for a number of this magnitude.
+    fn last_place(self, exact: &Exact) -> i64 {
+        /// Exponents of the smallest numbers that there are.
+        const LEAST_F32: i64 = -149;
+        const LEAST_F64: i64 = -1074;
+        let least = match self {
+            Self::F32(_) => LEAST_F32,
+            Self::F64(_) => LEAST_F64,
+            Self::I64(_) | Self::U32(_) | Self::U8(_) => return 0,
+        };
+        let digits = i64::from(self.precision().unwrap_or(1)) - 1;
+        exact.floor_log2().map_or(least, |magnitude| (magnitude - digits).max(least))
+    }
+}
+
+/// With every digit that tells it apart.
+impl fmt::Display for Number {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = match self {
+            Self::F32(value) => special((*value).into()).unwrap_or_else(|| format!("{value:?}")),
+            Self::F64(value) => special(*value).unwrap_or_else(|| format!("{value:?}")),
+            Self::I64(value) => value.to_string(),
+            Self::U32(value) => value.to_string(),
+            Self::U8(value) => value.to_string(),
+        };
+        f.write_str(&text.replace('-', "−"))
+    }
+}
+
+fn special(value: f64) -> Option<String> {
+    (!value.is_finite()).then(|| match value {
+        _ if value.is_nan() => "NaN".to_owned(),
+        _ if value > 0.0 => "∞".to_owned(),
+        _ => "-∞".to_owned(),
+    })
+}
+
+/// As a JSON number; null where it is none.
+impl Serialize for Number {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::F32(value) => value.serialize(serializer),
+            Self::F64(value) => value.serialize(serializer),
+            Self::I64(value) => value.serialize(serializer),
+            Self::U32(value) => value.serialize(serializer),
+            Self::U8(value) => value.serialize(serializer),
+        }
+    }
+}
+
+impl From<f32> for Number {
+    fn from(value: f32) -> Self {
+        Self::F32(value)
+    }
+}
+
+impl From<f64> for Number {
+    fn from(value: f64) -> Self {
+        Self::F64(value)
+    }
+}
+
+impl From<i64> for Number {
+    fn from(value: i64) -> Self {
+        Self::I64(value)
+    }
+}
+
+impl From<u32> for Number {
+    fn from(value: u32) -> Self {
+        Self::U32(value)
+    }
+}
+
+impl From<u8> for Number {
+    fn from(value: u8) -> Self {
+        Self::U8(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_ulp_is_the_distance_of_neighbouring_floats() {
+        for value in [1.0_f32, 1.5, 0.1, 3e38, 1e-40, 1e-45] {
+            let exact = Number::from(value).exact().unwrap();
+            assert_eq!(Number::from(value.next_up()).rounding_ulp(&exact), Some(1.0), "{value:e}");
+            assert_eq!(Number::from(value.next_up() as f64).rounding_ulp(&exact).map(|ulps| ulps > 1e8), Some(true));
+        }
+        let third = Exact::ratio(1, 3).unwrap();
+        assert!(Number::from(1.0_f32 / 3.0).rounding_ulp(&third).unwrap().abs() <= 0.5);
+        assert_eq!(Number::from(1_i64).rounding_ulp(&Exact::ratio(3, 4).unwrap()), Some(0.25));
+        assert_eq!(Number::from(f32::NAN).rounding_ulp(&third), None);
+    }
+
+    #[test]
+    fn what_is_no_number_has_words() {
+        assert_eq!(Number::from(-f32::INFINITY).to_string(), "−∞");
+        assert_eq!(Number::from(f64::NAN).to_string(), "NaN");
+        assert_eq!(Number::from(-0.1_f32).to_string(), "−0.1");
+        assert_eq!(Number::from(-1_i64).bits(), "0xFFFFFFFFFFFFFFFF");
+    }
+}

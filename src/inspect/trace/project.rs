@@ -1,0 +1,89 @@
+//! From clip space to the snapped corners on the screen: divide, scale, snap; and the depth of each corner.
+
+use super::formula::{Formula, Function, fraction, given, whole};
+use super::geometry::NamedVertex;
+use super::line::{Notable, Scribe, TraceStage};
+use super::subject::Subject;
+use crate::math::fixed::SUBPIXELS;
+use crate::pipeline::clip::Plane;
+use crate::pipeline::depth::Law;
+use crate::pipeline::plan::{Part, Step};
+use crate::pipeline::settings::Arithmetic;
+use crate::pipeline::vertex::ClipVertex;
+use crate::pipeline::viewport::{ScreenVertex, divided};
+use crate::scene::DepthMapping;
+
+/// Writes the lines of all corners.
+pub(super) fn write(subject: &Subject<'_>, corners: &[NamedVertex], scribe: &mut Scribe) {
+    scribe.enter(TraceStage::Project);
+    for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
+        position(subject, (name, vertex), &subject.triangle.vertices[corner], scribe);
+    }
+    for (corner, NamedVertex { name, vertex }) in corners.iter().enumerate() {
+        let screen = &subject.triangle.vertices[corner];
+        let depth = depth_formula(subject, vertex, screen);
+        scribe.compute(format!("{name} · depth"), screen.depth, &depth);
+    }
+    relative(subject, corners, scribe);
+}
+
+fn position(subject: &Subject<'_>, (name, vertex): (&str, &ClipVertex), screen: &ScreenVertex, scribe: &mut Scribe) {
+    let (inv_w, ndc) = divided(vertex);
+    scribe.compute(format!("{name} · 1/w"), inv_w, &(whole("1", 1) / given("w", vertex.position.w)));
+    for (axis, part) in ["x", "y"].into_iter().enumerate() {
+        let formula = given(format!("clip {part}"), vertex.position[axis]) * given("1/w", inv_w);
+        scribe.compute(format!("{name} · ndc {part}"), ndc[axis], &formula);
+    }
+    let half = || fraction("½", 1, 2);
+    let (width, height) = (f64::from(subject.raster.width), f64::from(subject.raster.height));
+    let x = (given("ndc x", ndc.x) * half() + half()) * given("width", width as f32);
+    let y = (half() - given("ndc y", ndc.y) * half()) * given("height", height as f32);
+    let [x_px, y_px] = screen.position_px;
+    scribe.compute(format!("{name} · x in px"), x_px, &x);
+    scribe.compute(format!("{name} · y in px"), y_px, &y);
+    for (part, px, snapped) in [("x", x_px, screen.x), ("y", y_px, screen.y)] {
+        let steps = given(format!("{part} in px"), px) * whole("256", SUBPIXELS);
+        let is_tie = steps.evaluate().is_some_and(|exact| {
+            let twice = exact.value.shifted(1);
+            twice == twice.floor() && exact.value != exact.value.floor()
+        });
+        let line =
+            scribe.compute(format!("{name} · snapped {part}"), i64::from(snapped), &steps.apply(Function::Round));
+        line.flag(Notable::Tie, is_tie);
+        line.aside = subject.settings.arithmetic != Arithmetic::Fixed;
+    }
+}
+
+/// Depth in [0, 1] as it follows from the distance.
+fn depth_formula(subject: &Subject<'_>, vertex: &ClipVertex, screen: &ScreenVertex) -> Formula {
+    let scale = &subject.frame.geometry.depth_scale;
+    let [near, far, factor] = scale.planes_and_factor();
+    if let Some(plane) = vertex.cut_at {
+        let name = if plane == Plane::Near { "on the near plane" } else { "on the far plane" };
+        return given(name, screen.depth);
+    }
+    let w = || given("w", vertex.position.w);
+    let (near, far, factor) = (given("near", near), given("far", far), given("factor", factor));
+    let depth = match scale.law() {
+        Law::Perspective(DepthMapping::Standard) => (w() - near) / w() * factor,
+        Law::Perspective(DepthMapping::Reversed) => (far - w()) / w() * factor,
+        Law::Perspective(DepthMapping::ReversedInfinite) => factor / w(),
+        Law::Perspective(DepthMapping::Linear) => (w() - near) * factor,
+        Law::Orthographic { .. } => given("clip z", vertex.position.z) / w(),
+    };
+    depth.max(whole("0", 0)).min(whole("1", 1))
+}
+
+/// 1/w relative to the largest, which the weights are made of.
+fn relative(subject: &Subject<'_>, corners: &[NamedVertex], scribe: &mut Scribe) {
+    if let Step::LeftOut(reason) = subject.plan.step(Part::PerspectiveDivision) {
+        scribe.decide("relative 1/w", reason, "1 at all corners");
+        return;
+    }
+    let inv_w = subject.triangle.vertices.each_ref().map(|corner| corner.inv_w);
+    let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
+    for (corner, NamedVertex { name, .. }) in corners.iter().enumerate() {
+        let formula = given("1/w", inv_w[corner]) / given("largest 1/w", largest);
+        scribe.compute(format!("{name} · relative 1/w"), subject.triangle.relative_inv_w[corner], &formula);
+    }
+}

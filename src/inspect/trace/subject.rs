@@ -1,0 +1,90 @@
+//! What a trace is of: a fragment with everything that it was drawn from, found without preparing the scene again.
+
+use crate::chain::{Frame, Recipe};
+use crate::inspect::pixel::{FragmentRecord, PixelReport};
+use crate::pipeline::interpolate::{Fragment, interpolate};
+use crate::pipeline::plan::{DrawPlan, Part};
+use crate::pipeline::raster::steps::EdgeSteps;
+use crate::pipeline::raster::{AnyTriangle, Sample};
+use crate::pipeline::settings::Settings;
+use crate::pipeline::shade::Shader;
+use crate::pipeline::vertex::{DrawMatrices, Transformer};
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::scene::{Camera, Instance, Mesh, Scene};
+
+/// A fragment and what it was drawn from.
+pub(super) struct Subject<'a> {
+    pub(super) settings: &'a Settings,
+    pub(super) record: &'a FragmentRecord,
+    pub(super) triangle: &'a ScreenTriangle,
+    pub(super) instance: &'a Instance,
+    pub(super) mesh: &'a Mesh,
+    /// The vertices of the triangle, by their place in the mesh.
+    pub(super) corners: [usize; 3],
+    pub(super) plan: &'a DrawPlan,
+    pub(super) shader: Shader<'a>,
+    pub(super) frame: &'a Frame,
+    /// The view that was drawn, which is not quite the frame's where samples lie between pixels.
+    pub(super) camera: Camera,
+    /// Size of the picture that was drawn.
+    pub(super) raster: Viewport,
+    pub(super) steps: [EdgeSteps; 3],
+    pub(super) sample: Sample,
+    pub(super) fragment: Fragment,
+}
+
+impl<'a> Subject<'a> {
+    /// `None` if the frame is not the one that the record is of.
+    pub(super) fn of(
+        scene: &'a Scene,
+        recipe: &'a Recipe,
+        frame: &'a Frame,
+        record: &'a FragmentRecord,
+        report: &PixelReport,
+    ) -> Option<Self> {
+        let settings = &recipe.pipeline;
+        let triangle = frame.geometry.triangles.get(record.submission).filter(|t| t.id == record.triangle)?;
+        let index = triangle.instance as usize;
+        let (instance, plan) = scene.instances.get(index).zip(frame.plans.get(index))?;
+        let mesh = scene.library.mesh(instance.mesh);
+        let first = scene.first_triangles().get(index)?.0;
+        let corners = mesh.triangles.get((triangle.id.0 - first) as usize)?.map(|vertex| vertex as usize);
+        let pixel = report.drawn_at.into();
+        let edges = AnyTriangle::new(settings.arithmetic, triangle.corners_px(), settings.fill_rule)?;
+        let (column, row) = frame.drawn.grid.sample_at(report.drawn_at[0], report.drawn_at[1])?;
+        let sample = Sample { column, row, ..edges.sample(pixel) };
+        let shader = Shader::new(settings, &scene.library, instance, plan);
+        Some(Self {
+            settings,
+            record,
+            triangle,
+            instance,
+            mesh,
+            corners,
+            plan,
+            shader,
+            frame,
+            camera: frame.drawn_from(recipe),
+            raster: frame.raster,
+            steps: edges.steps(pixel),
+            sample,
+            fragment: interpolate(triangle, sample, shader.attributes()),
+        })
+    }
+
+    /// The matrices of its draw.
+    pub(super) fn matrices(&self) -> DrawMatrices {
+        let mapping = self.settings.depth_format.mapping();
+        DrawMatrices::new(self.instance, &self.camera, self.raster.aspect(), mapping)
+    }
+
+    /// What is done with the vertices of its mesh.
+    pub(super) fn transformer<'b>(&'b self, matrices: &'b DrawMatrices) -> Transformer<'b> {
+        Transformer::new(self.mesh, matrices, self.settings, self.plan)
+    }
+
+    /// Whether a part of the work is done for its draw.
+    pub(super) fn runs(&self, part: Part) -> bool {
+        self.plan.runs(part)
+    }
+}

@@ -1,0 +1,209 @@
+use super::*;
+use crate::chain::run;
+use crate::inspect::inspect;
+use crate::pipeline::settings::{
+    Address, Arithmetic, ColorSpace, DepthFormat, FillRule, Filter, Interpolation, Rasterizer, Shading,
+};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::builtin;
+
+const VIEW: Viewport = Viewport { width: 12, height: 9 };
+
+/// All pixels of a small picture by a recipe, traced.
+fn all(id: &str, recipe: &Recipe, mut check: impl FnMut(&PixelReport, &Frame, &Trace)) {
+    let scene = builtin::by_id(id).unwrap().build();
+    let frame = run(&scene, &scene.home, recipe, VIEW, &mut ());
+    for (x, y) in (0..VIEW.height).flat_map(|y| (0..VIEW.width).map(move |x| (x, y))) {
+        let report = inspect(&scene, recipe, &frame, x, y).unwrap();
+        for fragment in 0..report.fragments.len() {
+            check(&report, &frame, &Trace::of(&scene, recipe, &frame, &report, Some(fragment)));
+        }
+        if report.fragments.is_empty() {
+            check(&report, &frame, &Trace::of(&scene, recipe, &frame, &report, None));
+        }
+    }
+}
+
+/// The recipes that between them take every way through the pipeline.
+fn recipes() -> Vec<Recipe> {
+    let with = |change: fn(&mut Recipe)| {
+        let mut recipe = Recipe::default();
+        change(&mut recipe);
+        recipe
+    };
+    vec![
+        with(|_| {}),
+        with(|r| {
+            (r.pipeline.arithmetic, r.pipeline.rasterizer) = (Arithmetic::F32, Rasterizer::Scanline);
+            (r.pipeline.depth_format, r.pipeline.shading) = (DepthFormat::ReversedF32, Shading::Gouraud);
+        }),
+        with(|r| {
+            (r.pipeline.arithmetic, r.pipeline.rasterizer) = (Arithmetic::F64, Rasterizer::EdgeWalk);
+            (r.pipeline.depth_format, r.pipeline.color_space) = (DepthFormat::Unorm24, ColorSpace::Bytes);
+            (r.pipeline.filter, r.pipeline.address) = (Filter::Trilinear, Address::Mirror);
+        }),
+        with(|r| {
+            (r.pipeline.arithmetic, r.pipeline.fill_rule) = (Arithmetic::Exact, FillRule::BottomRight);
+            (r.pipeline.depth_format, r.pipeline.shading) = (DepthFormat::WBuffer, Shading::Cel);
+            (r.pipeline.filter, r.pipeline.address) = (Filter::Point, Address::Clamp);
+        }),
+        with(|r| {
+            (r.pipeline.interpolation, r.pipeline.shading) = (Interpolation::Published, Shading::Normals);
+            r.pipeline.rasterizer = Rasterizer::BoundingBoxPublished;
+        }),
+        with(|r| (r.pipeline.depth_format, r.pipeline.shading) = (DepthFormat::Unorm16, Shading::Barycentric)),
+        with(|r| r.set_all(&["upscaler.method=bicubic", "upscaler.scale=2", "wireframe=true"]).unwrap()),
+    ]
+}
+
+fn line<'a>(trace: &'a Trace, what: &str) -> Option<&'a TraceLine> {
+    trace.lines.iter().find(|line| line.what == what)
+}
+
+fn f64s(trace: &Trace, what: &str) -> Option<f64> {
+    Some(line(trace, what)?.number()?.to_f64())
+}
+
+#[test]
+fn every_trace_is_true() {
+    for recipe in recipes() {
+        let (mut traced, mut once) = (0, 0);
+        for id in ["stained-glass", "near-plane", "cubes"] {
+            all(id, &recipe, |report, frame, trace| {
+                agrees(report, frame, trace);
+                traced += usize::from(trace.fragment.is_some());
+                once += trace.lines.iter().filter(|line| single_operation(line)).count();
+                trace.lines.iter().for_each(is_near_its_formula);
+            });
+        }
+        assert!(traced > 50 && once > 5000, "{recipe:?}: {traced} traces, {once} operations");
+    }
+}
+
+/// Lines that frame and report know, too, say the same, bit for bit.
+fn agrees(report: &PixelReport, frame: &Frame, trace: &Trace) {
+    for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
+        let code = f64s(trace, &format!("pixel {name}"));
+        assert_eq!(code, Some(frame.image().at(report.x, report.y)[channel].into()));
+    }
+    let Some(record) = trace.fragment.map(|fragment| &report.fragments[fragment]) else { return };
+    for corner in 0..3 {
+        let edge = f64s(trace, &format!("edge {corner} · scaled value"))
+            .or_else(|| f64s(trace, &format!("edge {corner} · value")));
+        assert_eq!(edge, Some(record.edges[corner]));
+        is_same(trace, &format!("λ{corner} on the screen"), record.affine_weights[corner]);
+        is_same(trace, &format!("weight {corner}"), record.attribute_weights[corner]);
+    }
+    if record.stored_depth.is_some() {
+        is_same(trace, "depth as stored", record.depth.value);
+        assert_eq!(f64s(trace, "code"), record.depth.code.map(f64::from));
+    }
+    let Some(shading) = &record.shading else { return };
+    for (channel, name) in attributes::CHANNELS.into_iter().enumerate() {
+        assert_eq!(f64s(trace, &format!("{name} code")), Some(shading.color[channel].into()));
+    }
+    if let (Some(cosine), Some(_)) = (shading.cosine, line(trace, "N·L")) {
+        is_same(trace, "N·L", cosine);
+    }
+    if let Some(light) = shading.light {
+        is_same(trace, "light", light);
+    }
+    if let (Some([u, v]), Some(_)) = (shading.uv, line(trace, "u")) {
+        is_same(trace, "u", u);
+        is_same(trace, "v", v);
+    }
+}
+
+fn is_same(trace: &Trace, what: &str, expected: f32) {
+    let told = line(trace, what).and_then(TraceLine::number);
+    assert!(told.is_some_and(|told| told.same_bits(expected.into())), "{what}: {told:?}, not {expected}");
+}
+
+/// Whether a line is one correctly rounded operation; if it is, it is off by half an ulp at most.
+fn single_operation(line: &TraceLine) -> bool {
+    if line.rounded_once {
+        assert!(line.rounding_ulp.is_some_and(|ulps| ulps.abs() <= 0.5), "{line:#?}");
+    }
+    line.rounded_once
+}
+
+/// Rounding adds up over the operations of a line, and doubles with each leading bit that cancels; a formula that is another
+/// one than the pipeline's is off by far more. What cancels to nothing has no last place to measure by.
+fn is_near_its_formula(line: &TraceLine) {
+    const MOST_ULP: f64 = 16.0;
+    let Some(ulps) = line.rounding_ulp.filter(|_| line.exact.as_ref().is_some_and(|exact| exact.decimal != "0")) else {
+        return;
+    };
+    assert!(ulps.abs() <= MOST_ULP * 2.0_f64.powi(line.lost_bits as i32), "{line:#?}");
+}
+
+#[test]
+fn clipped_triangles_show_the_polygon_and_where_edges_were_cut() {
+    let mut cut = 0;
+    all("near-plane", &Recipe::default(), |_, _, trace| {
+        let pieces = trace.lines.iter().filter(|line| line.what == "piece of the fragment").count();
+        let shares: Vec<_> = trace.lines.iter().filter(|line| line.what.ends_with(" · t")).collect();
+        assert_eq!(pieces > 0, !shares.is_empty());
+        assert!(shares.iter().all(|line| (0.0..=1.0).contains(&line.number().unwrap().to_f64())));
+        // Each corner of the piece is projected.
+        assert_eq!(
+            trace.fragment.is_some(),
+            trace.lines.iter().filter(|line| line.what.ends_with("· 1/w")).count() == 3
+        );
+        cut += pieces;
+    });
+    assert!(cut > 8, "{cut}");
+}
+
+#[test]
+fn the_next_line_is_the_nearest_with_such_a_flag() {
+    let scene = builtin::by_id("shared-edges").unwrap().build();
+    let recipe = Recipe::default();
+    let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+    let mut ties = 0;
+    for (x, y) in (0..VIEW.height).flat_map(|y| (0..VIEW.width).map(move |x| (x, y))) {
+        let report = inspect(&scene, &recipe, &frame, x, y).unwrap();
+        let trace = Trace::of(&scene, &recipe, &frame, &report, None);
+        let places: Vec<_> =
+            (1..trace.lines.len()).filter(|i| trace.lines[*i].has(Notable::Tie) && !trace.lines[*i].aside).collect();
+        let mut at = 0;
+        for expected in &places {
+            let found = trace.next(at, Some(Notable::Tie), Direction::Forward);
+            assert_eq!(found, Some(*expected));
+            at = *expected;
+        }
+        assert_eq!(trace.next(at, Some(Notable::Tie), Direction::Forward), None);
+        if let [.., before, last] = places[..] {
+            assert_eq!(trace.next(last, Some(Notable::Tie), Direction::Back), Some(before));
+        }
+        ties += places.len();
+    }
+    assert!(ties > 0);
+}
+
+#[test]
+fn stages_are_stepped_to_their_first_lines() {
+    all("cubes", &Recipe::default(), |_, _, trace| {
+        let firsts: Vec<usize> =
+            trace.stages().map(|(stage, _)| trace.lines.iter().position(|line| line.stage == stage).unwrap()).collect();
+        for pair in firsts.windows(2) {
+            assert_eq!(trace.next_stage(pair[0], Direction::Forward), Some(pair[1]));
+            assert_eq!(trace.next_stage(pair[1], Direction::Back), Some(pair[0]));
+        }
+    });
+}
+
+#[test]
+fn what_is_not_finite_or_cancels_is_flagged() {
+    use formula::{given, whole};
+    let mut scribe = Scribe::new();
+    scribe.compute("finite", 0.5_f32, &(whole("1", 1) / given("two", 2.0_f32)));
+    scribe.compute("infinite", f32::INFINITY, &(whole("1", 1) / given("zero", 0.0_f32)));
+    let near = 1.0_f32 + 1.0 / 1024.0;
+    scribe.compute("cancels", near - 1.0, &(given("a", near) - given("b", 1.0_f32)));
+    scribe.compute("keeps", 0.25_f32, &(given("a", 1.0_f32) - given("b", 0.75_f32)));
+    scribe.compute("whole", 1_i64, &(given("a", 4096_i64) - given("b", 4095_i64)));
+    let flags: Vec<Vec<Notable>> =
+        scribe.finish().iter().map(|line| line.flags.iter().map(|flag| flag.kind).collect()).collect();
+    assert_eq!(flags, [vec![], vec![Notable::NotFinite], vec![Notable::Cancellation], vec![], vec![]]);
+}

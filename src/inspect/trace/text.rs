@@ -1,0 +1,58 @@
+//! A trace as plain text: for the command line and the clipboard.
+
+use std::fmt;
+
+use super::Trace;
+use super::line::TraceLine;
+use crate::pipeline::settings::Choice as _;
+
+/// Stage by stage, one line each, with the numbers that were put in on a line of their own.
+impl fmt::Display for Trace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y] = self.pixel;
+        match (self.fragment, self.triangle) {
+            (Some(fragment), Some(triangle)) => {
+                let of = format!("fragment {} of {}", fragment + 1, self.fragments);
+                writeln!(f, "arithmetic of pixel {x}, {y}: {of}, triangle {} of “{}”", triangle.0, self.instance)?;
+            }
+            _ => writeln!(f, "arithmetic of pixel {x}, {y}: no triangle covers it")?,
+        }
+        if self.drawn_at != self.pixel {
+            let [x, y] = self.drawn_at;
+            writeln!(f, "the fragment lies at the drawn pixel {x}, {y}")?;
+        }
+        for (stage, lines) in self.stages() {
+            writeln!(f, "\n{}: {}", stage.name(), stage.help())?;
+            for line in lines {
+                write_line(line, f)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn write_line(line: &TraceLine, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let mark = if line.aside { "(aside) " } else { "" };
+    write!(f, "  {mark}{} = {}", line.what, line.value_text())?;
+    if !line.kind.is_empty() {
+        write!(f, " [{} {}]", line.kind, line.bits)?;
+    }
+    for flag in &line.flags {
+        write!(f, "  ! {}", flag.words())?;
+    }
+    if line.numbers.is_empty() && line.exact.is_none() {
+        return writeln!(f, "  ({})", line.formula);
+    }
+    writeln!(f)?;
+    match line.numbers.as_str() {
+        "" => writeln!(f, "      {}", line.formula)?,
+        numbers => writeln!(f, "      {} = {numbers}", line.formula)?,
+    }
+    let Some(exact) = &line.exact else { return Ok(()) };
+    let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
+    match line.rounding_ulp {
+        Some(0.0) => writeln!(f, "      exactly {}{fraction}: nothing is rounded", exact.decimal),
+        Some(_) => writeln!(f, "      exactly {}{fraction}: off by {}", exact.decimal, line.rounding()),
+        None => writeln!(f, "      exactly {}{fraction}: it should be finite", exact.decimal),
+    }
+}

@@ -1,0 +1,144 @@
+//! Which texels a fragment reads, with which weights, and what they come to.
+
+use super::attributes::CHANNELS;
+use super::formula::{Formula, Function, fraction, given, sum, whole};
+use super::line::{Notable, Scribe, TraceStage};
+use super::subject::Subject;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::sample::TexelTap;
+use crate::pipeline::settings::{Address, Choice as _, ColorSpace, Filter};
+
+/// Writes the texels of every copy of the texture that is read; nothing if none is.
+pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
+    scribe.enter(TraceStage::Texture);
+    let Some(texture) = subject.shader.texture_for(&subject.fragment) else { return };
+    let (levels, count) = texture.levels(&subject.fragment);
+    for &(level, share) in &levels[..count] {
+        let image = texture.level(level);
+        if count > 1 {
+            let words = "by the length of a pixel in texels: the longer side, its logarithm to the base 2";
+            scribe.read(format!("share of copy {level}"), words, share);
+        }
+        let name = if count > 1 { format!("copy {level} · ") } else { String::new() };
+        read(subject, image, &name, scribe);
+    }
+}
+
+/// The texels of one image.
+fn read(subject: &Subject<'_>, image: &Image<Rgba8>, name: &str, scribe: &mut Scribe) {
+    let (sampler, uv, size) = (subject.shader.sampler(), subject.fragment.uv, image.size());
+    let unit = sampler.unit(uv);
+    let lengths = [size.0, size.1];
+    let mut shares = [0.0; 2];
+    for axis in 0..2 {
+        let part = ["u", "v"][axis];
+        let formula = in_unit(uv[axis], part, sampler.address);
+        scribe.compute(format!("{name}{part} in 0…1"), unit[axis], &formula);
+        let texels = || given(part, unit[axis]) * given(["width", "height"][axis], lengths[axis]);
+        if sampler.filter == Filter::Point {
+            continue;
+        }
+        shares[axis] = sampler.share_of_next(unit[axis], lengths[axis]);
+        let position = || texels() - fraction("½", 1, 2);
+        let formula = position() - position().apply(Function::Floor);
+        scribe.compute(format!("{name}share of the next {}", ["column", "row"][axis]), shares[axis], &formula);
+    }
+    let (taps, count) = sampler.taps(size, uv);
+    if sampler.filter == Filter::Point {
+        nearest(&taps[0], (unit, lengths), name, scribe);
+    }
+    for (place, tap) in taps[..count].iter().enumerate() {
+        weight(tap, place, (shares, count), name, scribe);
+    }
+    colors(subject, image, &taps[..count], name, scribe);
+}
+
+/// A coordinate as addressing brings it into [0, 1].
+fn in_unit(coordinate: f32, part: &'static str, address: Address) -> Formula {
+    let given_part = || given(part, coordinate);
+    match address {
+        Address::Clamp => given_part().max(whole("0", 0)).min(whole("1", 1)),
+        Address::Repeat => given_part() - given_part().apply(Function::Floor),
+        Address::Mirror => {
+            // The distance from the nearest even number.
+            let half = (given_part() / whole("2", 2)).apply(Function::Floor);
+            let period = given_part() - whole("2", 2) * half;
+            period.clone().min(whole("2", 2) - period)
+        }
+    }
+}
+
+/// The one texel of the point filter.
+fn nearest(tap: &TexelTap, (unit, lengths): ([f64; 2], [u32; 2]), name: &str, scribe: &mut Scribe) {
+    for (axis, value) in [tap.x, tap.y].into_iter().enumerate() {
+        let texels = given(["u", "v"][axis], unit[axis]) * given(["width", "height"][axis], lengths[axis]);
+        let on_border = texels.evaluate().is_some_and(|exact| exact.value == exact.value.floor());
+        let last = given("last", lengths[axis] - 1);
+        let line = scribe.compute(
+            format!("{name}texel {}", ["column", "row"][axis]),
+            value,
+            &texels.apply(Function::Floor).min(last),
+        );
+        line.flag(Notable::Tie, on_border);
+    }
+}
+
+fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name: &str, scribe: &mut Scribe) {
+    let what = format!("{name}weight of texel {}, {}", tap.x, tap.y);
+    if count == 1 {
+        scribe.read(what, "the nearest texel alone", tap.weight);
+        return;
+    }
+    let part = |axis: usize, of_next: bool| {
+        let share = given(["next column", "next row"][axis], shares[axis]);
+        if of_next { share } else { whole("1", 1) - share }
+    };
+    scribe.compute(what, tap.weight, &(part(0, place % 2 == 1) * part(1, place / 2 == 1)));
+}
+
+/// The codes of the texels, the numbers that stand for them, and their mean.
+fn colors(subject: &Subject<'_>, image: &Image<Rgba8>, taps: &[TexelTap], name: &str, scribe: &mut Scribe) {
+    let sampler = subject.shader.sampler();
+    let space = subject.settings.color_space;
+    for (channel, channel_name) in CHANNELS.into_iter().enumerate() {
+        for tap in taps {
+            let code = image.at(tap.x, tap.y)[channel];
+            let number = sampler.number_of(image.at(tap.x, tap.y))[channel];
+            let what = format!("{name}texel {}, {} · {channel_name}", tap.x, tap.y);
+            scribe.compute(what, number, &number_formula(code, space));
+        }
+        let term = |tap: &TexelTap| {
+            let number = sampler.number_of(image.at(tap.x, tap.y))[channel];
+            given("texel", number) * given("weight", tap.weight)
+        };
+        let mean = sum(taps.iter().map(term));
+        let formula = if space == ColorSpace::Bytes { mean * given("1/255", sampler.scale) } else { mean };
+        let value = sampler.sample(image, subject.fragment.uv)[channel];
+        scribe.compute(format!("{name}texture {channel_name}"), value, &formula);
+    }
+    if subject.record.alpha.is_some() {
+        let term = |tap: &TexelTap| given("alpha", image.at(tap.x, tap.y)[3]) * given("weight", tap.weight);
+        let formula = sum(taps.iter().map(term)) / whole("255", 255);
+        let value = sampler.alpha(image, subject.fragment.uv);
+        scribe.compute(format!("{name}texture alpha"), value, &formula);
+    }
+    if sampler.filter != Filter::Point {
+        let words = format!("{} texels, weighted: {}", taps.len(), sampler.filter.name());
+        scribe.decide(format!("{name}filter"), words, sampler.address.name());
+    }
+}
+
+/// The number that stands for a code: linear light by the curve of sRGB, or the code itself.
+pub(super) fn number_formula(code: u8, space: ColorSpace) -> Formula {
+    /// Codes up to here lie on the straight part of the curve: 0.04045 · 255 = 10.3.
+    const LAST_STRAIGHT: u8 = 10;
+    let share = || given("code", code) / whole("255", 255);
+    match space {
+        ColorSpace::Bytes => given("code", code),
+        ColorSpace::Linear if code <= LAST_STRAIGHT => share() / fraction("12.92", 1292, 100),
+        ColorSpace::Linear => {
+            let inner = (share() + fraction("0.055", 55, 1000)) / fraction("1.055", 1055, 1000);
+            inner.apply(Function::SrgbPower)
+        }
+    }
+}

@@ -1,0 +1,250 @@
+//! The arithmetic of one fragment as a table that can be stepped through: forward and back, from stage to stage, and to the
+//! next line that is worth stopping at.
+
+pub mod panel;
+
+mod table;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::engine::View;
+use crate::chain::Frame;
+use crate::inspect::trace::{Direction, Notable, Trace, TraceStage};
+use crate::inspect::{PixelReport, trace};
+
+/// What the table shows, and where in it one is.
+#[derive(Debug, Default)]
+pub struct TraceView {
+    /// The trace, and what it is of.
+    made: Option<Made>,
+    /// Lines of the present trace whose value is not that of the trace before: of another pixel, recipe or view.
+    changed: Vec<bool>,
+    /// The chosen fragment; the one that the pixel shows if none is chosen.
+    fragment: Option<usize>,
+    /// The current line.
+    pub line: usize,
+    /// Only lines with these letters are listed.
+    pub filter: String,
+    /// Counts the steps, so that the table can follow them.
+    pub steps: u64,
+}
+
+/// A trace and what it was made of.
+#[derive(Debug)]
+struct Made {
+    frame: Arc<Frame>,
+    report: Arc<PixelReport>,
+    trace: Arc<Trace>,
+}
+
+impl Made {
+    /// Whether it is of the pixel that the view tells about. Another buffer of the same frame changes nothing.
+    fn is_of(&self, view: &View) -> bool {
+        let same = |report: &Arc<PixelReport>| Arc::ptr_eq(report, &self.report) || **report == *self.report;
+        Arc::ptr_eq(&self.frame, &view.frame) && view.report.as_ref().is_some_and(same)
+    }
+}
+
+/// A change of what the table shows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// Trace what is picked now.
+    Renew,
+    /// Go to this line.
+    Line(usize),
+    /// Go so many lines forward, or back.
+    Step(i64),
+    /// Go to the next line with such a flag, or with any.
+    Run(Option<Notable>, Direction),
+    /// Go to the next stage.
+    Stage(Direction),
+    /// Trace this fragment.
+    Fragment(usize),
+    /// List only lines with these letters.
+    Filter(String),
+}
+
+impl TraceView {
+    /// The trace, if it is that of the pixel that the view tells about.
+    pub fn trace(&self, view: Option<&View>) -> Option<&Arc<Trace>> {
+        let view = view?;
+        self.made.as_ref().filter(|made| made.is_of(view)).map(|made| &made.trace)
+    }
+
+    /// The last trace, whatever it is of: it stays on screen until the next one is there.
+    pub fn latest(&self) -> Option<&Arc<Trace>> {
+        self.made.as_ref().map(|made| &made.trace)
+    }
+
+    /// Whether the value of a line is not that of the trace before: what changed from pixel to pixel, or with a setting.
+    pub fn is_changed(&self, line: usize) -> bool {
+        self.changed.get(line).copied().unwrap_or(false)
+    }
+
+    /// Applies a change. Returns it if it moved through the table or chose a fragment: the table is then worth being seen.
+    pub fn apply(&mut self, change: Change, view: Option<&View>) -> Option<Change> {
+        if self.trace(view).is_none() {
+            self.renew(view);
+        }
+        let trace = self.trace(view)?.clone();
+        let before = self.line;
+        match &change {
+            Change::Renew => return None,
+            Change::Filter(text) => {
+                self.filter.clone_from(text);
+                return None;
+            }
+            Change::Fragment(fragment) => {
+                self.fragment = Some(*fragment);
+                self.renew(view);
+                return Some(change);
+            }
+            Change::Line(line) => {
+                self.line = (*line).min(trace.lines.len().saturating_sub(1));
+                return None;
+            }
+            Change::Step(step) => {
+                let last = trace.lines.len().saturating_sub(1) as i64;
+                self.line = (self.line as i64 + step).clamp(0, last) as usize;
+            }
+            Change::Run(kind, direction) => self.line = trace.next(before, *kind, *direction).unwrap_or(before),
+            Change::Stage(direction) => self.line = trace.next_stage(before, *direction).unwrap_or(before),
+        }
+        self.steps += 1;
+        Some(change)
+    }
+
+    /// Traces what the view tells about. The same line stays the current one, as far as there is such a line.
+    fn renew(&mut self, view: Option<&View>) {
+        let Some((view, report)) = view.and_then(|view| Some((view, view.report.as_ref()?))) else { return };
+        let last = self.made.take();
+        let same_pixel = last.as_ref().is_some_and(|last| (last.report.x, last.report.y) == (report.x, report.y));
+        if !same_pixel {
+            self.fragment = None;
+        }
+        let trace = Trace::of(&view.request.scene, &view.request.recipe, &view.frame, report, self.fragment);
+        if let Some(last) = &last {
+            self.changed = changes(&last.trace, &trace);
+            self.line = counterpart(&last.trace, self.line, &trace);
+        }
+        self.made = Some(Made { frame: view.frame.clone(), report: report.clone(), trace: Arc::new(trace) });
+    }
+}
+
+/// Each name as often as it occurs, numbered, so that lines of two traces can be told to be the same one.
+fn names(trace: &Trace) -> impl Iterator<Item = (TraceStage, &str, usize)> {
+    let mut seen: HashMap<(TraceStage, &str), usize> = HashMap::new();
+    trace.lines.iter().map(move |line| {
+        let count = seen.entry((line.stage, &line.what)).or_default();
+        *count += 1;
+        (line.stage, line.what.as_str(), *count)
+    })
+}
+
+/// Which lines of a trace have another value than the same line of the trace before.
+fn changes(last: &Trace, trace: &Trace) -> Vec<bool> {
+    let known: HashMap<_, &trace::TraceLine> = names(last).zip(&last.lines).collect();
+    let differs = |(name, line): (_, &trace::TraceLine)| known.get(&name).is_none_or(|old| !is_same(old, line));
+    names(trace).zip(&trace.lines).map(differs).collect()
+}
+
+fn is_same(old: &trace::TraceLine, new: &trace::TraceLine) -> bool {
+    match (old.number(), new.number()) {
+        (Some(a), Some(b)) => a.same_bits(b),
+        _ => old.value == new.value,
+    }
+}
+
+/// The line of a trace that stands for one of the trace before.
+fn counterpart(last: &Trace, line: usize, trace: &Trace) -> usize {
+    let name = names(last).nth(line);
+    let same = name.and_then(|name| names(trace).position(|other| other == name));
+    same.unwrap_or(line).min(trace.lines.len().saturating_sub(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::Recipe;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+    use crate::ui::engine::{Engine, Request, Shown};
+
+    fn views(pixels: &[(u32, u32)]) -> Vec<View> {
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let mut engine = Engine::default();
+        let request = |pick| Request {
+            camera: scene.home,
+            scene: scene.clone(),
+            recipe: Recipe::default(),
+            viewport: Viewport { width: 40, height: 30 },
+            shown: Shown::Buffer(crate::inspect::Buffer::Color),
+            triangle_limit: None,
+            fragment_limit: None,
+            pick: Some(pick),
+        };
+        pixels.iter().map(|pixel| engine.answer(request(*pixel))).collect()
+    }
+
+    #[test]
+    fn stepping_stays_within_the_lines_and_follows_the_pick() {
+        let [first, second] = &views(&[(20, 14), (21, 14)])[..] else { panic!("two views") };
+        let mut table = TraceView::default();
+        assert!(table.trace(Some(first)).is_none());
+        assert_eq!(table.apply(Change::Step(3), Some(first)), Some(Change::Step(3)));
+        let count = table.trace(Some(first)).unwrap().lines.len();
+        assert!(table.line == 3 && count > 60, "{count}");
+        table.apply(Change::Step(-9), Some(first));
+        assert_eq!(table.line, 0);
+        table.apply(Change::Step(i64::from(i32::MAX)), Some(first));
+        assert_eq!(table.line, count - 1);
+        let place = table.trace(Some(first)).unwrap().lines.iter().position(|l| l.what == "λ1 on the screen").unwrap();
+        table.apply(Change::Line(place), Some(first));
+        assert!(table.trace(Some(second)).is_none(), "it is of another pixel");
+        table.apply(Change::Renew, Some(second));
+        let trace = table.trace(Some(second)).unwrap();
+        assert_eq!(trace.lines[table.line].what, "λ1 on the screen");
+        assert!(table.is_changed(table.line), "a weight differs from pixel to pixel");
+        assert!(!table.is_changed(0), "and the corner of the mesh does not");
+    }
+
+    #[test]
+    fn another_buffer_of_the_same_frame_keeps_the_trace() {
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let mut engine = Engine::default();
+        let mut request = Request {
+            camera: scene.home,
+            scene,
+            recipe: Recipe::default(),
+            viewport: Viewport { width: 40, height: 30 },
+            shown: Shown::Buffer(crate::inspect::Buffer::Color),
+            triangle_limit: None,
+            fragment_limit: None,
+            pick: Some((20, 14)),
+        };
+        let mut table = TraceView::default();
+        let first = engine.answer(request.clone());
+        table.apply(Change::Renew, Some(&first));
+        request.shown = Shown::Intermediate(crate::inspect::Intermediate::Lambda0);
+        let second = engine.answer(request.clone());
+        assert!(table.trace(Some(&second)).is_some());
+        assert!(second.captured.is_some() && second.range.is_some());
+        request.recipe.pipeline.light.ambient = 0.9;
+        let third = engine.answer(request);
+        assert!(table.trace(Some(&third)).is_none(), "it is another frame");
+    }
+
+    #[test]
+    fn running_stops_at_a_flag_or_stays() {
+        let [view] = &views(&[(20, 14)])[..] else { panic!("one view") };
+        let mut table = TraceView::default();
+        table.apply(Change::Run(None, Direction::Forward), Some(view));
+        let lines = &table.trace(Some(view)).unwrap().lines;
+        assert!(table.line == 0 || !lines[table.line].flags.is_empty());
+        table.apply(Change::Stage(Direction::Forward), Some(view));
+        let at = table.line;
+        table.apply(Change::Run(Some(Notable::NotFinite), Direction::Forward), Some(view));
+        assert_eq!(table.line, at, "there is none");
+    }
+}

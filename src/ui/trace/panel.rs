@@ -1,0 +1,157 @@
+//! The tab: buttons, the current line in full, and the table of all lines.
+
+use eframe::egui::style::ScrollAnimation;
+use eframe::egui::{self, Align, Color32, Rect, RichText, ScrollArea, TextEdit, Ui, vec2};
+
+use super::table::{Columns, headings, table_row};
+use super::{Change, TraceView};
+use crate::inspect::trace::{Direction, Notable, Trace, TraceLine};
+use crate::pipeline::settings::Choice as _;
+use crate::ui::command::Command;
+use crate::ui::session::Session;
+use crate::ui::theme::{Icon, font_size, space, tokens};
+use crate::ui::widgets::{combo, copy_button, empty_state, icon_button};
+
+/// Height of a row, in points.
+pub(super) const ROW: f32 = 19.0;
+
+/// Draws the buttons before the current line.
+fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Command>) {
+    let mut push = |change| commands.push(Command::Trace(change));
+    for (icon, name, change) in [
+        (Icon::ChevronFirst, "The stage before  (Shift+F11)", Change::Stage(Direction::Back)),
+        (Icon::StepBack, "One line back  (Shift+F10)", Change::Step(-1)),
+        (Icon::StepForward, "One line forward  (F10)", Change::Step(1)),
+        (Icon::ChevronLast, "The next stage  (F11)", Change::Stage(Direction::Forward)),
+    ] {
+        if icon_button(ui, icon, name).clicked() {
+            push(change);
+        }
+    }
+    for (kind, word) in [
+        (None, "Next notable"),
+        (Some(Notable::NotFinite), "NaN"),
+        (Some(Notable::Tie), "Tie"),
+        (Some(Notable::Cancellation), "Cancellation"),
+    ] {
+        let place = trace.next(session.trace.line, kind, Direction::Forward);
+        let help = kind.map_or("Runs to the next line with any flag  (F5, back Shift+F5)", Notable::help);
+        let button = egui::Button::new(word);
+        let response = ui.add_enabled(place.is_some(), button).on_hover_text(help);
+        if response.on_disabled_hover_text("No such line follows").clicked() {
+            push(Change::Run(kind, Direction::Forward));
+        }
+    }
+    fragments(ui, trace, &mut push);
+    let mut filter = session.trace.filter.clone();
+    let field = TextEdit::singleline(&mut filter).hint_text("Filter").desired_width(90.0);
+    if ui.add(field).on_hover_text("List only lines with these letters in name, formula or stage").changed() {
+        push(Change::Filter(filter));
+    }
+    copy_button(ui, "the trace as text", || trace.to_string());
+}
+
+fn fragments(ui: &mut Ui, trace: &Trace, push: &mut impl FnMut(Change)) {
+    let Some(now) = trace.fragment.filter(|_| trace.fragments > 1) else { return };
+    let name = |index: usize| format!("Fragment {} of {}", index + 1, trace.fragments);
+    let mut chosen = now;
+    combo("traced fragment", &name(now), 118.0)
+        .show_ui(ui, |ui| {
+            for index in 0..trace.fragments {
+                ui.selectable_value(&mut chosen, index, name(index));
+            }
+        })
+        .response
+        .on_hover_text("Which of the triangles at this pixel is written out, in drawing order");
+    if chosen != now {
+        push(Change::Fragment(chosen));
+    }
+}
+
+/// Draws the table.
+pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    if !is_picked(session) {
+        let how = "Click a pixel of the picture: here stands every step of its arithmetic, with what it rounded.";
+        empty_state(ui, Icon::ScanSearch, "No pixel is picked", how);
+        return;
+    }
+    if session.trace.trace(session.view.as_ref()).is_none() {
+        commands.push(Command::Trace(Change::Renew));
+        ui.request_repaint();
+    }
+    let Some(trace) = session.trace.latest() else { return };
+    ui.horizontal(|ui| {
+        controls(ui, trace, session, commands);
+        ui.add_space(space::S);
+        current_line(ui, trace, &session.trace);
+    });
+    current_formula(ui, trace, &session.trace);
+    let listed = listed(trace, &session.trace.filter);
+    let columns = Columns::of(ui.available_width());
+    headings(ui, &columns);
+    let stepped_to = row_after_step(ui, &session.trace, &listed);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    ScrollArea::vertical().auto_shrink(false).id_salt("trace").show_rows(ui, ROW, listed.len(), |ui, rows| {
+        if let Some(row) = stepped_to {
+            let below = (row as f32 - rows.start as f32) * ROW;
+            let place = Rect::from_min_size(ui.max_rect().min + vec2(0.0, below), vec2(1.0, ROW));
+            ui.scroll_to_rect_animation(place, Some(Align::Center), ScrollAnimation::none());
+        }
+        for row in rows {
+            let place = listed[row];
+            table_row(ui, (trace, place), &session.trace, &columns, session.shown, commands);
+        }
+    });
+}
+
+fn is_picked(session: &Session) -> bool {
+    session.view.as_ref().is_some_and(|view| view.report.is_some())
+}
+
+/// The lines that are listed.
+fn listed(trace: &Trace, filter: &str) -> Vec<usize> {
+    let wanted = filter.trim().to_lowercase();
+    let has = |text: &str| text.to_lowercase().contains(&wanted);
+    let is_listed = |line: &TraceLine| {
+        wanted.is_empty()
+            || has(&line.what)
+            || has(&line.formula)
+            || has(line.stage.name())
+            || line.flags.iter().any(|flag| has(flag.kind.name()))
+    };
+    (0..trace.lines.len()).filter(|place| is_listed(&trace.lines[*place])).collect()
+}
+
+/// The row of the current line, if it became that by a step since the table was drawn last: it is brought into the middle.
+fn row_after_step(ui: &Ui, table: &TraceView, listed: &[usize]) -> Option<usize> {
+    let id = egui::Id::unique("steps of the trace");
+    let seen: u64 = ui.data(|data| data.get_temp(id)).unwrap_or(0);
+    ui.data_mut(|data| data.insert_temp(id, table.steps));
+    listed.iter().position(|place| *place == table.line).filter(|_| seen != table.steps)
+}
+
+/// The current line: its place, its value, and what that should be.
+fn current_line(ui: &mut Ui, trace: &Trace, table: &TraceView) {
+    let Some(line) = trace.lines.get(table.line) else { return };
+    let place = format!("{} of {}", table.line + 1, trace.lines.len());
+    let of = if line.aside { ", which the pipeline never computes" } else { "" };
+    let exact = line.exact.as_ref().map_or_else(String::new, |exact| {
+        let fraction = exact.fraction.as_ref().map_or_else(String::new, |fraction| format!(" = {fraction}"));
+        format!("   exactly {}{fraction}", exact.decimal)
+    });
+    let text = format!("{place}   {}: {}{of} = {}{exact}", line.stage.name(), line.what, line.value_text());
+    line_of_text(ui, text, tokens(ui).text_strong);
+}
+
+/// The formula of the current line with the numbers put in.
+fn current_formula(ui: &mut Ui, trace: &Trace, table: &TraceView) {
+    let Some(line) = trace.lines.get(table.line) else { return };
+    let numbers = if line.numbers.is_empty() { String::new() } else { format!(" = {}", line.numbers) };
+    line_of_text(ui, format!("{}{numbers}", line.formula), tokens(ui).text);
+    ui.add_space(2.0);
+}
+
+fn line_of_text(ui: &mut Ui, text: String, color: Color32) {
+    let text = RichText::new(text).monospace().size(font_size::SMALL).color(color);
+    ui.add(egui::Label::new(text).truncate());
+}
