@@ -8,6 +8,10 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use glam::{Vec2, Vec3};
+use rasterscope::chain::{Recipe, run};
+use rasterscope::inspect::inspect;
+use rasterscope::pipeline::settings::{Culling, Settings};
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::{self, Loaded};
 use rasterscope::scene::{DepthMapping, Mesh, SceneError};
 
@@ -240,6 +244,7 @@ const FACE: &str = "f 1 2 3\n";
 fn faults_in_the_model_are_errors_with_file_and_line() {
     for (text, line, why) in [
         ("v nan 0 0\n", ":1:", "finite"),
+        ("vn nan nan nan\n", ":1:", "finite"),
         ("v 1e300 0 0\n", ":1:", "too large"),
         ("v 0,5 0 0\n", ":1:", "point"),
         ("v 0 0 0\nv 1 0\n", ":2:", "three coordinates"),
@@ -276,6 +281,20 @@ fn faults_in_materials_are_warnings_with_file_and_line() {
         assert!(told.iter().any(|w| w.contains(place) && w.contains(why)), "{library:?}: {told:?}");
         assert_eq!(sound(&loaded), Ok(()));
     }
+}
+
+#[test]
+fn a_texture_that_is_missing_is_remembered_and_told_at_its_pixels() {
+    let model = format!("mtllib a.mtl\nusemtl m\n{TRIANGLE}{FACE}");
+    let library = "newmtl m\nKd 0 0 0\nmap_Kd nowhere.png\n";
+    let Loaded { scene, .. } = load_texts(&[("a.obj", &model), ("a.mtl", library)]).unwrap();
+    assert_eq!(scene.library.materials()[0].missing_texture.as_deref(), Some("nowhere.png"));
+    let recipe = Recipe { pipeline: Settings { culling: Culling::None, ..Settings::default() }, ..Recipe::default() };
+    let frame = run(&scene, &scene.home, &recipe, Viewport { width: 33, height: 33 }, &mut ());
+    let told = (0..33 * 33).filter_map(|i| inspect(&scene, &recipe, &frame, i % 33, i / 33));
+    let verdict = told.map(|report| report.verdict).find(|verdict| verdict.starts_with("Won by")).unwrap();
+    assert!(verdict.contains("Black: the colour of its material “m” is (0, 0, 0)."), "{verdict}");
+    assert!(verdict.contains("The texture “nowhere.png” of its material “m” could not be read"), "{verdict}");
 }
 
 #[test]

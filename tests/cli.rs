@@ -8,6 +8,7 @@ use rasterscope::case::Task;
 use rasterscope::chain::Recipe;
 use rasterscope::drawing::file::EXTENSIONS;
 use rasterscope::image::{Image, Rgba8, file};
+use rasterscope::inspect::assertions::Assertion;
 use rasterscope::inspect::outline::OutlineKind;
 use rasterscope::inspect::{Buffer, Intermediate, Stage};
 use rasterscope::lab::Page;
@@ -17,8 +18,8 @@ use rasterscope::scene::builtin;
 use rasterscope::upscale;
 use tempfile::TempDir;
 
-const COMMANDS_WITH_SETTINGS: [&[&str]; 8] =
-    [&[], &["render"], &["vector"], &["pixel"], &["fates"], &["plan"], &["screenshot"], &["window"]];
+const COMMANDS_WITH_SETTINGS: [&[&str]; 9] =
+    [&[], &["render"], &["vector"], &["pixel"], &["check"], &["fates"], &["plan"], &["screenshot"], &["window"]];
 
 /// The program, to be run in a folder of its own and with no display in reach.
 fn program(folder: &TempDir, args: &[&str]) -> Command {
@@ -106,11 +107,44 @@ fn the_readme_names_every_setting_scene_method_buffer_and_kind_and_class_of_case
     let buffers = buffers.chain(Intermediate::ALL.iter().map(|number| number.id().to_owned()));
     let kinds = Task::KINDS.iter().map(|kind| (*kind).to_owned());
     let classes = catalogue::all().map(|class| class.id.to_owned());
+    let assertions = Assertion::ALL.iter().map(|assertion| assertion.id().to_owned());
     let pages = Page::ALL.iter().map(|page| page.id().to_owned());
-    let names = settings.chain(scenes).chain(methods).chain(buffers).chain(kinds).chain(classes).chain(pages);
+    let names =
+        settings.chain(scenes).chain(methods).chain(buffers).chain(kinds).chain(classes).chain(pages).chain(assertions);
     for name in names {
         assert!(readme.contains(&format!("`{name}`")), "{name}");
     }
+}
+
+#[test]
+fn check_succeeds_where_all_holds_and_names_what_is_violated_where_not() {
+    let folder = folder();
+    let sound = run(&folder, &["check", "cubes", "--size", "60x40"]);
+    assert_success(&sound);
+    assert_eq!(stdout(&sound).lines().count(), 1 + Assertion::ALL.len(), "{}", stdout(&sound));
+    let broken = ["check", "cubes", "--size", "60x40", "--rasterizer", "scanline-published"];
+    let broken = [&broken[..], &["--assert", "owner", "--assert", "finite"]].concat();
+    let output = run(&folder, &broken);
+    assert_eq!(output.status.code(), Some(1));
+    assert_eq!(stderr(&output).trim(), "error: 1 of 2 assertions are violated");
+    let lines: Vec<_> = stdout(&output).lines().collect();
+    assert!(lines[1].starts_with("owner") && lines[2].contains("first at "), "{lines:?}");
+    assert!(lines[3].starts_with("finite") && lines.len() == 4, "{lines:?}");
+    let json = run(&folder, &[&broken[..], &["--json"]].concat());
+    let found: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
+    assert_eq!((json.status.code(), found["findings"][0]["assertion"].as_str()), (Some(1), Some("owner")));
+}
+
+#[test]
+fn pixel_names_the_triangle_that_is_not_seen_and_why() {
+    let folder = folder();
+    let output = run(&folder, &["pixel", "back-facing", "--size", "160x100", "--at", "80,50"]);
+    assert_success(&output);
+    let text = stdout(&output);
+    assert!(text.contains("Background: triangle 2 of “middle panel” covers it, but turns its back"), "{text}");
+    let json = run(&folder, &["pixel", "back-facing", "--size", "160x100", "--at", "80,50", "--json"]);
+    let report: serde_json::Value = serde_json::from_str(stdout(&json)).unwrap();
+    assert_eq!(report["absent"][0]["cause"], "back-facing");
 }
 
 #[test]

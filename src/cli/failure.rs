@@ -17,6 +17,9 @@ const BAD_INPUT: u8 = 2;
 /// Exit code where a window was asked for and there can be none.
 const NO_WINDOW: u8 = 3;
 
+/// Exit code where an assertion is violated.
+const VIOLATED: u8 = 1;
+
 /// Why a command gave up.
 #[derive(Debug, Error)]
 pub(crate) enum Failure {
@@ -59,6 +62,9 @@ pub(crate) enum Failure {
     /// The threads asked for cannot be had.
     #[error("--threads: {0}")]
     Threads(String),
+    /// What `check` was asked to check does not hold.
+    #[error("{violated} of {of} assertions are violated")]
+    Violated { violated: usize, of: usize },
     /// There can be no window.
     #[error("{0}")]
     NoWindow(String),
@@ -67,6 +73,10 @@ pub(crate) enum Failure {
 impl Failure {
     /// What the process ends with.
     pub(crate) fn exit_code(&self) -> ExitCode {
-        ExitCode::from(if matches!(self, Self::NoWindow(_)) { NO_WINDOW } else { BAD_INPUT })
+        ExitCode::from(match self {
+            Self::NoWindow(_) => NO_WINDOW,
+            Self::Violated { .. } => VIOLATED,
+            _ => BAD_INPUT,
+        })
     }
 }

@@ -1,11 +1,12 @@
 //! The command line: one file per subcommand, each a function from its options to results on standard output.
 //!
 //! Warnings and errors go to standard error, one line each. Exit codes: 0 done; 2 input that cannot be used or output
-//! that cannot be written; 3 no window where one was asked for.
+//! that cannot be written; 3 no window where one was asked for; 1 what `check` checked is violated.
 
 mod bench;
 mod bench_scrub;
 mod case;
+mod check;
 mod diff;
 mod failure;
 mod fates;
@@ -54,7 +55,7 @@ struct Cli {
     start: WindowArgs,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible";
+const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 1 what `check` checked is violated";
 
 #[derive(Subcommand, Debug)]
 enum Command {
@@ -67,6 +68,9 @@ enum Command {
     /// Tell why a pixel looks as it does: every fragment there, who won and why, down to the texels
     #[command(after_help = EXIT_CODES)]
     Pixel(pixel::PixelArgs),
+    /// Check assertions on every fragment of a frame; exit code 1 if one is violated
+    #[command(after_help = EXIT_CODES)]
+    Check(check::CheckArgs),
     /// Tell how every triangle and every fragment ended, in all and per object
     #[command(after_help = EXIT_CODES)]
     Fates(fates::FatesArgs),
@@ -129,6 +133,7 @@ fn execute(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Window(args)) => window::run(args),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Pixel(args)) => pixel::run(args),
+        Some(Command::Check(args)) => check::run(args),
         Some(Command::Fates(args)) => fates::run(args),
         Some(Command::Plan(args)) => plan::run(args),
         Some(Command::Diff(args)) => diff::run(args),

@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use clap::Args;
-use rasterscope::inspect::{Trace, inspect};
+use rasterscope::inspect::{Survey, Trace, explain};
 use rasterscope::measure::timing::summarize;
 
 use serde::Serialize;
@@ -67,7 +67,8 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
         return Err(outside());
     }
     let Drawn { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
-    let report = inspect(&scene, &recipe, &frame, x, y).ok_or_else(outside)?;
+    let survey = Survey::of(&scene, &recipe, &frame);
+    let report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;
     if !args.trace {
         return if args.json { print_json(&report) } else { output::print(&describe(&report)) };
     }

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 
 use rasterscope::image::Rgba8;
+use rasterscope::inspect::history::SampleState;
 use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord};
 use rasterscope::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
 use rasterscope::pipeline::settings::Arithmetic;
@@ -10,6 +11,7 @@ use rasterscope::pipeline::settings::Arithmetic;
 /// The whole report, several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {
     let mut lines = vec![format!("pixel {}, {}: {}", report.x, report.y, color(report.color)), report.verdict.clone()];
+    lines.push(format!("Cleared to {}.", state(report.clear)));
     if let Some(depth) = report.final_depth {
         lines.push(format!("The depth buffer holds {depth} in the end."));
         lines.extend(report.visible().map(|_| one_step(depth)));
@@ -18,6 +20,13 @@ pub(crate) fn describe(report: &PixelReport) -> String {
         lines.push(String::new());
         lines.push(format!("fragment {} of {}", index + 1, report.fragments.len()));
         lines.extend(fragment_lines(fragment).map(|line| format!("  {line}")));
+    }
+    if !report.absent.is_empty() {
+        lines.push(String::new());
+        lines.push("triangles without a fragment here".to_owned());
+        lines.extend(report.absent.iter().map(|absent| {
+            format!("  {}: {} of “{}” {}", absent.cause.name(), absent.triangle.0, absent.instance, absent.reason)
+        }));
     }
     if let Some(before) = report.unfiltered {
         lines.push(format!("{} before the post filter", color(before)));
@@ -54,12 +63,21 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
         ("depth", format!("{} of {}, {stored}", fragment.depth, numbers(&fragment.corner_depths))),
     ];
     let alpha = fragment.alpha.map(|alpha| ("alpha", format!("{alpha:?}")));
+    let change = (fragment.before != fragment.after)
+        .then(|| ("change", format!("from {} to {}", state(fragment.before), state(fragment.after))));
     let step = fragment.stored_depth.map(|_| ("", one_step(fragment.depth)));
     rows.into_iter()
         .chain(step)
         .chain(alpha)
+        .chain(change)
         .chain(fragment.shading.iter().flat_map(shading_rows))
         .map(|(name, text)| format!("{name:<9} {text}"))
+}
+
+/// What a sample holds, in words.
+fn state(state: SampleState) -> String {
+    let depth = state.depth.map_or(String::new(), |depth| format!(" at depth {depth}"));
+    color(state.color) + &depth
 }
 
 fn edges(fragment: &FragmentRecord) -> String {

@@ -206,6 +206,8 @@ pub(crate) enum Tab {
     Scaling,
     /// How the engine does on hard cases
     Stability,
+    /// What holds for every fragment of the frame
+    Assertions,
     /// What all buffers hold at watched pixels
     Watch,
     /// The vertices of the picked triangle at every stage

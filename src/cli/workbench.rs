@@ -109,6 +109,7 @@ fn tab(tab: Tab) -> bottom::Tab {
         Tab::Plan => bottom::Tab::Plan,
         Tab::Scaling => bottom::Tab::Scaling,
         Tab::Stability => bottom::Tab::Stability,
+        Tab::Assertions => bottom::Tab::Checks,
         Tab::Watch => bottom::Tab::Watch,
         Tab::Vertices => bottom::Tab::Vertices,
         Tab::Probe => bottom::Tab::Probe,

@@ -4,6 +4,8 @@
 //! with a scissor of one pixel and an observer that writes everything down. What it shows is therefore the arithmetic
 //! that drew the pixel, bit for bit, and a test holds that for every pixel.
 
+pub mod assertions;
+
 pub mod bad_fragments;
 
 pub mod buffers;
@@ -22,9 +24,13 @@ pub mod find;
 
 pub mod histogram;
 
+pub mod history;
+
 pub mod hits;
 
 pub mod intermediate;
+
+pub mod lesson;
 
 pub mod measured;
 
@@ -65,6 +71,7 @@ pub mod what_if;
 pub use buffers::{Buffer, capture};
 pub use depth::DepthRecord;
 pub use fates::Fates;
+pub use history::{Survey, explain};
 pub use hits::{Fault, FaultKind, Hits};
 pub use intermediate::Intermediate;
 pub use pixel::{FragmentRecord, Outcome, PixelReport, SampleRecord, inspect};

@@ -1,26 +1,25 @@
 //! The story of one pixel: every fragment that touched it, who won and why, and how the colour came about.
 
+mod recorder;
+
 use serde::Serialize;
 
+use self::recorder::Recorder;
 use super::depth::DepthRecord;
+use super::history::{Absent, SampleState};
 use super::hits::{Fault, fault_at};
-use super::verdict::{fault_verdict, verdict};
+use super::verdict::verdict;
 use crate::antialias::{post, resolve};
 use crate::chain::{Frame, Recipe, samples};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS, to_pixels};
-use crate::pipeline::depth::{Comparison, depth_at};
 use crate::pipeline::framebuffer::Framebuffer;
-use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
-use crate::pipeline::observe::{DepthOutcome, Observer};
-use crate::pipeline::plan::{DrawPlan, Part};
-use crate::pipeline::raster::{Sample, Scissor};
+use crate::pipeline::observe::Observer;
+use crate::pipeline::raster::Scissor;
 use crate::pipeline::sample::TexelTap;
-use crate::pipeline::settings::{Arithmetic, Interpolation};
-use crate::pipeline::shade::Shader;
-use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::settings::Arithmetic;
+use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Extent, Until, draw, wireframe};
-use crate::scene::material::CUT_OUT_BELOW;
 use crate::scene::{Scene, Transparency, TriangleId};
 use crate::upscale::Tap;
 
@@ -87,6 +86,10 @@ pub struct FragmentRecord {
     pub alpha: Option<f32>,
     /// Shading, if it came to that.
     pub shading: Option<ShadingRecord>,
+    /// What the sample held before.
+    pub before: SampleState,
+    /// What it held after; the same if the fragment was rejected.
+    pub after: SampleState,
 }
 
 impl FragmentRecord {
@@ -103,6 +106,8 @@ pub struct ShadingRecord {
     pub uv: Option<[f32; 2]>,
     /// Unit normal, world space.
     pub normal: Option<[f32; 3]>,
+    /// Interpolated vertex colour, in the numbers that light is computed in.
+    pub vertex_color: Option<[f32; 3]>,
     /// N·L.
     pub cosine: Option<f32>,
     /// The factor that light contributes.
@@ -162,8 +167,13 @@ pub struct PixelReport {
     pub drawn_at: [u32; 2],
     /// Its samples, whose mean is its colour; none if it has but one, at its centre.
     pub samples: Vec<SampleRecord>,
+    /// What its centre held before the first of them.
+    pub clear: SampleState,
     /// Every fragment at its centre, in drawing order.
     pub fragments: Vec<FragmentRecord>,
+    /// Triangles that have no fragment here, each with its reason, as far as they were asked for
+    /// ([`super::history::explain`]).
+    pub absent: Vec<Absent>,
     /// What the depth buffer holds in the end.
     pub final_depth: Option<DepthRecord>,
     /// The drawn pixels that this one was made of; one with weight 1 if it was drawn itself.
@@ -180,6 +190,11 @@ pub struct PixelReport {
 }
 
 impl PixelReport {
+    /// What its centre held after the last of its fragments.
+    pub fn last(&self) -> SampleState {
+        self.fragments.last().map_or(self.clear, |fragment| fragment.after)
+    }
+
     /// The fragment that the pixel shows; if it is blended, the nearest of those that it shows.
     pub fn visible(&self) -> Option<&FragmentRecord> {
         self.fragments.iter().find(|f| f.outcome == Outcome::Visible)
@@ -188,6 +203,13 @@ impl PixelReport {
 
 /// Replays pixel (x, y) of a frame. `None` outside of the picture.
 pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
+    let mut report = replayed(scene, recipe, frame, x, y)?;
+    report.verdict = verdict(&report, scene, recipe, frame);
+    Some(report)
+}
+
+/// The report of a replay, still without a verdict.
+pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) -> Option<PixelReport> {
     let Viewport { width, height } = frame.viewport;
     if x >= width || y >= height {
         return None;
@@ -211,14 +233,16 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
     let below = filtered.unwrap_or(upscaled);
     let wireframe = recipe.wireframe.then(|| wireframe::crosses(frame.outlines(), (width, height), (x, y))).flatten();
     let color = if wireframe.is_some() { wireframe::line_color(below) } else { below };
-    let mut report = PixelReport {
+    Some(PixelReport {
         x,
         y,
         verdict: String::new(),
         color,
         drawn_at: drawn_at.into(),
         samples: if frame.antialias.is_off() { Vec::new() } else { samples },
+        clear: recorder.clear,
         fragments: recorder.finish(),
+        absent: Vec::new(),
         final_depth: final_depth.map(|depth| DepthRecord::new(depth, frame.depth_scale())),
         sources,
         remembered_at: upscaler
@@ -227,11 +251,7 @@ pub fn inspect(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y: u32) ->
         unfiltered: filtered.map(|_| upscaled),
         wireframe,
         fault: fault_at(frame, &recipe.pipeline, drawn_at.0, drawn_at.1).filter(|_| frame.is_drawn(x, y)),
-    };
-    let story = verdict(&report, frame.is_drawn(x, y), Comparison::of(&recipe.pipeline));
-    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline) + " ");
-    report.verdict = fault.unwrap_or_default() + &story;
-    Some(report)
+    })
 }
 
 fn source(frame: &Frame, tap: Tap, samples: &[Rgba8]) -> SourceRecord {
@@ -285,164 +305,6 @@ fn replay<O: Observer>(
     let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
     draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut one, observer);
     Some(one.depth.map(|d| d.at(0, 0)))
-}
-
-/// Writes down every fragment of a replay.
-struct Recorder<'a> {
-    scene: &'a Scene,
-    shaders: Vec<Shader<'a>>,
-    frame: &'a Frame,
-    comparison: Comparison,
-    arithmetic: Arithmetic,
-    interpolation: Interpolation,
-    records: Vec<FragmentRecord>,
-    /// What has been drawn so far.
-    color: Rgba8,
-}
-
-impl<'a> Recorder<'a> {
-    fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
-        let shaders = scene.instances.iter().zip(&frame.plans);
-        let [r, g, b] = scene.background;
-        Self {
-            scene,
-            shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
-            frame,
-            comparison: Comparison::of(&recipe.pipeline),
-            arithmetic: recipe.pipeline.arithmetic,
-            interpolation: recipe.pipeline.interpolation,
-            records: Vec::new(),
-            color: [r, g, b, 255],
-        }
-    }
-
-    /// The fragments with their outcomes: of those that were written, the last one is visible, and those before it are seen
-    /// through it down to the first that covers all.
-    fn finish(mut self) -> Vec<FragmentRecord> {
-        let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
-        let mut is_covered = false;
-        for pair in written.windows(2).rev() {
-            let next = &self.records[pair[1]];
-            is_covered |= next.covers_all();
-            let ending = match next.alpha.filter(|_| next.transparency == Transparency::Blended) {
-                Some(alpha) => format!("blended over by triangle {} with alpha {alpha}", next.triangle.0),
-                None => format!("replaced by triangle {} at depth {}", next.triangle.0, next.depth),
-            };
-            let previous = &mut self.records[pair[0]];
-            previous.outcome = if is_covered { Outcome::Overwritten } else { Outcome::BlendedOver };
-            previous.reason = format!("{}, then {ending}", verb(previous.transparency));
-        }
-        self.records
-    }
-
-    fn depth(&self, stored: f32) -> DepthRecord {
-        DepthRecord::new(stored, self.frame.depth_scale())
-    }
-}
-
-impl Observer for Recorder<'_> {
-    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
-        let submission = self.frame.geometry.place_of(triangle);
-        let transparency = self.frame.plans[triangle.instance as usize].transparency();
-        self.records.push(FragmentRecord {
-            triangle: triangle.id,
-            instance: self.scene.instances[triangle.instance as usize].name.clone(),
-            submission,
-            transparency,
-            outcome: Outcome::Visible,
-            reason: format!("{}: there is no depth test", verb(transparency)),
-            arithmetic: self.arithmetic,
-            corners_px: match self.arithmetic {
-                Arithmetic::Fixed => triangle.snapped_px(),
-                Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
-            },
-            edges: sample.edges,
-            doubled_area: triangle.doubled_area,
-            affine_weights: affine_weights(triangle, sample),
-            attribute_weights: attribute_weights(triangle, sample, self.interpolation),
-            inv_w: triangle.vertices.each_ref().map(|v| v.inv_w),
-            corner_depths: triangle.vertices.each_ref().map(|v| v.depth as f32),
-            depth: self.depth(depth_at(triangle, sample)),
-            stored_depth: None,
-            alpha: None,
-            shading: None,
-        });
-    }
-
-    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
-        let [new, stored] = [outcome.new, outcome.stored].map(|depth| self.depth(depth));
-        let Some(record) = self.records.last_mut() else { return };
-        record.stored_depth = Some(stored);
-        let (symbol, verb) = (self.comparison.symbol(), verb(record.transparency));
-        if outcome.passed {
-            record.reason = match self.comparison {
-                Comparison::Always => format!("{verb}: the test lets everything pass ({new} over {stored})"),
-                _ => format!("{verb}: {new} {symbol} {stored}"),
-            };
-        } else {
-            record.outcome = Outcome::DepthRejected;
-            record.reason = format!("lost the depth test: not {new} {symbol} {stored}");
-        }
-    }
-
-    fn cut_out(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) {
-        let alpha = self.shaders[triangle.instance as usize].alpha(fragment);
-        let Some(record) = self.records.last_mut() else { return };
-        record.alpha = Some(alpha);
-        record.outcome = Outcome::CutOut;
-        record.reason = format!("cut out: alpha {alpha} < {CUT_OUT_BELOW}");
-    }
-
-    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
-        let instance = triangle.instance as usize;
-        let (shader, plan) = (&self.shaders[instance], &self.frame.plans[instance]);
-        let below = std::mem::replace(&mut self.color, color);
-        let Some(record) = self.records.last_mut() else { return };
-        let mut shading = shading_record(shader, plan, fragment, color);
-        record.alpha = (record.transparency != Transparency::Opaque).then(|| shader.alpha(fragment));
-        shading.below = (record.transparency == Transparency::Blended).then_some(below);
-        record.shading = Some(shading);
-    }
-}
-
-/// What is done with a fragment that passes.
-fn verb(transparency: Transparency) -> &'static str {
-    if transparency == Transparency::Blended { "blended" } else { "written" }
-}
-
-/// The texels that are read in one copy of a texture, which counts for `share`.
-fn texel_records(
-    shader: &Shader<'_>,
-    image: &Image<Rgba8>,
-    (level, share): (usize, f32),
-    fragment: &Fragment,
-) -> Vec<TexelRecord> {
-    let (taps, count) = shader.sampler().taps(image.size(), fragment.uv);
-    let record = |tap: &TexelTap| {
-        let tap = TexelTap { weight: tap.weight * share, ..*tap };
-        TexelRecord { level, tap, color: image.at(tap.x, tap.y) }
-    };
-    taps[..count].iter().map(record).collect()
-}
-
-fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
-    let lit = plan.runs(Part::Light);
-    let texels = shader.texture_for(fragment).map_or_else(Vec::new, |texture| {
-        let (levels, count) = texture.levels(fragment);
-        levels[..count]
-            .iter()
-            .flat_map(|&(level, share)| texel_records(shader, texture.level(level), (level, share), fragment))
-            .collect()
-    });
-    ShadingRecord {
-        uv: plan.runs(Part::TextureCoordinates).then(|| fragment.uv.into()),
-        normal: plan.runs(Part::Normals).then(|| shader.unit_normal(fragment).into()),
-        cosine: lit.then(|| shader.cosine(fragment)),
-        light: lit.then(|| shader.light(fragment)),
-        texels,
-        below: None,
-        color,
-    }
 }
 
 /// Where the sample of a full-picture pixel lies, in px.

@@ -1,15 +1,39 @@
 //! The story of a pixel in one sentence: who won, against how many, and whether that was more than luck.
 
+mod background;
+
+mod black;
+
+mod flaw;
+
 use std::collections::BTreeSet;
 
+use super::history::Absent;
 use super::hits::{Fault, FaultKind};
 use super::pixel::{FragmentRecord, Outcome, PixelReport};
+use crate::chain::{Frame, Recipe};
 use crate::pipeline::depth::Comparison;
 use crate::pipeline::settings::{Choice as _, Settings};
+use crate::scene::{Instance, Scene, TriangleId};
 
-/// What happened at a pixel, in one sentence.
-pub(super) fn verdict(report: &PixelReport, drawn: bool, comparison: Comparison) -> String {
-    let story = smooth_verdict(report) + &fragment_verdict(&report.fragments, comparison);
+/// What happened at a pixel, in one sentence; more follow if it is black or the scene was flawed there, and one stands before
+/// if a shared edge went wrong.
+pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
+    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline) + " ");
+    let story = story(report, frame.is_drawn(report.x, report.y), Comparison::of(&recipe.pipeline));
+    let more = [black::why(report, scene, recipe), flaw::told(report, scene, recipe, frame)];
+    let more = more.into_iter().flatten().fold(String::new(), |text, sentence| text + " " + &sentence);
+    fault.unwrap_or_default() + &story + &more
+}
+
+/// The instance that a triangle belongs to, and its number.
+fn instance_of(scene: &Scene, id: TriangleId) -> Option<(usize, &Instance)> {
+    let index = scene.first_triangles().partition_point(|first| *first <= id).checked_sub(1)?;
+    Some((index, scene.instances.get(index)?))
+}
+
+fn story(report: &PixelReport, drawn: bool, comparison: Comparison) -> String {
+    let story = smooth_verdict(report) + &fragment_verdict(&report.fragments, &report.absent, comparison);
     if let Some(triangle) = report.wireframe {
         return format!("Under a wireframe line of triangle {}. {story}", triangle.0);
     }
@@ -39,9 +63,9 @@ fn smooth_verdict(report: &PixelReport) -> String {
 }
 
 /// Pieces of one triangle count as one; they are no rivals of each other. Nor is what is cut out.
-fn fragment_verdict(fragments: &[FragmentRecord], comparison: Comparison) -> String {
+fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison: Comparison) -> String {
     let Some(winner) = fragments.iter().find(|f| f.outcome == Outcome::Visible) else {
-        return background_verdict(fragments);
+        return background::verdict(fragments, absent);
     };
     if !winner.covers_all() {
         return blended_verdict(fragments, winner);
@@ -79,21 +103,6 @@ fn count_triangles<'a>(fragments: impl Iterator<Item = &'a FragmentRecord>) -> u
     fragments.map(|f| f.triangle).collect::<BTreeSet<_>>().len()
 }
 
-/// Why none of the fragments is to be seen.
-fn background_verdict(fragments: &[FragmentRecord]) -> String {
-    let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
-    match (with(Outcome::DepthRejected), with(Outcome::CutOut)) {
-        (0, 0) => "Background: no triangle covers this pixel's centre.".to_owned(),
-        (1, 0) => "Background: the one triangle here lost the depth test.".to_owned(),
-        (lost, 0) => format!("Background: all {lost} triangles here lost the depth test."),
-        (0, 1) => "Background: the one triangle here is cut out.".to_owned(),
-        (0, gone) => format!("Background: all {gone} triangles here are cut out."),
-        (lost, gone) => {
-            format!("Background: of the triangles here {lost} lost the depth test, and {gone} by alpha are not there.")
-        }
-    }
-}
-
 /// What a pixel whose nearest fragment is blended shows.
 fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> String {
     let seen_through = || fragments.iter().rev().filter(|f| f.outcome == Outcome::BlendedOver);
@@ -107,7 +116,7 @@ fn blended_verdict(fragments: &[FragmentRecord], nearest: &FragmentRecord) -> St
 }
 
 /// What is wrong at a sample along a shared edge, and why, in one sentence.
-pub(super) fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
+fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
     let [one, other] = fault.sharing.map(|id| id.0);
     let (hits, due) = (fault.hit_by.len(), fault.due.len());
     let cause = cause(settings);
@@ -167,9 +176,12 @@ const Z_FIGHT_CODES: u32 = 1;
 mod tests {
     use super::*;
     use crate::inspect::DepthRecord;
+    use crate::inspect::history::SampleState;
     use crate::pipeline::depth::{DepthEncoding, DepthScale};
     use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
     use crate::scene::{DepthMapping, Transparency, TriangleId};
+
+    const HELD: SampleState = SampleState { color: [9, 9, 9, 255], depth: None };
 
     /// The last of `fragments` (triangle, depth) is visible.
     fn story(fragments: &[(u32, f32)], stored: Option<f32>, comparison: Comparison) -> String {
@@ -182,7 +194,7 @@ mod tests {
         stored: Option<f32>,
         comparison: Comparison,
     ) -> String {
-        fragment_verdict(&records(encoding, fragments, stored), comparison)
+        fragment_verdict(&records(encoding, fragments, stored), &[], comparison)
     }
 
     fn records(encoding: DepthEncoding, fragments: &[(u32, f32)], stored: Option<f32>) -> Vec<FragmentRecord> {
@@ -207,6 +219,8 @@ mod tests {
             stored_depth: stored.map(depth),
             alpha: None,
             shading: None,
+            before: HELD,
+            after: HELD,
         };
         fragments.iter().enumerate().map(record).collect()
     }
@@ -249,7 +263,7 @@ mod tests {
         for record in &mut records[1..] {
             (record.transparency, record.alpha) = (Transparency::Blended, Some(0.25));
         }
-        let story = |records: &[FragmentRecord]| fragment_verdict(records, Comparison::Less);
+        let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], Comparison::Less);
         for record in &mut records[..3] {
             record.outcome = Outcome::BlendedOver;
         }
@@ -267,7 +281,7 @@ mod tests {
     #[test]
     fn what_is_cut_out_is_no_rival_but_told_where_nothing_else_is() {
         let mut records = records(DepthEncoding::F32, &[(3, 0.5), (4, 0.5)], Some(0.9));
-        let story = |records: &[FragmentRecord]| fragment_verdict(records, Comparison::Less);
+        let story = |records: &[FragmentRecord]| fragment_verdict(records, &[], Comparison::Less);
         (records[0].transparency, records[0].outcome) = (Transparency::CutOut, Outcome::CutOut);
         assert_eq!(story(&records), "Won by triangle 4 of “cube”, the only one here that is not cut out.");
         assert_eq!(story(&records[..1]), "Background: the one triangle here is cut out.");

@@ -167,10 +167,10 @@ impl<'a> Shader<'a> {
         self.sampler
     }
 
-    /// The unit normal of a fragment; +y where it has none.
+    /// The unit normal of a fragment; zero where it has none, so that no direct light reaches it.
     #[inline]
     pub fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
-        fragment.normal.try_normalize().unwrap_or(Vec3::Y)
+        fragment.normal.normalize_or_zero()
     }
 
     /// N·L of a fragment, in [−1, 1].

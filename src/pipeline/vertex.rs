@@ -159,7 +159,7 @@ impl<'a> Transformer<'a> {
         let Self { mesh, matrices, settings, .. } = *self;
         let mut varyings = Varyings { color: Vec3::ONE, ..Varyings::default() };
         if self.normals {
-            varyings.normal = unit_or(self.world_normal(i).as_dvec3(), Vec3::Y);
+            varyings.normal = unit_or(self.world_normal(i).as_dvec3(), Vec3::ZERO);
             if settings.shading == Shading::Gouraud {
                 varyings.light = lambert(varyings.normal, self.light_direction, settings.light.ambient);
             }

@@ -33,6 +33,8 @@ pub struct Material {
     pub opacity: f32,
     /// Colour texture (`map_Kd`).
     pub texture: Option<TextureId>,
+    /// The file of a texture that was named and could not be read; the plain colour stands in for it.
+    pub missing_texture: Option<String>,
     /// Texture for the side away from the light, read by cel shading only.
     pub dark_texture: Option<TextureId>,
 }
@@ -40,7 +42,7 @@ pub struct Material {
 impl Material {
     /// An opaque, untextured material. `diffuse` in sRGB values.
     pub fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
-        Self { name: name.into(), diffuse, opacity: 1.0, texture: None, dark_texture: None }
+        Self { name: name.into(), diffuse, opacity: 1.0, texture: None, missing_texture: None, dark_texture: None }
     }
 
     /// An opaque white material under a texture.

@@ -57,11 +57,13 @@ pub enum MeshError {
     },
 }
 
-/// A checked mesh: indices in range, arrays of equal length, every number finite, one unit normal per vertex.
+/// A checked mesh: indices in range, arrays of equal length, every number finite, one unit normal per vertex, or a zero one
+/// where the one that was given was no number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     data: MeshData,
     bounds: Aabb,
+    lost_normals: usize,
 }
 
 impl Mesh {
@@ -81,7 +83,23 @@ impl Mesh {
         check_array("texture coordinates", &data.uvs, count, true, |t| t.is_finite())?;
         check_array("vertex colours", &data.colors, count, true, |c| c.is_finite())?;
         let bounds = Aabb::around(data.positions.iter().copied());
-        Ok(Self { data, bounds })
+        Ok(Self { data, bounds, lost_normals: 0 })
+    }
+
+    /// As [`Mesh::new`], but for normals that are no finite numbers: they become zero, so that no direct light reaches the
+    /// vertex, and are counted.
+    pub fn without_lost_normals(mut data: MeshData) -> Result<Self, MeshError> {
+        let mut lost_normals = 0;
+        for normal in data.normals.iter_mut().filter(|normal| !normal.is_finite()) {
+            *normal = Vec3::ZERO;
+            lost_normals += 1;
+        }
+        Ok(Self { lost_normals, ..Self::new(data)? })
+    }
+
+    /// How many vertices have no normal because the one that was given was no finite number.
+    pub fn lost_normals(&self) -> usize {
+        self.lost_normals
     }
 
     /// Box around all vertices, model space.
@@ -100,7 +118,7 @@ impl Mesh {
             triangle.swap(1, 2);
         }
         let bounds = Aabb::around(data.positions.iter().copied());
-        Self { data, bounds }
+        Self { data, bounds, lost_normals: self.lost_normals }
     }
 
     /// Bytes held by the arrays.
@@ -191,6 +209,16 @@ mod tests {
         let mut data = triangle();
         data.positions[1].x = f32::INFINITY;
         assert!(matches!(Mesh::new(data), Err(MeshError::NotFinite { index: 1, .. })));
+    }
+
+    #[test]
+    fn normals_that_are_no_numbers_are_refused_or_taken_out_and_counted() {
+        let normals = vec![Vec3::Z, Vec3::NAN, Vec3::new(0.0, f32::INFINITY, 0.0)];
+        let data = MeshData { normals, ..triangle() };
+        assert!(matches!(Mesh::new(data.clone()), Err(MeshError::NotFinite { attribute: "normals", index: 1 })));
+        let mesh = Mesh::without_lost_normals(data).unwrap();
+        assert_eq!((mesh.normals.as_slice(), mesh.lost_normals()), ([Vec3::Z, Vec3::ZERO, Vec3::ZERO].as_slice(), 2));
+        assert_eq!(mesh.mirrored_z().lost_normals(), 2);
     }
 
     #[test]

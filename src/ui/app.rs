@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Panel, Ui};
 
 use super::canvas::Canvas;
+use super::checks;
 use super::command::{BINDINGS, Command};
 use super::compare::compute::CompareRequest;
 use super::compare::tiles::TilesView;
@@ -93,6 +94,7 @@ pub struct Workbench {
     asked_to_watch: Vec<(u32, u32)>,
     finding: Option<Task<(), (Wanted, Found)>>,
     inspector: Inspector,
+    checks: checks::Runner,
     fates: Finder,
     dialog: Dialog,
     tab: Tab,
@@ -126,6 +128,7 @@ impl Workbench {
             asked_to_watch: Vec::new(),
             finding: None,
             inspector: Inspector::default(),
+            checks: checks::Runner::default(),
             fates: Finder::default(),
             dialog: Dialog::default(),
             tab: Tab::default(),
@@ -174,6 +177,7 @@ impl Workbench {
         }
         self.ask(ui);
         self.ask_to_compare(ui);
+        self.checks.step(&mut self.session, ui.ctx(), self.waits);
         self.fates.tend(ui, &mut self.session, self.tab == Tab::Fates, self.waits);
         self.ask_what_if(ui);
         self.ask_to_watch(ui);

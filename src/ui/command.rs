@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 use eframe::egui::{Key, KeyboardShortcut, Modifiers};
 
+use super::checks;
 use super::compare::{Change, Mode};
 use super::engine::Shown;
 use super::fates;
@@ -159,6 +160,8 @@ pub enum Command {
     ToggleLab,
     /// Change something in the lab.
     Lab(lab::Change),
+    /// Change what is checked.
+    Checks(checks::Change),
     /// Step through the arithmetic of the picked pixel.
     Trace(trace::Change),
     /// Go through the making of the frame.

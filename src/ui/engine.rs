@@ -15,7 +15,7 @@ use crate::inspect::buffers::{Buffer, Buffers, capture};
 use crate::inspect::intermediate::{self, Captured};
 use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
-use crate::inspect::{Intermediate, PixelReport, Stage, inspect};
+use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
 use crate::measure::stages::{StageTimer, StageTimes};
 use crate::pipeline::observe::Counters;
 use crate::pipeline::settings::Choice as _;
@@ -153,6 +153,8 @@ impl View {
 pub struct Engine {
     last: Option<View>,
     renderer: Renderer,
+    /// What the geometry stages of the last frame dropped, if a pixel of it was questioned.
+    survey: Option<Survey>,
     reel: Option<Reel>,
 }
 
@@ -183,8 +185,11 @@ impl Engine {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
             look::look(&request, Source { frame: &frame, buffers, captured, stage: None }, kept)
         };
-        let report =
-            request.pick.and_then(|(x, y)| inspect(&request.scene, &request.recipe, &frame, x, y)).map(Arc::new);
+        self.survey.take_if(|_| fresh);
+        let report = request.pick.and_then(|pick| {
+            let survey = self.survey.get_or_insert_with(|| Survey::of(&request.scene, &request.recipe, &frame));
+            explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
+        });
         let (picture, range) = (looked.picture.clone(), looked.range);
         let timeline = self.timeline(&request, &frame, report.as_deref()).map(Arc::new);
         let view =

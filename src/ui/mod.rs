@@ -50,6 +50,8 @@ pub mod open_case;
 
 pub mod session;
 
+pub mod checks;
+
 pub mod place;
 
 pub mod what_if;

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::checks::Checks;
 use super::command::Command;
 use super::compare::compute::{CompareRequest, Compared};
 use super::compare::{Change, Comparison, Mode, Tiles};
@@ -210,6 +211,8 @@ pub struct Session {
     pub mesh_view: MeshView,
     /// The 2D lab.
     pub lab: Lab,
+    /// What is checked of frames, and what was found.
+    pub checks: Checks,
     /// The arithmetic of the picked pixel.
     pub trace: TraceView,
     /// Ranges and colours of what is shown.
@@ -284,6 +287,7 @@ impl Session {
             vertices: Vertices::default(),
             mesh_view: MeshView::default(),
             lab: Lab::default(),
+            checks: Checks::default(),
             trace: TraceView::default(),
             range: RangeControl::default(),
             overlays: Overlays::default(),
@@ -486,6 +490,7 @@ impl Session {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
                 self.comparison.apply(change, tiles, recipe);
             }
+            Command::Checks(change) => self.checks.apply(change),
             Command::Vertices(change) => self.vertices.apply(change),
             Command::MeshView(change) => mesh_view::apply(self, change),
             Command::MirrorZ => self.mirror_z(),

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
 use super::app::Workbench;
+use super::checks;
 use super::command::Command;
 use super::compare::Change;
 use super::engine::Shown;
@@ -206,6 +207,9 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     app.session_mut().pick = request.selected.or(request.start.seen.pixel);
     if let Some(change) = request.compare {
         app.session_mut().apply(Command::Compare(change));
+    }
+    if request.tab == Some(Tab::Checks) {
+        app.session_mut().checks.apply(checks::Change::Run);
     }
     if let Some(style) = request.mesh {
         let mesh = &mut app.session_mut().mesh_view;

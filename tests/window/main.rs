@@ -9,6 +9,7 @@ mod comparing;
 mod fates;
 mod files;
 mod growth;
+mod history;
 mod lab;
 mod measuring;
 mod outside;

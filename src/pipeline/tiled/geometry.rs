@@ -357,7 +357,7 @@ impl Job<'_> {
                     let [nx, ny, nz] = split(simd, normals);
                     let columns = draw.matrices.world_from_model_normal.to_cols_array_2d();
                     let turned = each!(row in [0, 1, 2] => widen(simd, nx * columns[0][row] + ny * columns[1][row] + nz * columns[2][row]));
-                    let normal = unit_or_lanes(simd, turned, Vec3::Y);
+                    let normal = unit_or_lanes(simd, turned, Vec3::ZERO);
                     unit_normals = each!(axis in [0, 1, 2] => normal[axis].to_array());
                     if self.settings.shading == Shading::Gouraud {
                         light = lambert_lanes(normal, self.light_direction, self.settings.light.ambient);

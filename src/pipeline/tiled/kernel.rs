@@ -394,12 +394,12 @@ fn encode<S: Simd>(simd: S, tables: &Tables, linear: F32<S>) -> u32x8<S> {
     u32x8::load_array(simd, codes)
 }
 
-/// Light on normals that are not of unit length.
+/// Light on normals that are not of unit length; no direct light on those of none.
 #[inline(always)]
 fn lambert<S: Simd>(simd: S, normal: [F32<S>; 3], direction: Vec3, ambient: f32) -> F32<S> {
     let [x, y, z] = normal;
     let reciprocal = F32::splat(simd, 1.0) / (x * x + y * y + z * z).sqrt();
     let has_length = reciprocal.is_finite() & reciprocal.simd_gt(0.0);
-    let unit = each!((component, up) in [(x, 0.0), (y, 1.0), (z, 0.0)] => has_length.select(component * reciprocal, F32::splat(simd, up)));
+    let unit = each!(component in [x, y, z] => has_length.select(component * reciprocal, F32::splat(simd, 0.0)));
     lambert_lanes(unit, direction, ambient)
 }

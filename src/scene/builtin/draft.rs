@@ -29,6 +29,11 @@ impl Draft {
         self.library.add_mesh(Mesh::new(data).expect("generated meshes are valid"))
     }
 
+    /// The same of a mesh some of whose normals are no numbers.
+    pub(super) fn repaired_mesh(&mut self, data: MeshData) -> MeshId {
+        self.library.add_mesh(Mesh::without_lost_normals(data).expect("generated meshes are valid but for normals"))
+    }
+
     /// Takes a generated picture. Panics if the generator made an empty one.
     pub(super) fn texture(&mut self, name: &str, image: Image<Rgba8>) -> TextureId {
         self.library.add_texture(Texture::new(name, image).expect("generated pictures have pixels"))
@@ -43,6 +48,12 @@ impl Draft {
     /// An opaque material without a texture. `diffuse` in sRGB values.
     pub(super) fn plain(&mut self, name: &str, diffuse: Vec3) -> MaterialId {
         self.library.add_material(Material::plain(name, diffuse))
+    }
+
+    /// An opaque material whose texture could not be read. `diffuse` in sRGB values.
+    pub(super) fn without_texture(&mut self, name: &str, diffuse: Vec3, file: &str) -> MaterialId {
+        let missing_texture = Some(file.to_owned());
+        self.library.add_material(Material { missing_texture, ..Material::plain(name, diffuse) })
     }
 
     /// An untextured material that shows what lies behind. `diffuse` in sRGB values.

@@ -6,6 +6,7 @@
 //!
 //! Meshes have counter-clockwise front faces; textures are read with v downwards; colours are sRGB values.
 
+mod black;
 mod cel;
 mod chess;
 mod cubes;
@@ -56,6 +57,11 @@ pub const ALL: &[Builtin] = &[
     z_fighting::Z_FIGHTING,
     near_plane::NEAR_PLANE,
     wheels::WHEELS,
+    black::BACK_FACING,
+    black::NEAR_CLIPPED,
+    black::Z_FOUGHT,
+    black::NAN_NORMAL,
+    black::MISSING_TEXTURE,
 ];
 
 /// Finds a scene by its [`Builtin::id`].

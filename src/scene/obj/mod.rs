@@ -226,6 +226,7 @@ impl<'a> Materials<'a> {
         let texture = picture.and_then(|picture| self.textures.get(picture, self.path, library, warnings));
         let unset = if texture.is_some() { Vec3::ONE } else { Material::default().diffuse };
         let plain = Material::plain(name, description.diffuse.unwrap_or(unset));
-        Material { opacity: description.opacity, texture, ..plain }
+        let missing_texture = picture.filter(|_| texture.is_none()).map(|picture| picture.name.clone());
+        Material { opacity: description.opacity, texture, missing_texture, ..plain }
     }
 }

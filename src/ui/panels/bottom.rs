@@ -3,6 +3,7 @@
 use eframe::egui::{ScrollArea, Ui};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
+use crate::ui::checks;
 use crate::ui::command::Command;
 use crate::ui::fates::tab as fates;
 use crate::ui::probe;
@@ -34,6 +35,8 @@ pub enum Tab {
     Scaling,
     /// How the engine does on hard cases.
     Stability,
+    /// What holds for every fragment.
+    Checks,
     /// What all buffers hold at watched pixels.
     Watch,
     /// The vertices of the picked triangle at every stage.
@@ -78,6 +81,7 @@ pub const TABS: &[(Tab, &str, &str)] = &[
         "Stability",
         "How right and how fast every rasterizer, arithmetic and depth format is on hard cases",
     ),
+    (Tab::Checks, "Assertions", "What should hold for every fragment of a frame: checked on demand"),
     (Tab::Watch, "Watch", "What all buffers hold at pixels that are watched, followed from frame to frame"),
     (Tab::Vertices, "Vertices", "The vertices of the picked triangle, or of its object, at every stage"),
     (
@@ -115,6 +119,10 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
                 ui.separator();
                 scaling::controls(ui, session, commands);
             }
+            Tab::Checks => {
+                ui.separator();
+                checks::panel::controls(ui, session, commands);
+            }
             Tab::Histogram => {
                 ui.separator();
                 panel::controls(ui, session, commands);
@@ -150,6 +158,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Scaling => scaling::ui(ui, session),
         Tab::Watch => watch::panel::ui(ui, session, commands),
         Tab::Stability => stability::ui(ui, session, commands),
+        Tab::Checks => checks::panel::ui(ui, session, commands),
         Tab::Vertices => vertices::ui(ui, session, commands),
         Tab::Probe => probe::ui(ui, session, commands),
         Tab::Plan => {

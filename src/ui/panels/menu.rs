@@ -3,8 +3,8 @@
 use eframe::egui::{self, Button, Layout, MenuBar, RichText, Ui};
 
 use crate::chain::Recipe;
-use crate::inspect::Buffer;
 use crate::inspect::outline::OutlineKind;
+use crate::inspect::{Buffer, lesson};
 use crate::pipeline::settings::Choice as _;
 use crate::scene::builtin;
 use crate::ui::command::{BINDINGS, Command};
@@ -112,9 +112,25 @@ fn edit(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 }
 
 fn scene(ui: &mut Ui, commands: &mut Vec<Command>) {
+    ui.menu_button("Why is this pixel black?", |ui| lessons(ui, commands));
+    ui.separator();
     for scene in builtin::ALL {
         if ui.button(scene.title).on_hover_text(scene.summary).clicked() {
             commands.push(Command::OpenBuiltin(scene.id.to_owned()));
+            ui.close();
+        }
+    }
+}
+
+/// Scenes with a black spot, drawn by settings that bring it out.
+fn lessons(ui: &mut Ui, commands: &mut Vec<Command>) {
+    for lesson in lesson::ALL {
+        if ui
+            .button(lesson.question)
+            .on_hover_text("Opens a small scene. Click its black spot: the verdict names the cause")
+            .clicked()
+        {
+            commands.extend([Command::OpenBuiltin(lesson.scene.to_owned()), Command::SetRecipe(lesson.recipe())]);
             ui.close();
         }
     }

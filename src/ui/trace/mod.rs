@@ -182,6 +182,7 @@ mod tests {
             shown: Shown::Buffer(crate::inspect::Buffer::Color),
             triangle_limit: None,
             fragment_limit: None,
+            look: crate::ui::look::Look::default(),
             pick: Some(pick),
         };
         pixels.iter().map(|pixel| engine.answer(request(*pixel))).collect()
@@ -221,6 +222,7 @@ mod tests {
             shown: Shown::Buffer(crate::inspect::Buffer::Color),
             triangle_limit: None,
             fragment_limit: None,
+            look: crate::ui::look::Look::default(),
             pick: Some((20, 14)),
         };
         let mut table = TraceView::default();

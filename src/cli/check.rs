@@ -1,0 +1,57 @@
+//! `rasterscope check`: assertions on every fragment of a frame, as a table; the exit code says whether all hold.
+
+use std::sync::atomic::AtomicBool;
+
+use clap::Args;
+use rasterscope::inspect::assertions::{Assertion, Finding, Report, check};
+use rasterscope::pipeline::settings::Choice as _;
+
+use super::failure::Failure;
+use super::scene_args::{Drawn, FrameArgs};
+use super::{output, parse};
+
+/// What `check` takes.
+#[derive(Args, Debug)]
+pub(crate) struct CheckArgs {
+    #[command(flatten)]
+    frame: FrameArgs,
+
+    /// Check this assertion only; may be given several times. All if omitted
+    #[arg(long, value_name = "ID", value_parser = parse::choice::<Assertion>())]
+    assert: Vec<Assertion>,
+
+    /// Print JSON instead of a table
+    #[arg(long)]
+    json: bool,
+}
+
+/// Draws, checks, prints what was found, and fails if anything is violated.
+pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
+    let Drawn { scene, recipe, frame, .. } = args.frame.draw(None)?;
+    let wanted = if args.assert.is_empty() { Assertion::ALL } else { &args.assert };
+    // Nobody cancels but with the program.
+    let Some(report) = check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
+    if args.json {
+        let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
+        output::print(&(json + "\n"))?;
+    } else {
+        output::print(&table(&report))?;
+    }
+    let violated = report.findings.iter().filter(|finding| finding.violated > 0).count();
+    if violated > 0 { Err(Failure::Violated { violated, of: report.findings.len() }) } else { Ok(()) }
+}
+
+/// One line for each assertion, and one more below for the first fragment that violates it.
+fn table(report: &Report) -> String {
+    let mut text = format!("{:<14} {:>12} {:>12}  {}\n", "assertion", "checked", "violated", "what should hold");
+    for Finding { assertion, checked, violated, first } in &report.findings {
+        text += &format!("{:<14} {checked:>12} {violated:>12}  {}\n", assertion.id(), assertion.name());
+        if let Some(first) = first {
+            text += &format!(
+                "{:<14} first at {},{}, triangle {}: {}\n",
+                "", first.x, first.y, first.triangle.0, first.text
+            );
+        }
+    }
+    text
+}

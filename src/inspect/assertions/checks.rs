@@ -1,0 +1,148 @@
+//! The assertions themselves: each says what is wrong with a fragment, or nothing.
+
+use super::Assertion;
+use super::exact::Owner;
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
+use crate::pipeline::raster::Sample;
+use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Settings};
+use crate::pipeline::viewport::ScreenTriangle;
+
+/// How far the sum of weights may be from 1: two units in the last place above 1.
+const SUM_SLACK: f32 = 2.0 * f32::EPSILON;
+
+/// Roundings of f64 that the sum of edge values may have suffered where they are no integers.
+const EDGE_ROUNDINGS: f64 = 4.0 * f64::EPSILON;
+
+/// Steps of the depth buffer that rounding explains: w, of which depth is made, is a sum of four products.
+const PASS_STEPS: f64 = 8.0;
+
+/// A covered sample.
+pub(super) struct Covered<'a> {
+    pub(super) settings: &'a Settings,
+    pub(super) scale: &'a DepthScale,
+    pub(super) triangle: &'a ScreenTriangle,
+    pub(super) sample: &'a Sample,
+    /// As it is stored if the fragment wins.
+    pub(super) depth: f32,
+    pub(super) owner: &'a Owner,
+}
+
+/// A fragment that passed the depth test over another.
+pub(super) struct Pass<'a> {
+    pub(super) settings: &'a Settings,
+    /// Depth of the fragment and of what it replaces, before they were quantised.
+    pub(super) depths: [f64; 2],
+    /// One step of the buffer there, and what is not known of them.
+    pub(super) step: f64,
+}
+
+/// A fragment that was shaded.
+pub(super) struct Shaded<'a> {
+    pub(super) fragment: &'a Fragment,
+    pub(super) is_lit: bool,
+}
+
+/// What is wrong with a fragment.
+type Verdict = Option<String>;
+
+/// An assertion at the moment at which all that it asks about is known.
+#[derive(Clone, Copy)]
+pub(super) enum Check {
+    Covered(fn(&Covered<'_>) -> Verdict),
+    Pass(fn(&Pass<'_>) -> Verdict),
+    Shaded(fn(&Shaded<'_>) -> Option<Verdict>),
+}
+
+impl Check {
+    /// The function behind an assertion.
+    pub(super) fn of(assertion: Assertion) -> Self {
+        match assertion {
+            Assertion::Owner => Self::Covered(owner),
+            Assertion::EdgeSum => Self::Covered(edge_sum),
+            Assertion::Weights => Self::Covered(weights),
+            Assertion::WeightsSum => Self::Covered(weights_sum),
+            Assertion::Finite => Self::Covered(finite),
+            Assertion::DepthRange => Self::Covered(depth_range),
+            Assertion::DepthPass => Self::Pass(depth_pass),
+            Assertion::Attributes => Self::Shaded(|shaded| Some(attributes(shaded))),
+            Assertion::Normal => Self::Shaded(normal),
+        }
+    }
+}
+
+fn owner(at: &Covered<'_>) -> Verdict {
+    match at.owner.owns((at.sample.x, at.sample.y)) {
+        Ok(()) => None,
+        Err(None) => Some("the triangle has no area, yet it has a fragment".to_owned()),
+        Err(Some(edges)) => {
+            let least = (0..3).min_by(|a, b| edges[*a].total_cmp(&edges[*b])).unwrap_or(0);
+            let side = if edges[least] < 0.0 { "outside" } else { "on an edge that is not the triangle's" };
+            Some(format!("the centre lies {side}: edge opposite to v{least} is {} exactly", edges[least]))
+        }
+    }
+}
+
+fn edge_sum(at: &Covered<'_>) -> Verdict {
+    let (sum, area) = (at.sample.edges.iter().sum::<f64>(), at.triangle.doubled_area);
+    let slack = if at.settings.arithmetic == Arithmetic::Fixed { 0.0 } else { area * EDGE_ROUNDINGS };
+    let holds = (sum - area).abs() <= slack;
+    (!holds).then(|| format!("edge values {:?} sum to {sum}, not to the doubled area {area}", at.sample.edges))
+}
+
+fn all_weights(at: &Covered<'_>) -> [[f32; 3]; 2] {
+    let affine = affine_weights(at.triangle, at.sample);
+    [affine, attribute_weights(at.triangle, at.sample, at.settings.interpolation)]
+}
+
+fn weights(at: &Covered<'_>) -> Verdict {
+    let found = all_weights(at).into_iter().find(|weights| !weights.iter().all(|w| (0.0..=1.0).contains(w)));
+    found.map(|weights| format!("the weights are {weights:?}"))
+}
+
+fn weights_sum(at: &Covered<'_>) -> Verdict {
+    let [_, weights] = all_weights(at);
+    let sum: f32 = weights.iter().sum();
+    let holds = (sum - 1.0).abs() <= SUM_SLACK;
+    (!holds).then(|| format!("the weights {weights:?} sum to {sum:?}"))
+}
+
+fn finite(at: &Covered<'_>) -> Verdict {
+    let weights = all_weights(at);
+    let holds = weights.as_flattened().iter().all(|w| w.is_finite()) && at.depth.is_finite();
+    (!holds).then(|| format!("weights {weights:?}, depth {:?}", at.depth))
+}
+
+fn depth_range(at: &Covered<'_>) -> Verdict {
+    let corners = at.triangle.vertices.each_ref().map(|corner| corner.depth);
+    let (low, high) = (corners.into_iter().fold(1.0, f64::min), corners.into_iter().fold(0.0, f64::max));
+    let [depth, next] = at.scale.encoding().with_next(at.depth);
+    let step = (next - depth).abs();
+    let holds = (low - step..=high + step).contains(&f64::from(at.depth)) && (0.0..=1.0).contains(&at.depth);
+    (!holds).then(|| format!("the depth is {:?}, those of the corners {corners:?}", at.depth))
+}
+
+fn depth_pass(pass: &Pass<'_>) -> Verdict {
+    let [new, old] = pass.depths;
+    let asks_for_farther = pass.settings.depth_test == DepthTest::Greater;
+    let less_is_asked_for = asks_for_farther == pass.settings.reversed();
+    let wrong_by = if less_is_asked_for { new - old } else { old - new };
+    let holds = wrong_by <= PASS_STEPS * pass.step;
+    let way = if asks_for_farther { "in front of" } else { "behind" };
+    let test = pass.settings.depth_test.name();
+    (!holds).then(|| format!("it passed the test “{test}” at depth {new}, {way} what lies at {old}"))
+}
+
+fn attributes(at: &Shaded<'_>) -> Verdict {
+    let Fragment { uv, normal, color, light, .. } = at.fragment;
+    let holds = uv.is_finite() && normal.is_finite() && color.is_finite() && light.is_finite();
+    (!holds).then(|| format!("texture coordinates {uv}, normal {normal}, colour {color}, light {light}"))
+}
+
+/// Checked only on fragments that are lit.
+fn normal(at: &Shaded<'_>) -> Option<Verdict> {
+    let length = at.fragment.normal.length();
+    at.is_lit.then(|| {
+        (length <= f32::MIN_POSITIVE || length.is_nan()).then(|| format!("the normal is {}", at.fragment.normal))
+    })
+}

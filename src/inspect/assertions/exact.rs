@@ -1,0 +1,57 @@
+//! Exact answers that the assertions compare with: whose a sample is, and how deep its surface.
+
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::raster::{AnyTriangle, Sample, Scissor, Span, cover_within};
+use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
+use crate::pipeline::viewport::ScreenTriangle;
+
+/// The triangle that decides ownership exactly, set up once for all samples of one triangle.
+pub(super) struct Owner {
+    corners_px: [[f32; 2]; 3],
+    rule: FillRule,
+    exact: Option<AnyTriangle>,
+}
+
+impl Owner {
+    /// Of a triangle on the corners that the settings decide by, and by their fill rule if it draws shared edges once.
+    pub(super) fn of(triangle: &ScreenTriangle, settings: &Settings) -> Self {
+        let corners_px = match settings.arithmetic {
+            Arithmetic::Fixed => triangle.snapped_px(),
+            Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
+        };
+        let rule = if settings.fill_rule.is_sound() { settings.fill_rule } else { FillRule::TopLeft };
+        Self { corners_px, rule, exact: AnyTriangle::new(Arithmetic::Exact, corners_px, rule) }
+    }
+
+    /// Whether the centre of a pixel is the triangle's; if not, the edge values that say so. Their signs are exact.
+    pub(super) fn owns(&self, (x, y): (u32, u32)) -> Result<(), Option<[f64; 3]>> {
+        let edges = self.exact.ok_or(None)?.sample((x, y)).edges;
+        let is_owned = edges.iter().all(|edge| *edge >= 0.0)
+            && (edges.iter().all(|edge| *edge > 0.0) || {
+                let mut spans: Vec<Span> = Vec::new();
+                let how = (Rasterizer::BoundingBox, Arithmetic::Exact, self.rule);
+                cover_within(how, self.corners_px, (SampleGrid::FULL, Scissor::pixel(x, y)), &mut spans);
+                !spans.is_empty()
+            });
+        if is_owned { Ok(()) } else { Err(Some(edges)) }
+    }
+}
+
+/// Depth of a sample before it is quantised, and how far off it may be: the mean of the corners' depths in f64, weighted by edge
+/// values, by another formula than the pipeline's.
+pub(super) fn depth(triangle: &ScreenTriangle, sample: &Sample, scale: &DepthScale) -> (f64, f64) {
+    let depths = triangle.vertices.each_ref().map(|corner| corner.depth);
+    if !scale.is_linear_in_space() {
+        return (weighted_mean(sample.edges, depths), 0.0);
+    }
+    let weights = [0, 1, 2].map(|i| sample.edges[i] * f64::from(triangle.vertices[i].inv_w));
+    let range = depths.into_iter().fold(0.0, f64::max) - depths.into_iter().fold(1.0, f64::min);
+    // 1/w of the corners is known as f32 only.
+    (weighted_mean(weights, depths), range * f64::from(f32::EPSILON))
+}
+
+fn weighted_mean(weights: [f64; 3], values: [f64; 3]) -> f64 {
+    let weighted: f64 = weights.iter().zip(values).map(|(weight, value)| weight * value).sum();
+    weighted / weights.iter().sum::<f64>()
+}

@@ -1,0 +1,118 @@
+//! What should hold for every fragment, checked while a frame is drawn once more.
+//!
+//! Each [`Assertion`] is one small function over what is known at its moment (`checks`): when a sample is covered, when its
+//! depth has passed, when it is shaded. [`check`] draws the triangles of a frame again, watched, and counts; of what is violated
+//! it keeps the first fragment in drawing order, so that it can be questioned. The frame itself pays nothing.
+
+mod checks;
+
+mod exact;
+
+mod watch;
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::Serialize;
+
+use self::watch::Watch;
+use crate::chain::{Frame, Recipe};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::raster::Scissor;
+use crate::pipeline::settings::{Choice, choice};
+use crate::pipeline::{Extent, Until, draw};
+use crate::scene::{Scene, TriangleId};
+
+choice! {
+    /// A property that every fragment should have.
+    Assertion {
+        Owner = "owner", "Owner is exact", "The triangle that a sample was given to contains its centre, by exact arithmetic and a fill rule that draws shared edges once.";
+        EdgeSum = "edge-sum", "Edges sum to the area", "The three edge values sum to the doubled area: exactly in fixed point, within 4 roundings of an f64 otherwise.";
+        Weights = "weights", "Weights in 0…1", "None of the weights of the corners is negative or above 1: the sample lies between them.";
+        WeightsSum = "weights-sum", "Weights sum to 1", "The weights that attributes are interpolated with sum to 1 within 2 ulp, so that a constant stays constant.";
+        Finite = "finite", "Weights and depth finite", "No weight and no depth is NaN or infinite.";
+        DepthRange = "depth-range", "Depth between corners", "The depth lies between those of the corners, or one step of the buffer beside: it neither leaps nor leaves 0…1.";
+        DepthPass = "depth-pass", "Depth passes are real", "What passed the depth test lies where the test asks for, in front of what it replaced or behind, but for 8 steps of the buffer. A test that lets everything pass claims to be in front.";
+        Attributes = "attributes", "Attributes finite", "Texture coordinates, normal, vertex colour and light are neither NaN nor infinite.";
+        Normal = "normal", "Normal there", "A fragment that is lit has a normal to be lit by.";
+    }
+}
+
+/// The first fragment that violates an assertion.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Violation {
+    /// Column of its pixel in the picture that was drawn.
+    pub x: u32,
+    /// Row of its pixel.
+    pub y: u32,
+    /// Its triangle.
+    pub triangle: TriangleId,
+    /// What is wrong, with the numbers.
+    pub text: String,
+}
+
+/// What became of one assertion.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// Which.
+    pub assertion: Assertion,
+    /// Fragments that it was checked on.
+    pub checked: u64,
+    /// Fragments that violate it.
+    pub violated: u64,
+    /// The first of them in drawing order.
+    pub first: Option<Violation>,
+}
+
+/// The findings of a frame, in the order of [`Assertion::ALL`].
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// One for each assertion that was asked for.
+    pub findings: Vec<Finding>,
+}
+
+impl Report {
+    /// Whether nothing is violated.
+    pub fn holds(&self) -> bool {
+        self.findings.iter().all(|finding| finding.violated == 0)
+    }
+
+    /// The first violation of the first assertion that has one.
+    pub fn first_violation(&self) -> Option<(Assertion, &Violation)> {
+        self.findings.iter().find_map(|finding| Some((finding.assertion, finding.first.as_ref()?)))
+    }
+}
+
+/// Triangles that are drawn between two looks at whether to go on.
+const TRIANGLES_AT_ONCE: usize = 256;
+
+/// Checks assertions on every fragment of a frame: of the samples at the centres of its drawn pixels. `tell` hears the share that
+/// is done; nothing comes back once `stop` is set.
+pub fn check(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    wanted: &[Assertion],
+    tell: &dyn Fn(f32),
+    stop: &AtomicBool,
+) -> Option<Report> {
+    let (raster, settings, geometry) = (frame.raster, &recipe.pipeline, &*frame.geometry);
+    let grid = frame.sampling.grid();
+    let mut framebuffer = Framebuffer::new(grid, raster.width, raster.height, scene.background, settings);
+    let mut watch = Watch::new(recipe, frame, wanted);
+    let count = geometry.triangles.len();
+    let mut next = 0;
+    while next < count {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        tell(next as f32 / count as f32);
+        let triangles = next..count.min(next + TRIANGLES_AT_ONCE);
+        next = triangles.end;
+        let extent = Extent { triangles, scissor: Scissor::full(raster.width, raster.height) };
+        draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);
+    }
+    Some(watch.report())
+}
+
+#[cfg(test)]
+mod tests;

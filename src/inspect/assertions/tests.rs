@@ -1,0 +1,70 @@
+use super::*;
+use crate::chain::run;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::builtin;
+
+const VIEW: Viewport = Viewport { width: 64, height: 40 };
+
+fn report(id: &str, settings: &[&str]) -> Report {
+    let scene = builtin::by_id(id).unwrap().build();
+    let mut recipe = Recipe::default();
+    recipe.set_all(settings).unwrap();
+    let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+    check(&scene, &recipe, &frame, Assertion::ALL, &|_| {}, &AtomicBool::new(false)).unwrap()
+}
+
+#[test]
+fn all_hold_on_the_built_in_scenes_but_for_the_one_without_normals() {
+    for builtin in builtin::ALL {
+        let report = report(builtin.id, &[]);
+        let violated = || report.findings.iter().filter(|finding| finding.violated > 0);
+        if builtin.id == "nan-normal" {
+            assert!(violated().all(|finding| finding.assertion == Assertion::Normal), "{report:#?}");
+        } else {
+            assert!(report.holds(), "{}: {:#?}", builtin.id, violated().collect::<Vec<_>>());
+        }
+        assert!(report.findings.iter().all(|f| f.checked > 0 || f.assertion == Assertion::DepthPass), "{}", builtin.id);
+    }
+}
+
+#[test]
+fn each_is_violated_by_something_that_is_wrong_on_purpose() {
+    let wrong: [(Assertion, &str, &[&str]); 11] = [
+        (Assertion::Owner, "cubes", &["rasterizer=scanline-published"]),
+        (Assertion::Owner, "shared-edges", &["fill-rule=inclusive"]),
+        (Assertion::EdgeSum, "slivers", &["arithmetic=f32"]),
+        (Assertion::Weights, "cubes", &["rasterizer=scanline-published"]),
+        (Assertion::Weights, "cubes", &["rasterizer=bounding-box-published"]),
+        (Assertion::WeightsSum, "shared-edges", &["interpolation=published"]),
+        (Assertion::Finite, "shared-edges", &["interpolation=published"]),
+        (Assertion::DepthRange, "cubes", &["rasterizer=scanline-published"]),
+        (Assertion::DepthPass, "interpenetrating", &["depth-test=always"]),
+        (Assertion::Attributes, "shared-edges", &["interpolation=published"]),
+        (Assertion::Normal, "nan-normal", &[]),
+    ];
+    for (assertion, id, settings) in wrong {
+        let report = report(id, settings);
+        let finding = report.findings.iter().find(|finding| finding.assertion == assertion).unwrap();
+        assert!(finding.violated > 0 && finding.violated <= finding.checked, "{assertion:?} {settings:?}");
+        let first = finding.first.as_ref().unwrap();
+        assert!(first.x < VIEW.width && first.y < VIEW.height && !first.text.is_empty(), "{first:?}");
+    }
+    let tried: Vec<_> = wrong.iter().map(|(assertion, ..)| *assertion).collect();
+    assert!(Assertion::ALL.iter().all(|assertion| tried.contains(assertion)));
+}
+
+#[test]
+fn only_what_is_asked_for_is_checked_and_it_can_be_stopped() {
+    let scene = builtin::by_id("triangle").unwrap().build();
+    let recipe = Recipe::default();
+    let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+    let check =
+        |wanted: &[Assertion], stop: bool| check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(stop));
+    let found = check(&[Assertion::Finite], false).unwrap();
+    assert_eq!(found.findings.len(), 1);
+    let covered = (0..VIEW.width * VIEW.height)
+        .filter_map(|i| crate::inspect::inspect(&scene, &recipe, &frame, i % VIEW.width, i / VIEW.width))
+        .filter(|report| !report.fragments.is_empty());
+    assert_eq!(found.findings[0].checked, covered.count() as u64);
+    assert_eq!(check(Assertion::ALL, true), None);
+}

@@ -1,0 +1,107 @@
+//! The observer that hands each fragment to the assertions and counts.
+
+use super::checks::{Check, Covered, Pass, Shaded};
+use super::exact::{Owner, depth};
+use super::{Assertion, Finding, Report, Violation};
+use crate::chain::{Frame, Recipe};
+use crate::image::{Image, Rgba8};
+use crate::pipeline::depth::{DepthScale, depth_at};
+use crate::pipeline::interpolate::Fragment;
+use crate::pipeline::observe::{DepthOutcome, Observer};
+use crate::pipeline::plan::{DrawPlan, Part};
+use crate::pipeline::raster::Sample;
+use crate::pipeline::settings::{Settings, Shading};
+use crate::pipeline::viewport::ScreenTriangle;
+
+/// Checks fragments as they come.
+pub(super) struct Watch<'a> {
+    settings: &'a Settings,
+    scale: DepthScale,
+    plans: &'a [DrawPlan],
+    entries: Vec<(Check, Finding)>,
+    /// What each sample's stored depth was before it was quantised; NaN where nothing was stored yet.
+    stored: Image<f64>,
+    /// The triangle that the last sample was of.
+    triangle: Option<(*const ScreenTriangle, Owner)>,
+}
+
+impl<'a> Watch<'a> {
+    pub(super) fn new(recipe: &'a Recipe, frame: &'a Frame, wanted: &[Assertion]) -> Self {
+        let finding = |assertion| Finding { assertion, checked: 0, violated: 0, first: None };
+        let (width, height) = frame.drawn.color.size();
+        Self {
+            settings: &recipe.pipeline,
+            scale: frame.geometry.depth_scale,
+            plans: &frame.plans,
+            entries: wanted.iter().map(|assertion| (Check::of(*assertion), finding(*assertion))).collect(),
+            stored: Image::filled(width, height, f64::NAN),
+            triangle: None,
+        }
+    }
+
+    pub(super) fn report(self) -> Report {
+        Report { findings: self.entries.into_iter().map(|(_, finding)| finding).collect() }
+    }
+}
+
+/// Counts one fragment; `wrong` is what is wrong with it.
+fn count(finding: &mut Finding, triangle: &ScreenTriangle, sample: &Sample, wrong: Option<String>) {
+    finding.checked += 1;
+    if let Some(text) = wrong {
+        finding.violated += 1;
+        finding.first.get_or_insert(Violation { x: sample.x, y: sample.y, triangle: triangle.id, text });
+    }
+}
+
+impl Observer for Watch<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        let place = std::ptr::from_ref(triangle);
+        if self.triangle.as_ref().is_none_or(|(known, _)| *known != place) {
+            self.triangle = Some((place, Owner::of(triangle, self.settings)));
+        }
+        let Some((_, owner)) = &self.triangle else { return };
+        let depth = depth_at(triangle, sample);
+        let at = Covered { settings: self.settings, scale: &self.scale, triangle, sample, depth, owner };
+        for (check, finding) in &mut self.entries {
+            if let Check::Covered(check) = check {
+                count(finding, triangle, sample, check(&at));
+            }
+        }
+    }
+
+    fn depth_tested(&mut self, triangle: &ScreenTriangle, sample: &Sample, outcome: DepthOutcome) {
+        let old = self.stored.at(sample.column, sample.row);
+        if !outcome.passed || old.is_nan() {
+            return;
+        }
+        let (new, unknown) = depth(triangle, sample, &self.scale);
+        let steps = [outcome.new, outcome.stored].map(|stored| {
+            let [depth, next] = self.scale.encoding().with_next(stored);
+            (next - depth).abs()
+        });
+        let pass = Pass { settings: self.settings, depths: [new, old], step: steps[0].max(steps[1]) + unknown };
+        for (check, finding) in &mut self.entries {
+            if let Check::Pass(check) = check {
+                count(finding, triangle, sample, check(&pass));
+            }
+        }
+    }
+
+    fn depth_stored(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        let (depth, _) = depth(triangle, sample, &self.scale);
+        self.stored.set(sample.column, sample.row, depth);
+    }
+
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let plan = self.plans.get(triangle.instance as usize);
+        let is_lit = self.settings.shading != Shading::Gouraud && plan.is_some_and(|plan| plan.runs(Part::Light));
+        let at = Shaded { fragment, is_lit };
+        for (check, finding) in &mut self.entries {
+            if let Check::Shaded(check) = check
+                && let Some(wrong) = check(&at)
+            {
+                count(finding, triangle, &fragment.sample, wrong);
+            }
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Where the line of sight through a pixel meets a triangle that is not, or not wholly, between the near and the far plane.
+//!
+//! Projecting such a triangle would turn what lies behind the eye inside out. In homogeneous coordinates nothing is divided
+//! (Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates", Graphics Hardware 1997): the line of sight
+//! is a vector, each edge with the eye a plane, and three signs tell whether it passes between them.
+
+use glam::{DVec2, DVec4, Vec4};
+
+/// Where a line of sight meets a triangle in front of the eye, in clip space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Meeting {
+    /// z of the point, not divided by w.
+    pub(super) z: f64,
+    /// w of the point, > 0: in perspective its distance along the line of sight.
+    pub(super) w: f64,
+    /// Whether the front of the triangle is seen from the eye.
+    pub(super) shows_front: bool,
+}
+
+/// Where the line of sight through `ndc` (normalised device coordinates, y up) meets the triangle of these corners in clip
+/// space; nothing where it passes by, or meets it behind the eye.
+pub(super) fn meeting(corners: [Vec4; 3], ndc: DVec2) -> Option<Meeting> {
+    let corners = corners.map(Vec4::as_dvec4);
+    // Corners relative to the line of sight: it passes between the edges where the origin does.
+    let [a, b, c] = corners.map(|p| DVec2::new(p.x, p.y) - ndc * p.w);
+    let parts = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
+    let sum: f64 = parts.iter().sum();
+    let is_between = parts.iter().all(|part| *part >= 0.0) || parts.iter().all(|part| *part <= 0.0);
+    if !is_between || sum == 0.0 || !sum.is_finite() {
+        return None;
+    }
+    let point: DVec4 = corners.into_iter().zip(parts).map(|(corner, part)| corner * (part / sum)).sum();
+    (point.w > 0.0).then_some(Meeting { z: point.z, w: point.w, shows_front: sum > 0.0 })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Counter-clockwise for the viewer, at distance w ahead of the eye.
+    fn facing(w: f32) -> [Vec4; 3] {
+        [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, y)| Vec4::new(x, y, w - 0.5, w))
+    }
+
+    #[test]
+    fn a_triangle_ahead_is_met_where_it_lies() {
+        let met = meeting(facing(0.25), DVec2::new(0.0, 0.0)).unwrap();
+        assert_eq!((met.z, met.w, met.shows_front), (-0.25, 0.25, true));
+        let [a, b, c] = facing(0.25);
+        assert!(!meeting([a, c, b], DVec2::ZERO).unwrap().shows_front);
+        assert_eq!(meeting(facing(0.25), DVec2::new(4.1, -4.0)), None, "past the corner at (4, −4)");
+        assert!(meeting(facing(0.25), DVec2::new(3.9, -3.99)).is_some());
+    }
+
+    #[test]
+    fn a_triangle_behind_the_eye_is_not_met_and_one_through_it_is_where_it_is_ahead() {
+        assert_eq!(meeting(facing(-0.25), DVec2::ZERO), None);
+        // From 1 below the eye straight ahead to below the horizon: the ground.
+        let ground =
+            [Vec4::new(-9.0, -1.0, -2.0, -1.0), Vec4::new(9.0, -1.0, -2.0, -1.0), Vec4::new(0.0, -1.0, 8.0, 9.0)];
+        let met = meeting(ground, DVec2::new(0.0, -1.0)).unwrap();
+        assert!((met.w - 1.0).abs() < 1e-12 && met.z.abs() < 1e-12, "{met:?}");
+        assert_eq!(meeting(ground, DVec2::new(0.0, 0.5)), None, "the sky");
+    }
+}

@@ -1,0 +1,226 @@
+//! Rasterized triangles whose edges pass a pixel's centre: by how much, and which edge it was.
+//!
+//! Distances are measured between the corners that decided coverage: the snapped ones in fixed point. Those are multiples of
+//! 1/256 px within ±2¹⁵ px, so that differences, products and cross products are exact in f64; see [`distance_px`].
+
+use std::collections::BTreeSet;
+
+use glam::DVec2;
+
+use super::{Absent, Cause};
+use crate::chain::{Frame, Recipe};
+use crate::pipeline::raster::AnyTriangle;
+use crate::pipeline::settings::{Arithmetic, Choice as _, Settings};
+use crate::pipeline::viewport::ScreenTriangle;
+use crate::scene::{Scene, TriangleId};
+
+/// Triangles are near a pixel if its centre lies in the box around them, or no farther from it than this, px.
+const NEAR_PX: f64 = 1.0;
+
+/// Most near misses that are told; a corner of a fine mesh may have thousands.
+const MOST: usize = 40;
+
+/// A triangle that does not cover the centre.
+#[derive(Clone, Copy)]
+struct Miss {
+    place: usize,
+    distance_px: f64,
+}
+
+/// Rasterized triangles that are near a drawn pixel and not among those that are `there`, the nearest first. If none is near,
+/// and none there, the nearest of all.
+pub(super) fn at(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    pixel: (u32, u32),
+    there: &BTreeSet<TriangleId>,
+) -> Vec<Absent> {
+    let (triangles, settings) = (&frame.geometry.triangles, &recipe.pipeline);
+    let centre = DVec2::new(f64::from(pixel.0) + 0.5, f64::from(pixel.1) + 0.5);
+    let mut near: Vec<Miss> = Vec::new();
+    let mut nearest: Option<Miss> = None;
+    for (place, triangle) in triangles.iter().enumerate() {
+        let corners = corners(triangle, settings.arithmetic);
+        let to_box = box_distance_px(corners, centre);
+        let is_near = to_box <= NEAR_PX;
+        if !is_near && nearest.is_some_and(|nearest| nearest.distance_px <= to_box) || there.contains(&triangle.id) {
+            continue;
+        }
+        let miss = Miss { place, distance_px: distance_px(corners, centre) };
+        if is_near {
+            near.push(miss);
+        }
+        if nearest.is_none_or(|nearest| miss.distance_px < nearest.distance_px) {
+            nearest = Some(miss);
+        }
+    }
+    if near.is_empty() && there.is_empty() {
+        near.extend(nearest);
+    }
+    near.sort_by(|a, b| a.distance_px.total_cmp(&b.distance_px));
+    let mut told = BTreeSet::new();
+    near.retain(|miss| told.insert(triangles[miss.place].id));
+    near.truncate(MOST);
+    near.into_iter().filter_map(|miss| absent(scene, settings, &triangles[miss.place], miss, pixel)).collect()
+}
+
+/// The corners that coverage is decided by, px.
+fn corners(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [DVec2; 3] {
+    decided_by(triangle, arithmetic).map(|[x, y]| DVec2::new(x.into(), y.into()))
+}
+
+fn decided_by(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
+    if arithmetic == Arithmetic::Fixed { triangle.snapped_px() } else { triangle.corners_px() }
+}
+
+/// Distance from a point to the box around three others; 0 inside.
+fn box_distance_px([a, b, c]: [DVec2; 3], point: DVec2) -> f64 {
+    let (low, high) = (a.min(b).min(c), a.max(b).max(c));
+    (low - point).max(point - high).max(DVec2::ZERO).length()
+}
+
+/// Distance from a point to a triangle, in the unit of both; 0 inside and on the edges. For corners and points on a grid of
+/// 1/256 within ±2¹⁵ every sign is right, and so is every digit but for the rounding of a root and a quotient.
+pub(super) fn distance_px(corners: [DVec2; 3], point: DVec2) -> f64 {
+    let [a, b, c] = corners;
+    let edges = [(b, c), (c, a), (a, b)];
+    let sides = edges.map(|(from, to)| (to - from).perp_dot(point - from));
+    let has_area = (b - a).perp_dot(c - a) != 0.0;
+    if has_area && (sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)) {
+        return 0.0;
+    }
+    edges.iter().zip(sides).map(|((from, to), side)| segment_distance(*from, *to, side, point)).fold(f64::MAX, f64::min)
+}
+
+/// Distance from a point to a segment, given the cross product of the segment and the way to the point.
+fn segment_distance(from: DVec2, to: DVec2, side: f64, point: DVec2) -> f64 {
+    let (along, way) = (to - from, point - from);
+    let (reach, length_squared) = (along.dot(way), along.length_squared());
+    if reach <= 0.0 {
+        way.length()
+    } else if reach >= length_squared {
+        (point - to).length()
+    } else {
+        side.abs() / length_squared.sqrt()
+    }
+}
+
+/// A miss in words. Nothing for triangles that have no edges in the recipe's arithmetic: they never were near any pixel.
+fn absent(
+    scene: &Scene,
+    settings: &Settings,
+    triangle: &ScreenTriangle,
+    Miss { place, distance_px }: Miss,
+    pixel: (u32, u32),
+) -> Option<Absent> {
+    let shape = AnyTriangle::new(settings.arithmetic, triangle.corners_px(), settings.fill_rule)?;
+    let edges = shape.sample(pixel).edges;
+    let (cause, reason) = if distance_px > 0.0 {
+        (Cause::Missed, format!("misses by {} px: {}", px(distance_px), failed_edge(edges)))
+    } else if let Some(edge) = edges.iter().position(|edge| *edge == 0.0) {
+        let rule = settings.fill_rule.name();
+        let given = format!("which the fill rule “{rule}” does not give to it");
+        (Cause::Tie, format!("has the centre exactly on its edge opposite to v{edge} (value 0), {given}"))
+    } else {
+        let by =
+            if settings.rasterizer.is_published() { settings.rasterizer.name() } else { settings.arithmetic.name() };
+        (Cause::LeftOut, format!("has the centre inside, and is left out by “{by}”: {}", failed_edge(edges)))
+    };
+    let instance = scene.instances[triangle.instance as usize].name.clone();
+    Some(Absent {
+        triangle: triangle.id,
+        instance,
+        submission: Some(place),
+        cause,
+        reason,
+        corners_px: Some(decided_by(triangle, settings.arithmetic)),
+        distance_px: Some(distance_px),
+        edges: Some(edges),
+    })
+}
+
+/// The edge that says most clearly that the centre is outside.
+fn failed_edge(edges: [f64; 3]) -> String {
+    let least = (0..3).min_by(|a, b| edges[*a].total_cmp(&edges[*b])).unwrap_or(0);
+    let value = edges[least];
+    if value < 0.0 { format!("edge opposite to v{least} is {value} < 0") } else { format!("edge values {edges:?}") }
+}
+
+/// A distance with two digits that count, or whole pixels.
+pub(in crate::inspect) fn px(distance: f64) -> String {
+    match distance {
+        0.0..0.01 => format!("{distance:.4}"),
+        0.01..0.1 => format!("{distance:.3}"),
+        0.1..10.0 => format!("{distance:.2}"),
+        _ => format!("{distance:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CORNERS: [[i64; 2]; 3] = [[0, 0], [2560, 0], [0, 1024]];
+
+    fn points(corners: [[i64; 2]; 3]) -> [DVec2; 3] {
+        corners.map(|[x, y]| DVec2::new(x as f64 / 256.0, y as f64 / 256.0))
+    }
+
+    /// The square of the distance as a fraction of whole numbers in 1/256 px, by integers alone.
+    fn exact_squared(corners: [[i64; 2]; 3], [x, y]: [i64; 2]) -> (i128, i128) {
+        let edge = |from: usize, to: usize| {
+            let [[ax, ay], [bx, by]] = [corners[from], corners[to]].map(|c| c.map(i128::from));
+            let (dx, dy, px, py) = (bx - ax, by - ay, i128::from(x) - ax, i128::from(y) - ay);
+            let (reach, length) = (dx * px + dy * py, dx * dx + dy * dy);
+            let (qx, qy) = (px - dx, py - dy);
+            let squared = match reach {
+                reach if reach <= 0 => (px * px + py * py, 1),
+                reach if reach >= length => (qx * qx + qy * qy, 1),
+                _ => ((dx * py - dy * px).pow(2), length),
+            };
+            (squared, dx * py - dy * px)
+        };
+        let edges = [edge(0, 1), edge(1, 2), edge(2, 0)];
+        if edges.iter().all(|e| e.1 >= 0) || edges.iter().all(|e| e.1 <= 0) {
+            return (0, 1);
+        }
+        edges.map(|e| e.0).into_iter().min_by(|a, b| (a.0 * b.1).cmp(&(b.0 * a.1))).unwrap_or((0, 1))
+    }
+
+    #[test]
+    fn distances_are_those_of_whole_numbers() {
+        let mut random = fastrand::Rng::with_seed(812);
+        for _ in 0..20_000 {
+            let mut place = || [random.i64(-9_000..9_000), random.i64(-9_000..9_000)];
+            let (corners, point) = ([place(), place(), place()], place());
+            let [a, b, c] = corners;
+            if (b[0] - a[0]) * (c[1] - a[1]) == (b[1] - a[1]) * (c[0] - a[0]) {
+                continue;
+            }
+            let (numerator, denominator) = exact_squared(corners, point);
+            let exact = (numerator as f64 / denominator as f64).sqrt() / 256.0;
+            let found = distance_px(points(corners), DVec2::new(point[0] as f64 / 256.0, point[1] as f64 / 256.0));
+            assert!((found - exact).abs() <= exact * 4.0 * f64::EPSILON, "{corners:?} {point:?}: {found} {exact}");
+            assert_eq!(found == 0.0, numerator == 0, "the sign is never wrong");
+        }
+    }
+
+    #[test]
+    fn one_step_of_the_grid_beside_an_edge_is_that_far() {
+        let beside = distance_px(points(CORNERS), DVec2::new(5.0, -1.0 / 256.0));
+        assert_eq!(beside, 1.0 / 256.0);
+        assert_eq!(distance_px(points(CORNERS), DVec2::new(5.0, 0.0)), 0.0, "on the edge");
+        assert_eq!(distance_px(points(CORNERS), DVec2::new(-3.0, -4.0)), 5.0, "from a corner");
+        let flat = points([[0, 0], [256, 256], [512, 512]]);
+        assert!(
+            (distance_px(flat, DVec2::new(2.0, 0.0)) - 2.0_f64.sqrt()).abs() < 1e-15,
+            "without area a line is left"
+        );
+    }
+
+    #[test]
+    fn distances_show_the_digits_that_count() {
+        assert_eq!([0.003_906, 0.04, 0.5, 37.2].map(px), ["0.0039", "0.040", "0.50", "37"]);
+    }
+}

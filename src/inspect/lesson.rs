@@ -1,0 +1,131 @@
+//! “Why is this pixel black?”: prepared scenes, each with the settings that bring its black spot out.
+//!
+//! What they teach is to ask the pixel: its verdict names the cause.
+
+use crate::chain::{Frame, Recipe};
+use crate::image::Rgba8;
+use crate::pipeline::viewport::Viewport;
+
+/// Codes up to this are called black: on a screen in a lit room they cannot be told from 0.
+pub const BLACK_CODE: u8 = 12;
+
+/// Whether a colour is black, or as good as black.
+pub fn is_black([r, g, b, _]: Rgba8) -> bool {
+    r.max(g).max(b) <= BLACK_CODE
+}
+
+/// A scene with a black spot.
+#[derive(Clone, Copy, Debug)]
+pub struct Lesson {
+    /// Id of the built-in scene.
+    pub scene: &'static str,
+    /// What one sees.
+    pub question: &'static str,
+    /// Settings that differ from the default recipe, as `key=value`.
+    pub settings: &'static [&'static str],
+    /// Where the spot is, as shares of width and height.
+    pub place: [f32; 2],
+    /// Words of the verdict that name the cause.
+    pub cause: &'static str,
+}
+
+/// All lessons, in the order of the stages that their causes lie in.
+pub const ALL: &[Lesson] = &[
+    Lesson {
+        scene: "near-clipped",
+        question: "Why does the floor end too early?",
+        settings: &[],
+        place: [0.5, 0.9],
+        cause: "which is before the near plane",
+    },
+    Lesson {
+        scene: "back-facing",
+        question: "Where is the middle panel?",
+        settings: &[],
+        place: [0.5, 0.5],
+        cause: "turns its back",
+    },
+    Lesson {
+        scene: "z-fought",
+        question: "What are the stripes on the poster?",
+        settings: &[],
+        place: [0.5, 0.5],
+        cause: "Z-fight",
+    },
+    Lesson {
+        scene: "nan-normal",
+        question: "What is the dark patch on the ball?",
+        settings: &["light.ambient=0"],
+        place: [0.31, 0.36],
+        cause: "was not a finite number (NaN)",
+    },
+    Lesson {
+        scene: "missing-texture",
+        question: "Why is the right crate black?",
+        settings: &[],
+        place: [0.68, 0.5],
+        cause: "could not be read",
+    },
+];
+
+impl Lesson {
+    /// The default recipe with the lesson's settings.
+    pub fn recipe(&self) -> Recipe {
+        let mut recipe = Recipe::default();
+        // A test sets each of them; if one were refused the default would stay.
+        let _ = recipe.set_all(self.settings);
+        recipe
+    }
+
+    /// The black pixel nearest to the lesson's spot.
+    pub fn black_pixel(&self, frame: &Frame) -> Option<(u32, u32)> {
+        let Viewport { width, height } = frame.viewport;
+        let [x, y] = [self.place[0] * width as f32, self.place[1] * height as f32].map(|at| at as u32);
+        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        let black = pixels.filter(|(x, y)| is_black(frame.image().at(*x, *y)));
+        black.min_by_key(|pixel| pixel.0.abs_diff(x).pow(2) + pixel.1.abs_diff(y).pow(2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::chain::{KeepDepth, Renderer, run};
+    use crate::inspect::{Survey, explain};
+    use crate::pipeline::settings::Shading;
+    use crate::scene::builtin;
+
+    #[test]
+    fn surfaces_without_normals_are_alike_tile_by_tile_and_triangle_by_triangle() {
+        let scene = Arc::new(builtin::by_id("nan-normal").unwrap().build());
+        let view = Viewport { width: 120, height: 75 };
+        for shading in [Shading::Lambert, Shading::Gouraud, Shading::Normals, Shading::Cel] {
+            let mut recipe = Recipe::default();
+            recipe.pipeline.shading = shading;
+            let tiled = Renderer::default().render(&scene, &scene.home, &recipe, view, KeepDepth::Yes);
+            let classic = run(&scene, &scene.home, &recipe, view, &mut ());
+            assert_eq!(tiled.image(), classic.image(), "{shading:?}");
+        }
+    }
+
+    #[test]
+    fn the_verdict_at_each_black_spot_names_the_cause_whatever_the_size() {
+        for lesson in ALL {
+            assert!(Recipe::default().set_all(lesson.settings).is_ok(), "{}", lesson.scene);
+            let scene = builtin::by_id(lesson.scene).unwrap().build();
+            let recipe = lesson.recipe();
+            for (width, height) in [(160, 100), (211, 97)] {
+                let frame = run(&scene, &scene.home, &recipe, Viewport { width, height }, &mut ());
+                let (x, y) = lesson.black_pixel(&frame).unwrap();
+                let [spot_x, spot_y] = lesson.place;
+                let off = ((x as f32 / width as f32 - spot_x).abs()).max((y as f32 / height as f32 - spot_y).abs());
+                assert!(off < 0.1, "{}: the nearest black pixel is ({x}, {y})", lesson.scene);
+                let survey = Survey::of(&scene, &recipe, &frame);
+                let verdict = explain(&scene, &recipe, &frame, &survey, (x, y)).unwrap().verdict;
+                assert!(verdict.contains(lesson.cause), "{}: {verdict}", lesson.scene);
+            }
+        }
+    }
+}

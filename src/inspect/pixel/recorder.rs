@@ -1,0 +1,193 @@
+//! The observer that writes a replay down, fragment by fragment.
+
+use super::{FragmentRecord, Outcome, ShadingRecord, TexelRecord};
+use crate::chain::{Frame, Recipe};
+use crate::image::{Image, Rgba8};
+use crate::inspect::depth::DepthRecord;
+use crate::inspect::history::SampleState;
+use crate::pipeline::depth::{Comparison, clear_value, depth_at};
+use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
+use crate::pipeline::observe::{DepthOutcome, Observer};
+use crate::pipeline::plan::{DrawPlan, Part};
+use crate::pipeline::raster::Sample;
+use crate::pipeline::sample::TexelTap;
+use crate::pipeline::settings::{Arithmetic, DepthTest, Interpolation};
+use crate::pipeline::shade::Shader;
+use crate::pipeline::viewport::ScreenTriangle;
+use crate::scene::material::CUT_OUT_BELOW;
+use crate::scene::{Scene, Transparency};
+
+/// Writes down every fragment of a replay.
+pub(super) struct Recorder<'a> {
+    scene: &'a Scene,
+    shaders: Vec<Shader<'a>>,
+    frame: &'a Frame,
+    comparison: Comparison,
+    arithmetic: Arithmetic,
+    interpolation: Interpolation,
+    records: Vec<FragmentRecord>,
+    /// What the sample held at first.
+    pub(super) clear: SampleState,
+    /// What has been drawn so far.
+    now: SampleState,
+}
+
+impl<'a> Recorder<'a> {
+    /// For a frame that `recipe` made of `scene`.
+    pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
+        let shaders = scene.instances.iter().zip(&frame.plans);
+        let [r, g, b] = scene.background;
+        let has_depth = recipe.pipeline.depth_test != DepthTest::Off;
+        let depth = has_depth.then(|| DepthRecord::new(clear_value(&recipe.pipeline), frame.depth_scale()));
+        let clear = SampleState { color: [r, g, b, 255], depth };
+        Self {
+            scene,
+            shaders: shaders.map(|(i, plan)| Shader::new(&recipe.pipeline, &scene.library, i, plan)).collect(),
+            frame,
+            comparison: Comparison::of(&recipe.pipeline),
+            arithmetic: recipe.pipeline.arithmetic,
+            interpolation: recipe.pipeline.interpolation,
+            records: Vec::new(),
+            clear,
+            now: clear,
+        }
+    }
+
+    /// The fragments with their outcomes: of those that were written, the last one is visible, and those before it are seen
+    /// through it down to the first that covers all.
+    pub(super) fn finish(mut self) -> Vec<FragmentRecord> {
+        let written: Vec<usize> = (0..self.records.len()).filter(|i| self.records[*i].outcome.is_written()).collect();
+        let mut is_covered = false;
+        for pair in written.windows(2).rev() {
+            let next = &self.records[pair[1]];
+            is_covered |= next.covers_all();
+            let ending = match next.alpha.filter(|_| next.transparency == Transparency::Blended) {
+                Some(alpha) => format!("blended over by triangle {} with alpha {alpha}", next.triangle.0),
+                None => format!("replaced by triangle {} at depth {}", next.triangle.0, next.depth),
+            };
+            let previous = &mut self.records[pair[0]];
+            previous.outcome = if is_covered { Outcome::Overwritten } else { Outcome::BlendedOver };
+            previous.reason = format!("{}, then {ending}", verb(previous.transparency));
+        }
+        self.records
+    }
+
+    fn depth(&self, stored: f32) -> DepthRecord {
+        DepthRecord::new(stored, self.frame.depth_scale())
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn covered(&mut self, triangle: &ScreenTriangle, sample: &Sample) {
+        let submission = self.frame.geometry.place_of(triangle);
+        let transparency = self.frame.plans[triangle.instance as usize].transparency();
+        self.records.push(FragmentRecord {
+            triangle: triangle.id,
+            instance: self.scene.instances[triangle.instance as usize].name.clone(),
+            submission,
+            transparency,
+            outcome: Outcome::Visible,
+            reason: format!("{}: there is no depth test", verb(transparency)),
+            arithmetic: self.arithmetic,
+            corners_px: match self.arithmetic {
+                Arithmetic::Fixed => triangle.snapped_px(),
+                Arithmetic::F32 | Arithmetic::F64 | Arithmetic::Exact => triangle.corners_px(),
+            },
+            edges: sample.edges,
+            doubled_area: triangle.doubled_area,
+            affine_weights: affine_weights(triangle, sample),
+            attribute_weights: attribute_weights(triangle, sample, self.interpolation),
+            inv_w: triangle.vertices.each_ref().map(|v| v.inv_w),
+            corner_depths: triangle.vertices.each_ref().map(|v| v.depth as f32),
+            depth: self.depth(depth_at(triangle, sample)),
+            stored_depth: None,
+            alpha: None,
+            shading: None,
+            before: self.now,
+            after: self.now,
+        });
+    }
+
+    fn depth_tested(&mut self, _triangle: &ScreenTriangle, _sample: &Sample, outcome: DepthOutcome) {
+        let [new, stored] = [outcome.new, outcome.stored].map(|depth| self.depth(depth));
+        let Some(record) = self.records.last_mut() else { return };
+        record.stored_depth = Some(stored);
+        let (symbol, verb) = (self.comparison.symbol(), verb(record.transparency));
+        if outcome.passed {
+            record.reason = match self.comparison {
+                Comparison::Always => format!("{verb}: the test lets everything pass ({new} over {stored})"),
+                _ => format!("{verb}: {new} {symbol} {stored}"),
+            };
+        } else {
+            record.outcome = Outcome::DepthRejected;
+            record.reason = format!("lost the depth test: not {new} {symbol} {stored}");
+        }
+    }
+
+    fn depth_stored(&mut self, _triangle: &ScreenTriangle, _sample: &Sample) {
+        let Some(record) = self.records.last_mut() else { return };
+        self.now.depth = Some(record.depth);
+        record.after = self.now;
+    }
+
+    fn cut_out(&mut self, triangle: &ScreenTriangle, fragment: &Fragment) {
+        let alpha = self.shaders[triangle.instance as usize].alpha(fragment);
+        let Some(record) = self.records.last_mut() else { return };
+        record.alpha = Some(alpha);
+        record.outcome = Outcome::CutOut;
+        record.reason = format!("cut out: alpha {alpha} < {CUT_OUT_BELOW}");
+    }
+
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, color: Rgba8) {
+        let instance = triangle.instance as usize;
+        let (shader, plan) = (&self.shaders[instance], &self.frame.plans[instance]);
+        let below = std::mem::replace(&mut self.now.color, color);
+        let Some(record) = self.records.last_mut() else { return };
+        record.after = self.now;
+        let mut shading = shading_record(shader, plan, fragment, color);
+        record.alpha = (record.transparency != Transparency::Opaque).then(|| shader.alpha(fragment));
+        shading.below = (record.transparency == Transparency::Blended).then_some(below);
+        record.shading = Some(shading);
+    }
+}
+
+/// What is done with a fragment that passes.
+fn verb(transparency: Transparency) -> &'static str {
+    if transparency == Transparency::Blended { "blended" } else { "written" }
+}
+
+/// The texels that are read in one copy of a texture, which counts for `share`.
+fn texel_records(
+    shader: &Shader<'_>,
+    image: &Image<Rgba8>,
+    (level, share): (usize, f32),
+    fragment: &Fragment,
+) -> Vec<TexelRecord> {
+    let (taps, count) = shader.sampler().taps(image.size(), fragment.uv);
+    let record = |tap: &TexelTap| {
+        let tap = TexelTap { weight: tap.weight * share, ..*tap };
+        TexelRecord { level, tap, color: image.at(tap.x, tap.y) }
+    };
+    taps[..count].iter().map(record).collect()
+}
+
+fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
+    let lit = plan.runs(Part::Light);
+    let texels = shader.texture_for(fragment).map_or_else(Vec::new, |texture| {
+        let (levels, count) = texture.levels(fragment);
+        levels[..count]
+            .iter()
+            .flat_map(|&(level, share)| texel_records(shader, texture.level(level), (level, share), fragment))
+            .collect()
+    });
+    ShadingRecord {
+        uv: plan.runs(Part::TextureCoordinates).then(|| fragment.uv.into()),
+        normal: plan.runs(Part::Normals).then(|| shader.unit_normal(fragment).into()),
+        vertex_color: plan.runs(Part::VertexColors).then(|| fragment.color.into()),
+        cosine: lit.then(|| shader.cosine(fragment)),
+        light: lit.then(|| shader.light(fragment)),
+        texels,
+        below: None,
+        color,
+    }
+}

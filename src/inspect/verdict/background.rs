@@ -1,0 +1,100 @@
+//! Why a pixel shows the background: what was there and lost, what would have been there, or what came nearest.
+
+use super::count_triangles;
+use crate::inspect::history::{Absent, Cause, px};
+use crate::inspect::pixel::{FragmentRecord, Outcome};
+
+/// What is told about a pixel that shows none of its fragments, and, as far as they are known, of its absent triangles the
+/// one that matters most.
+pub(super) fn verdict(fragments: &[FragmentRecord], absent: &[Absent]) -> String {
+    let with = |outcome| count_triangles(fragments.iter().filter(|f| f.outcome == outcome));
+    match (with(Outcome::DepthRejected), with(Outcome::CutOut)) {
+        (0, 0) => absence(absent),
+        (1, 0) => "Background: the one triangle here lost the depth test.".to_owned(),
+        (lost, 0) => format!("Background: all {lost} triangles here lost the depth test."),
+        (0, 1) => "Background: the one triangle here is cut out.".to_owned(),
+        (0, gone) => format!("Background: all {gone} triangles here are cut out."),
+        (lost, gone) => {
+            format!("Background: of the triangles here {lost} lost the depth test, and {gone} by alpha are not there.")
+        }
+    }
+}
+
+/// Why no triangle has a fragment here. `absent` stands in the order of [`Cause`].
+fn absence(absent: &[Absent]) -> String {
+    let there = absent.iter().filter(|a| !matches!(a.cause, Cause::NotFinite | Cause::Missed));
+    let nearest = absent.iter().find(|a| a.cause == Cause::Missed);
+    if let Some(first) = there.clone().next() {
+        let more = match there.filter(|a| a.cause == first.cause).count() - 1 {
+            0 => String::new(),
+            count => format!(" And {count} more of that kind."),
+        };
+        return format!("Background: {} {}.{more}", name(first), first.reason);
+    }
+    let never: Vec<_> = absent.iter().filter(|a| a.cause == Cause::NotFinite).collect();
+    let unseen = match never.as_slice() {
+        [] => String::new(),
+        [only] => format!(" But {} {}.", name(only), only.reason),
+        [first, ..] => format!(
+            " But {} triangles have a corner that is not a finite number and are never drawn, {} first.",
+            never.len(),
+            name(first)
+        ),
+    };
+    match nearest.and_then(|nearest| Some((nearest, nearest.distance_px?))) {
+        Some((nearest, distance)) => {
+            let distance = px(distance);
+            format!(
+                "Background: the nearest triangle, {} of “{}”, misses by {distance} px.{unseen}",
+                nearest.triangle.0, nearest.instance
+            )
+        }
+        None => format!("Background: no triangle covers this pixel's centre.{unseen}"),
+    }
+}
+
+fn name(absent: &Absent) -> String {
+    format!("triangle {} of “{}”", absent.triangle.0, absent.instance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::TriangleId;
+
+    fn absent(triangle: u32, cause: Cause, reason: &str, distance_px: Option<f64>) -> Absent {
+        Absent {
+            triangle: TriangleId(triangle),
+            instance: "wall".into(),
+            submission: None,
+            cause,
+            reason: reason.into(),
+            corners_px: None,
+            distance_px,
+            edges: None,
+        }
+    }
+
+    #[test]
+    fn what_would_be_there_is_told_before_what_is_near() {
+        let near = absent(9, Cause::Missed, "misses", Some(0.0039));
+        let back = absent(12, Cause::BackFacing, "covers it, but turns its back", None);
+        assert_eq!(
+            absence(&[back.clone(), near.clone()]),
+            "Background: triangle 12 of “wall” covers it, but turns its back."
+        );
+        let both = [back.clone(), absent(13, Cause::BackFacing, "", None), absent(2, Cause::NearPlane, "", None)];
+        assert!(absence(&both).ends_with("turns its back. And 1 more of that kind."));
+        assert_eq!(absence(&[near]), "Background: the nearest triangle, 9 of “wall”, misses by 0.0039 px.");
+    }
+
+    #[test]
+    fn what_is_never_drawn_is_told_where_nothing_else_is() {
+        let never = absent(3, Cause::NotFinite, "has a NaN corner", None);
+        assert_eq!(
+            absence(std::slice::from_ref(&never)),
+            "Background: no triangle covers this pixel's centre. But triangle 3 of “wall” has a NaN corner."
+        );
+        assert!(absence(&[never.clone(), never]).contains("2 triangles have a corner that is not a finite number"));
+    }
+}

@@ -1,0 +1,93 @@
+//! A fragment's triangle on the screen with the sample in it, and the weights of its corners.
+
+use eframe::egui::{self, Align2, Color32, FontId, Pos2, RichText, Sense, Stroke, Ui, Vec2, vec2};
+
+use crate::inspect::pixel::sample_position_px;
+use crate::inspect::{FragmentRecord, PixelReport};
+use crate::ui::format;
+use crate::ui::theme::{self, tokens};
+
+/// Where the sample lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    /// In the triangle.
+    Inside,
+    /// Beside it.
+    Outside,
+}
+
+/// The triangle on the screen with the sample: in it, with sub-triangles in the colours of their weights, or beside it.
+pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Place, report: &PixelReport) {
+    const HEIGHT: f32 = 132.0;
+    let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), HEIGHT), Sense::hover());
+    let frame = response.rect;
+    painter.rect_filled(frame, theme::RADIUS, tokens(ui).canvas);
+    let corners = corners_px.map(|[x, y]| vec2(x, y));
+    let [x, y] = sample_position_px(report.drawn_at[0], report.drawn_at[1]);
+    let sample = vec2(x, y);
+    let (low, high) =
+        corners.iter().fold((sample, sample), |(low, high), corner| (low.min(*corner), high.max(*corner)));
+    let inner = frame.shrink(22.0);
+    let extent = (high - low).max(Vec2::splat(1e-3));
+    let scale = (inner.width() / extent.x).min(inner.height() / extent.y);
+    let offset = inner.center() - (low + high) * 0.5 * scale;
+    let on_panel = |p: Vec2| -> Pos2 { offset + p * scale };
+    let (sample, corners) = (on_panel(sample), corners.map(on_panel));
+    let fill = |corners: Vec<Pos2>, color| painter.add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
+    match place {
+        Place::Inside => {
+            for (i, color) in theme::WEIGHTS.into_iter().enumerate() {
+                fill(vec![corners[(i + 1) % 3], corners[(i + 2) % 3], sample], color.gamma_multiply(0.45));
+            }
+        }
+        Place::Outside => {
+            fill(corners.to_vec(), tokens(ui).text_weak.gamma_multiply(0.3));
+        }
+    }
+    painter.add(egui::Shape::closed_line(corners.to_vec(), Stroke::new(1.0, tokens(ui).text)));
+    for (i, corner) in corners.into_iter().enumerate() {
+        if place == Place::Inside {
+            painter.line_segment([sample, corner], Stroke::new(1.0, tokens(ui).text_weak.gamma_multiply(0.5)));
+        }
+        let outward = (corner - corners_center(&corners)).normalized() * 11.0;
+        painter.circle_filled(corner, 2.5, theme::WEIGHTS[i]);
+        painter.text(
+            corner + outward,
+            Align2::CENTER_CENTER,
+            format!("v{i}"),
+            FontId::monospace(11.0),
+            tokens(ui).text,
+        );
+    }
+    painter.circle(sample, 3.5, tokens(ui).accent, Stroke::new(1.0, Color32::BLACK));
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "Barycentric diagram"));
+    response.on_hover_text(match place {
+        Place::Inside => "The triangle on the screen and the pixel's centre in it. The area opposite to a corner, over the whole area, is that corner's weight λ",
+        Place::Outside => "The triangle on the screen and the pixel's centre, which lies outside of it",
+    });
+}
+
+fn corners_center(corners: &[Pos2; 3]) -> Pos2 {
+    ((corners[0].to_vec2() + corners[1].to_vec2() + corners[2].to_vec2()) / 3.0).to_pos2()
+}
+
+/// Both kinds of weights, corner by corner.
+pub(super) fn weights(ui: &mut Ui, fragment: &FragmentRecord) {
+    egui::Grid::new("weights").num_columns(3).spacing([12.0, 2.0]).min_col_width(92.0).show(ui, |ui| {
+        ui.label("");
+        for (heading, help) in [
+            ("λ on screen", "Area opposite to the corner over the whole area, on the screen"),
+            ("λ in space", "The weight that attributes are interpolated with: λ/w over the sum of all three, unless interpolation is affine"),
+        ] {
+            ui.label(RichText::new(heading).small().color(tokens(ui).text_weak)).on_hover_text(help);
+        }
+        ui.end_row();
+        for (i, color) in theme::WEIGHTS.into_iter().enumerate() {
+            ui.label(RichText::new(format!("λ{i}")).monospace().color(color));
+            for value in [fragment.affine_weights[i], fragment.attribute_weights[i]] {
+                ui.label(RichText::new(format::f32_full(value)).monospace()).on_hover_text(format::bits(value));
+            }
+            ui.end_row();
+        }
+    });
+}

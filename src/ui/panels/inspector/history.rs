@@ -1,0 +1,273 @@
+//! The history of the pixel as a list: what it was cleared to, every fragment in drawing order with what it changed, the
+//! triangles that have none here and why, and what was left in the end. Chips choose what is listed.
+
+use eframe::egui::{self, Align, Button, Color32, Label, Layout, RichText, Sense, Ui, UiBuilder};
+
+use super::{codes, to_color};
+use crate::inspect::history::{Absent, Kind, SampleState};
+use crate::inspect::{FragmentRecord, Outcome, PixelReport, TriangleSelection};
+use crate::pipeline::settings::Choice as _;
+use crate::scene::TriangleId;
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::widgets::{Status, chip, icon_button, section_header, swatch};
+
+/// Fragments listed from the first and from the last one on; a pixel may have ten thousand.
+const LISTED_AT_AN_END: usize = 50;
+
+/// Absent triangles that are listed; the first ones say most.
+const LISTED_ABSENT: usize = 60;
+
+/// What of the history is shown.
+pub(super) struct History {
+    /// What is explained below; the visible fragment if none was chosen.
+    pub(super) chosen: Option<Chosen>,
+    /// For each of [`Kind::ALL`] whether it is listed.
+    listed: [bool; Kind::ALL.len()],
+}
+
+/// An entry of the list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Chosen {
+    /// One of the fragments.
+    Fragment(usize),
+    /// One of the triangles that have none.
+    Absent(usize),
+}
+
+impl Default for History {
+    /// Everything but near misses, which are many.
+    fn default() -> Self {
+        Self { chosen: None, listed: [0, 1, 2, 3, 4].map(|place| Kind::ALL[place] != Kind::Missed) }
+    }
+}
+
+impl History {
+    /// Draws the list.
+    pub(super) fn ui(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
+        section_header(ui, "History", |ui| {
+            if session.triangle_limit.is_some() {
+                let help = "Draw all triangles again  (End)";
+                if icon_button(ui, Icon::ListRestart, help).clicked() {
+                    commands.push(Command::LimitTriangles(None));
+                }
+            }
+        });
+        self.filters(ui, report);
+        state_row(ui, "clear", "What the pixel's centre held before the first triangle", report.clear);
+        self.fragments(ui, session, report, commands);
+        self.absent(ui, session, report, commands);
+        state_row(ui, "final", "What the pixel's centre holds in the end", report.last());
+    }
+
+    fn filters(&mut self, ui: &mut Ui, report: &PixelReport) {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing = egui::Vec2::splat(2.0);
+            ui.spacing_mut().button_padding.x = theme::space::XS;
+            for (kind, listed) in Kind::ALL.iter().zip(&mut self.listed) {
+                let count = kind.count(report);
+                let text = RichText::new(format!("{} {count}", kind.name())).small();
+                let button = Button::selectable(*listed && count > 0, (theme::icon(icon(*kind)), text));
+                let response = ui.add_enabled(count > 0, button);
+                let listing = if *listed { "listed" } else { "not listed" };
+                if response.on_hover_text(format!("{} Now {listing}.", kind.help())).clicked() {
+                    *listed ^= true;
+                }
+            }
+        });
+        ui.add_space(theme::space::XS);
+    }
+
+    fn lists(&self, kind: Kind) -> bool {
+        Kind::ALL.iter().zip(self.listed).any(|(other, listed)| *other == kind && listed)
+    }
+
+    fn fragments(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
+        let count = report.fragments.len();
+        for (index, fragment) in report.fragments.iter().enumerate() {
+            if count > 2 * LISTED_AT_AN_END && (LISTED_AT_AN_END..count - LISTED_AT_AN_END).contains(&index) {
+                if index == LISTED_AT_AN_END {
+                    let left_out = count - 2 * LISTED_AT_AN_END;
+                    ui.weak(format!("… {} more, all in the copied JSON …", format::count(left_out as u64)));
+                }
+                continue;
+            }
+            if !self.lists(Kind::of(fragment)) {
+                continue;
+            }
+            let this = Chosen::Fragment(index);
+            let chosen = self.chosen.map_or(fragment.outcome == Outcome::Visible, |chosen| chosen == this);
+            if row(ui, chosen, &Row::of_fragment(fragment, session), commands) {
+                self.chosen = Some(this);
+            }
+        }
+    }
+
+    fn absent(&mut self, ui: &mut Ui, session: &Session, report: &PixelReport, commands: &mut Vec<Command>) {
+        let all = report.absent.iter().enumerate();
+        let listed: Vec<_> = all.filter(|(_, absent)| self.lists(absent.cause.kind())).collect();
+        for (index, absent) in listed.iter().take(LISTED_ABSENT) {
+            let this = Chosen::Absent(*index);
+            if row(ui, self.chosen == Some(this), &Row::of_absent(absent, session), commands) {
+                self.chosen = Some(this);
+            }
+        }
+        if let Some(more) = listed.len().checked_sub(LISTED_ABSENT).filter(|more| *more > 0) {
+            ui.weak(format!("… {} more, all in the copied JSON …", format::count(more as u64)));
+        }
+    }
+}
+
+fn icon(kind: Kind) -> Icon {
+    match kind {
+        Kind::Passed => Icon::CircleCheck,
+        Kind::Failed => Icon::CircleX,
+        Kind::Culled => Icon::EyeOff,
+        Kind::Clipped => Icon::Scissors,
+        Kind::Missed => Icon::CircleDashed,
+    }
+}
+
+/// What the sample holds at one end of its history.
+fn state_row(ui: &mut Ui, word: &str, help: &str, state: SampleState) {
+    ui.horizontal(|ui| {
+        chip(ui, Status::Neutral, word, help);
+        swatch(ui, to_color(state.color));
+        let depth = state.depth.map_or(String::new(), |depth| format!("   depth {}", format::f32_full(depth.value)));
+        let text = RichText::new(codes(state.color) + &depth).small().monospace().color(tokens(ui).text);
+        ui.add(Label::new(text).truncate());
+    });
+}
+
+/// One entry of the list.
+struct Row<'a> {
+    status: Status,
+    word: &'a str,
+    /// Number of the triangle and name of its object.
+    title: String,
+    reason: &'a str,
+    /// Before and after it.
+    change: Option<[SampleState; 2]>,
+    /// Its place in the list of rasterized triangles.
+    submission: Option<usize>,
+    /// Its triangle.
+    triangle: TriangleId,
+    /// Whether that alone is selected in the picture.
+    is_selected: bool,
+    /// Whether there is more to be shown of it.
+    can_be_chosen: bool,
+    /// What it is called where it is not seen.
+    name: String,
+}
+
+impl<'a> Row<'a> {
+    fn of_fragment(fragment: &'a FragmentRecord, session: &Session) -> Self {
+        let (status, word) = match fragment.outcome {
+            Outcome::Visible => (Status::Passed, "visible"),
+            Outcome::Overwritten => (Status::Neutral, "overwritten"),
+            Outcome::BlendedOver => (Status::Passed, "seen through"),
+            Outcome::DepthRejected => (Status::Rejected, "rejected"),
+            Outcome::CutOut => (Status::Rejected, "cut out"),
+        };
+        Self {
+            status,
+            word,
+            title: format!("{} “{}”", fragment.triangle.0, fragment.instance),
+            reason: &fragment.reason,
+            change: fragment.outcome.is_written().then_some([fragment.before, fragment.after]),
+            submission: Some(fragment.submission),
+            triangle: fragment.triangle,
+            is_selected: is_selected(session, fragment.triangle),
+            can_be_chosen: true,
+            name: format!("Fragment of triangle {}", fragment.triangle.0),
+        }
+    }
+
+    fn of_absent(absent: &'a Absent, session: &Session) -> Self {
+        Self {
+            status: if absent.cause.kind() == Kind::Missed { Status::Neutral } else { Status::Rejected },
+            word: absent.cause.name(),
+            title: format!("{} “{}”", absent.triangle.0, absent.instance),
+            reason: &absent.reason,
+            change: None,
+            submission: absent.submission,
+            triangle: absent.triangle,
+            is_selected: is_selected(session, absent.triangle),
+            can_be_chosen: absent.corners_px.is_some(),
+            name: format!("Triangle {} without a fragment", absent.triangle.0),
+        }
+    }
+}
+
+/// One entry; true when clicked.
+fn row(ui: &mut Ui, chosen: bool, row: &Row<'_>, commands: &mut Vec<Command>) -> bool {
+    let fill = if chosen { tokens(ui).raised } else { Color32::TRANSPARENT };
+    let frame = egui::Frame::new().fill(fill).corner_radius(theme::RADIUS).inner_margin(4);
+    let sense = if row.can_be_chosen { Sense::click() } else { Sense::hover() };
+    // The row senses clicks before what stands in it, so that its button is above.
+    let builder = UiBuilder::new().sense(sense);
+    let response = ui
+        .scope_builder(builder, |ui| {
+            // Else a click on the text would select it, not the row.
+            ui.style_mut().interaction.selectable_labels = false;
+            frame.show(ui, |ui| row_content(ui, row, commands));
+        })
+        .response;
+    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, chosen, &row.name));
+    let response =
+        if row.can_be_chosen { response.on_hover_text("Click to see where it lies and its numbers") } else { response };
+    response.clicked()
+}
+
+fn row_content(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
+    ui.set_width(ui.available_width());
+    ui.horizontal(|ui| {
+        chip(ui, row.status, row.word, "");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            jump_button(ui, row, commands);
+            select_button(ui, row, commands);
+            change(ui, row);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(RichText::new(&row.title).strong()).truncate());
+            });
+        });
+    });
+    ui.add(Label::new(RichText::new(row.reason).small().color(tokens(ui).text)).wrap());
+}
+
+/// Draws the frame as it was right after the triangle.
+fn jump_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
+    let Some(submission) = row.submission else { return };
+    let help = "Show the frame right after this triangle: moves the triangle slider";
+    if icon_button(ui, Icon::SkipForward, help).clicked() {
+        commands.push(Command::LimitTriangles(Some(submission + 1)));
+    }
+}
+
+/// Selects the triangle, wherever it lies, or no triangle if it is selected.
+fn select_button(ui: &mut Ui, row: &Row<'_>, commands: &mut Vec<Command>) {
+    let (icon, help) = if row.is_selected {
+        (Icon::ScanEye, "Select this triangle no more")
+    } else {
+        (Icon::Scan, "Select this triangle: all else is dimmed in the picture, and the view from outside marks it  (M)")
+    };
+    if icon_button(ui, icon, help).clicked() {
+        let members = (!row.is_selected).then_some(row.triangle);
+        let label = members.map_or(String::new(), |id| format!("triangle {}", id.0));
+        commands.push(Command::Select(TriangleSelection::new(label, members)));
+    }
+}
+
+fn is_selected(session: &Session, triangle: TriangleId) -> bool {
+    session.selection.len() == 1 && session.selection.contains(triangle)
+}
+
+/// Colours before and after, from right to left.
+fn change(ui: &mut Ui, row: &Row<'_>) {
+    let Some([before, after]) = row.change else { return };
+    swatch(ui, to_color(after.color)).on_hover_text(format!("after: {}", codes(after.color)));
+    ui.label(RichText::new("→").color(tokens(ui).text_weak));
+    swatch(ui, to_color(before.color)).on_hover_text(format!("before: {}", codes(before.color)));
+}

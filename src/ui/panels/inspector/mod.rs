@@ -1,0 +1,212 @@
+//! The picked pixel at the right: what it shows and why, where the sample lies in its triangle, its history, and the
+//! numbers of the chosen fragment.
+
+mod diagram;
+
+mod history;
+
+mod numbers;
+
+use eframe::egui::{self, Color32, Label, RichText, ScrollArea, Sense, Ui, Vec2};
+
+use self::diagram::{Place, triangle_diagram, weights};
+use self::history::{Chosen, History};
+use self::numbers::{absent_numbers, numbers};
+use crate::image::Rgba8;
+use crate::inspect::view::Value;
+use crate::inspect::{FragmentRecord, PixelReport};
+use crate::ui::checks;
+use crate::ui::command::Command;
+use crate::ui::format;
+use crate::ui::overlays;
+use crate::ui::panels::bottom::Tab;
+use crate::ui::session::Session;
+use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::trace;
+use crate::ui::watch;
+use crate::ui::what_if;
+use crate::ui::widgets::{copy_button, empty_state, section_header, swatch, value_row};
+
+/// What the panel shows of the pixel.
+#[derive(Default)]
+pub struct Inspector {
+    history: History,
+    of_pixel: Option<(u32, u32)>,
+}
+
+impl Inspector {
+    /// Draws the panel.
+    pub fn ui(&mut self, ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>, commands: &mut Vec<Command>) {
+        hover_line(ui, session, hovered);
+        overlays::readout::ui(ui, session, hovered);
+        ui.separator();
+        let report = session.view.as_ref().and_then(|view| view.report.as_deref());
+        let Some(report) = report else {
+            empty_state(
+                ui,
+                Icon::Crosshair,
+                "No pixel is picked",
+                "Click one in the picture: its whole story appears here.",
+            );
+            return;
+        };
+        if self.of_pixel != Some((report.x, report.y)) {
+            (self.of_pixel, self.history.chosen) = (Some((report.x, report.y)), violating(session, report));
+        }
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            headline(ui, report, commands);
+            let (fragment, absent) = match self.history.chosen {
+                Some(Chosen::Absent(index)) => (None, report.absent.get(index)),
+                Some(Chosen::Fragment(index)) => (report.fragments.get(index), None),
+                None => (report.visible().or(report.fragments.first()), None),
+            };
+            if let Some(fragment) = fragment {
+                triangle_diagram(ui, fragment.corners_px, Place::Inside, report);
+                weights(ui, fragment);
+            }
+            if let Some(corners_px) = absent.and_then(|absent| absent.corners_px) {
+                let is_outside = absent.is_some_and(|absent| absent.distance_px.is_some());
+                triangle_diagram(ui, corners_px, if is_outside { Place::Outside } else { Place::Inside }, report);
+            }
+            self.history.ui(ui, session, report, commands);
+            if let Some(fragment) = fragment {
+                arithmetic_button(ui, report, fragment, commands);
+            }
+            samples(ui, report);
+            sources(ui, report, commands);
+            if let Some(absent) = absent {
+                absent_numbers(ui, absent);
+            }
+            if let Some(fragment) = fragment {
+                numbers(ui, fragment);
+                let help = "Writes the triangle that this pixel shows into a case file in the current folder: the smallest \
+                            thing to report, or to open again";
+                if ui.button("Save triangle as case").on_hover_text(help).clicked() {
+                    commands.push(Command::SaveCase);
+                }
+            }
+        });
+    }
+}
+
+/// A button that writes out the arithmetic of a fragment.
+fn arithmetic_button(ui: &mut Ui, report: &PixelReport, fragment: &FragmentRecord, commands: &mut Vec<Command>) {
+    let Some(index) = report.fragments.iter().position(|other| std::ptr::eq(other, fragment)) else { return };
+    let help = "Every step from the corners of the triangle to the pixel, with the numbers and what each step rounded";
+    if ui.button("Write out its arithmetic").on_hover_text(help).clicked() {
+        commands.push(Command::Trace(trace::Change::Fragment(index)));
+    }
+}
+
+/// The fragment that violates an assertion, if that is why the pixel is picked.
+fn violating(session: &Session, report: &PixelReport) -> Option<Chosen> {
+    let (found, frame) = session.checks.found.as_ref()?;
+    let (_, violation) = found.first_violation()?;
+    let is_here = checks::place(violation, frame) == (report.x, report.y);
+    let index = report.fragments.iter().position(|fragment| is_here && fragment.triangle == violation.triangle)?;
+    Some(Chosen::Fragment(index))
+}
+
+/// What the shown buffer holds under the pointer.
+fn hover_line(ui: &mut Ui, session: &Session, hovered: Option<(u32, u32)>) {
+    let here = hovered.and_then(|(x, y)| {
+        let view = what_if::seen(ui, session)?;
+        let color = view.picture.get(x, y)?;
+        Some((x, y, color, view.value(x, y)))
+    });
+    ui.horizontal(|ui| {
+        ui.set_height(theme::CONTROL_HEIGHT);
+        ui.label(RichText::new("Pointer").color(tokens(ui).text_weak));
+        if let Some((x, y, color, value)) = here {
+            swatch(ui, to_color(color));
+            ui.add(Label::new(RichText::new(format!("{x}, {y}   {}", one_line(value))).monospace()).truncate());
+        } else {
+            ui.label(RichText::new("–").monospace().color(tokens(ui).text_weak));
+        }
+    });
+}
+
+fn one_line(value: Value) -> String {
+    match value {
+        Value::NotDrawn => "not drawn".to_owned(),
+        Value::Nothing => "nothing".to_owned(),
+        Value::Color(color) => codes(color),
+        Value::Number(number) => format::f32_full(number),
+        Value::Count(count) => format!("{count} ×"),
+        Value::Weights([a, b, c]) => format!("{a:.4} {b:.4} {c:.4}"),
+        Value::Triangle(id) => format!("triangle {}", id.0),
+    }
+}
+
+fn to_color([r, g, b, _]: Rgba8) -> Color32 {
+    Color32::from_rgb(r, g, b)
+}
+
+fn codes([r, g, b, _]: Rgba8) -> String {
+    format!("{r} {g} {b}")
+}
+
+fn headline(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let (rect, _) = ui.allocate_exact_size(Vec2::splat(28.0), Sense::hover());
+        ui.painter().rect_filled(rect, theme::RADIUS, to_color(report.color));
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 0.0;
+            ui.label(RichText::new(format!("Pixel {}, {}", report.x, report.y)).strong());
+            ui.label(RichText::new(codes(report.color)).monospace().color(tokens(ui).text));
+        });
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            copy_button(ui, "everything about this pixel as JSON", || {
+                serde_json::to_string_pretty(report).unwrap_or_default()
+            });
+            if crate::ui::widgets::icon_button(ui, Icon::Pin, "Watch this pixel  (Enter)").clicked() {
+                commands.push(Command::Watch(watch::Change::Add(report.x, report.y)));
+                commands.push(Command::OpenTab(Tab::Watch));
+            }
+            if crate::ui::widgets::icon_button(ui, Icon::X, "Drop the pick  (Esc)").clicked() {
+                commands.push(Command::Pick(None));
+            }
+        });
+    });
+    ui.add(Label::new(RichText::new(&report.verdict).color(tokens(ui).text_strong)).wrap().selectable(true));
+    ui.add_space(theme::space::XS);
+}
+
+/// What the pixel is the mean of, if it has several samples, and what it was before the filter over the picture.
+fn samples(ui: &mut Ui, report: &PixelReport) {
+    if let Some(before) = report.unfiltered {
+        section_header(ui, "Before the post filter", |_| {});
+        swatch(ui, to_color(before));
+    }
+    if report.samples.is_empty() {
+        return;
+    }
+    section_header(ui, &format!("Mean of {} samples", report.samples.len()), |_| {});
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = egui::Vec2::splat(2.0);
+        for sample in &report.samples {
+            let [x, y] = sample.place;
+            swatch(ui, to_color(sample.color)).on_hover_text(format!("at {x:.3}, {y:.3} in the pixel"));
+        }
+    });
+}
+
+fn sources(ui: &mut Ui, report: &PixelReport, commands: &mut Vec<Command>) {
+    let drawn_itself = report.sources.len() == 1 && report.drawn_at == [report.x, report.y];
+    if drawn_itself {
+        return;
+    }
+    section_header(ui, "Mixed from drawn pixels", |_| {});
+    for source in &report.sources {
+        ui.horizontal(|ui| {
+            swatch(ui, to_color(source.color));
+            let text = format!("{:>4}, {:<4}  {}", source.tap.x, source.tap.y, format::f32_full(source.tap.weight));
+            let label = ui.add(Label::new(RichText::new(text).monospace()).sense(Sense::click()));
+            if label.on_hover_text("Go to this pixel").clicked() {
+                commands.push(Command::Pick(Some((source.tap.x, source.tap.y))));
+            }
+        });
+    }
+    let sum: f32 = report.sources.iter().map(|s| s.tap.weight).sum();
+    value_row(ui, "Sum of weights", &format::f32_full(sum), "One, so that a flat area keeps its colour");
+}

@@ -1,0 +1,155 @@
+//! The numbers of one fragment: depth, corners, edges, transparency and shading.
+
+use eframe::egui::{self, RichText, Ui};
+
+use super::{codes, to_color};
+use crate::inspect::history::Absent;
+use crate::inspect::pixel::ShadingRecord;
+use crate::inspect::{DepthRecord, FragmentRecord};
+use crate::pipeline::settings::Arithmetic;
+use crate::scene::Transparency;
+use crate::ui::format;
+use crate::ui::theme::{self, tokens};
+use crate::ui::widgets::{section_header, swatch, value_row};
+
+/// What a step of the depth buffer is.
+const STEP_HELP: &str = "World units along the line of sight between the fragment's depth and the next that the buffer can \
+                         hold: surfaces closer than that may fight";
+
+/// Everything that was computed for a fragment.
+pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
+    section_header(ui, "Depth", |_| {});
+    depth_rows(ui, "Depth of the fragment", fragment.depth, "As it is stored if the fragment wins");
+    match fragment.stored_depth {
+        Some(stored) => {
+            depth_rows(ui, "Stored before", stored, "What the depth buffer held when this fragment came");
+            let step = format::f32_full(fragment.depth.resolution as f32);
+            value_row(ui, "One step here", &step, STEP_HELP);
+        }
+        None => {
+            value_row(ui, "Stored before", "–", "There is no depth test, so nothing is stored");
+        }
+    }
+    section_header(ui, "Corners", |_| {});
+    corner_table(ui, fragment);
+    section_header(ui, "Edges", |_| {});
+    let (exact, unit) = match fragment.arithmetic {
+        Arithmetic::Fixed => ("Exact edge value in 1/65536 px²", "The sum of the three edge values, exactly"),
+        Arithmetic::Exact => {
+            ("Edge value in px² times a power of two; its sign is exact", "The sum of the three, but for rounding")
+        }
+        Arithmetic::F32 | Arithmetic::F64 => {
+            ("Edge value in px² times a power of two, rounded", "The sum of the three, but for rounding")
+        }
+    };
+    for (i, edge) in fragment.edges.into_iter().enumerate() {
+        let help = format!("{exact}: above zero is inside, zero lies on the edge");
+        value_row(ui, &format!("Opposite to v{i}"), &format::edge(edge), &help);
+    }
+    value_row(ui, "Doubled area", &format::edge(fragment.doubled_area), unit);
+    let triangle = fragment.triangle.0.to_string();
+    value_row(ui, "Triangle", &triangle, "Its number in the scene, in drawing order, counted from 0");
+    value_row(
+        ui,
+        "Rasterized as",
+        &(fragment.submission + 1).to_string(),
+        "Where the triangle slider must stand for this fragment to be there",
+    );
+    if let Some(alpha) = fragment.alpha {
+        let help = if fragment.transparency == Transparency::Blended {
+            "The share with which the fragment covers what lies behind: opacity × alpha of the texture"
+        } else {
+            "Alpha of the texture; below one half the surface is not there"
+        };
+        section_header(ui, "Transparency", |_| {});
+        float_row(ui, "Alpha", alpha, help);
+    }
+    if let Some(shading) = &fragment.shading {
+        shading_numbers(ui, shading);
+    }
+}
+
+/// What is known of a triangle that has no fragment here.
+pub(super) fn absent_numbers(ui: &mut Ui, absent: &Absent) {
+    section_header(ui, "Triangle without a fragment", |_| {});
+    value_row(ui, "Triangle", &absent.triangle.0.to_string(), "Its number in the scene, counted from 0");
+    if let Some(distance) = absent.distance_px {
+        let help =
+            "From the pixel's centre to the nearest point of the triangle; in fixed point between snapped corners";
+        value_row(ui, "Distance, px", &format!("{distance:.6}"), help);
+    }
+    for (i, edge) in absent.edges.into_iter().flatten().enumerate() {
+        let help = "Edge value at the pixel's centre: below zero is outside, zero lies on the edge";
+        value_row(ui, &format!("Opposite to v{i}"), &format::edge(edge), help);
+    }
+}
+
+/// A depth, and the code that the buffer holds for it if it holds codes.
+fn depth_rows(ui: &mut Ui, label: &str, depth: DepthRecord, help: &str) {
+    float_row(ui, label, depth.value, help);
+    if let Some(code) = depth.code {
+        value_row(ui, "… as a code", &code.to_string(), "The whole number that the buffer holds for it");
+    }
+}
+
+fn float_row(ui: &mut Ui, label: &str, value: f32, help: &str) {
+    value_row(ui, label, &format::f32_full(value), &format!("{help}. Bits: {}", format::bits(value)));
+}
+
+fn corner_table(ui: &mut Ui, fragment: &FragmentRecord) {
+    egui::Grid::new("corners").num_columns(5).spacing([8.0, 2.0]).show(ui, |ui| {
+        for heading in ["", "x px", "y px", "depth", "1/w"] {
+            ui.label(RichText::new(heading).small().color(tokens(ui).text_weak));
+        }
+        ui.end_row();
+        for (i, color) in theme::WEIGHTS.into_iter().enumerate() {
+            ui.label(RichText::new(format!("v{i}")).monospace().color(color));
+            let [x, y] = fragment.corners_px[i];
+            let texts = [
+                format::fixed(f64::from(x), 3),
+                format::fixed(f64::from(y), 3),
+                format::fixed(f64::from(fragment.corner_depths[i]), 5),
+                format!("{:.3e}", fragment.inv_w[i]),
+            ];
+            for text in texts {
+                ui.label(RichText::new(text).monospace());
+            }
+            ui.end_row();
+        }
+    });
+}
+
+fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
+    section_header(ui, "Shading", |_| {});
+    if let Some([u, v]) = shading.uv {
+        value_row(ui, "Texture coordinates", &format!("{u:.6}  {v:.6}"), "u to the right, v down");
+    }
+    if let Some([x, y, z]) = shading.normal {
+        value_row(ui, "Normal", &format!("{x:.3} {y:.3} {z:.3}"), "Unit normal, world space");
+    }
+    if let Some(cosine) = shading.cosine {
+        float_row(ui, "N·L", cosine, "Cosine between normal and light");
+    }
+    if let Some(light) = shading.light {
+        float_row(ui, "Light", light, "The factor that light multiplies the colour with");
+    }
+    for texel in &shading.texels {
+        ui.horizontal(|ui| {
+            swatch(ui, to_color(texel.color));
+            let level = if texel.level > 0 { format!("level {} ", texel.level) } else { String::new() };
+            let place = format!("{:>4}, {:<4}", texel.tap.x, texel.tap.y);
+            let text = format!("{level}texel {place}  {}", format::f32_full(texel.tap.weight));
+            ui.label(RichText::new(text).monospace());
+        });
+    }
+    if let Some(below) = shading.below {
+        ui.horizontal(|ui| {
+            swatch(ui, to_color(below));
+            ui.label(RichText::new(format!("over     {}", codes(below))).monospace());
+        });
+    }
+    ui.horizontal(|ui| {
+        swatch(ui, to_color(shading.color));
+        ui.label(RichText::new(format!("written  {}", codes(shading.color))).monospace());
+    });
+}
