@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use crate::image::{Image, Rgba8};
-use crate::inspect::view;
 use crate::inspect::what_if::Changes;
 use crate::measure::error::{ImageError, compare};
 use crate::measure::pair::{PairTimer, PairTimes};
@@ -64,7 +63,7 @@ impl Drawer {
         let kept = old.filter(|old| {
             Arc::ptr_eq(&old.before.frame, &before.frame)
                 && Arc::ptr_eq(&old.marked.frame, &after.frame)
-                && old.request.after.shown == request.after.shown
+                && old.request.after.same_picture(&request.after)
         });
         if let Some(old) = kept {
             // Another pixel was picked.
@@ -73,8 +72,9 @@ impl Drawer {
             return Some(self.known.insert(Found { request, before, marked, ..old }));
         }
         let changes = changes(&before, &after)?;
-        before.picture = like(&before, &after);
-        before.range = after.range;
+        if let Some(picture) = like(&before, &after) {
+            (before.picture, before.range) = (picture, after.range);
+        }
         let marked = View { picture: Arc::new(changes.marked(&after.picture)), ..after };
         self.timer = Some(PairTimer::new(request.before.recipe, request.after.recipe, ROUNDS));
         Some(self.known.insert(Found { request, before, marked, changes: Arc::new(changes), error: None, times: None }))
@@ -126,21 +126,29 @@ fn changes(before: &View, after: &View) -> Option<Changes> {
             (&before.frame, before.buffers.as_deref()),
             (&after.frame, after.buffers.as_deref()),
         ),
-        Shown::Stage(_) => Changes::of_pictures(&before.picture, &after.picture),
-        Shown::Intermediate(_) => Changes::of_pictures(&like(before, after), &after.picture),
+        Shown::Stage(_) => match (&before.looked.stage, &after.looked.stage) {
+            (Some(before), Some(after)) => Changes::of_pictures(before, after),
+            _ => Changes::of_pictures(&before.picture, &after.picture),
+        },
+        Shown::Intermediate(_) => {
+            Changes::of_pictures(&like(before, after).unwrap_or_else(|| before.picture.clone()), &after.picture)
+        }
     }
 }
 
-/// A in the colours of B: where a map is used, equal values shall have equal colours.
-fn like(before: &View, after: &View) -> Arc<Image<Rgba8>> {
-    match (after.request.shown, after.range) {
-        (Shown::Buffer(buffer), Some(range)) if before.range != after.range => {
-            Arc::new(view::picture(buffer, &before.frame, before.buffers.as_deref(), Some(range)))
-        }
-        (Shown::Intermediate(_), Some(range)) if before.range != after.range => match &before.captured {
-            Some(captured) => Arc::new(captured.picture(&before.frame, Some(range))),
-            None => before.picture.clone(),
-        },
-        _ => before.picture.clone(),
+/// A in the colours of B, where that is another picture: equal values shall have equal colours. With something laid over
+/// it A keeps its own, and its own range beside it.
+fn like(before: &View, after: &View) -> Option<Arc<Image<Rgba8>>> {
+    let look = &after.request.look;
+    if before.range == after.range || !look.layers.is_empty() {
+        return None;
     }
+    match after.request.shown {
+        Shown::Buffer(buffer) => {
+            Some(look.display.picture(buffer, &before.frame, before.buffers.as_deref(), after.range))
+        }
+        Shown::Intermediate(_) => before.captured.as_ref().map(|captured| captured.picture(&before.frame, after.range)),
+        Shown::Stage(_) => None,
+    }
+    .map(Arc::new)
 }
