@@ -32,13 +32,6 @@ pub(crate) struct SeenArgs {
     pub(crate) picture: Option<Viewport>,
 }
 
-impl SeenArgs {
-    /// The moment of the frame; none if it is the last.
-    pub(crate) fn moment(&self) -> Option<Moment> {
-        moment(self.triangles, self.fragments)
-    }
-}
-
 /// The moment after so many triangles, or within the one after them.
 pub(crate) fn moment(triangles: Option<usize>, fragments: Option<usize>) -> Option<Moment> {
     triangles.map(|triangles| Moment { triangles, fragments })

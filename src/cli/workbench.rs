@@ -22,7 +22,7 @@ use rasterscope::ui::{self, ScreenshotRequest, Seen, WindowStart};
 use super::failure::Failure;
 use super::scene_args::{View, WARNED};
 use super::screenshot::{Compare, Look, Open, Tab, Theme};
-use super::seen_args::{SeenArgs, WindowArgs};
+use super::seen_args::{SeenArgs, WindowArgs, moment};
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
 pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
@@ -118,7 +118,7 @@ fn tab(tab: Tab) -> bottom::Tab {
 
 fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
     let shown = args.stage.map(Shown::Stage).or(args.buffer.map(Shown::Buffer));
-    Seen { pixel, shown, moment: args.moment(), picture: args.picture }
+    Seen { pixel, shown, moment: moment(args.triangles, args.fragments), picture: args.picture }
 }
 
 fn start(view: View, seen: Seen) -> WindowStart {
