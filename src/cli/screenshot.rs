@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rasterscope::image::file::write_png;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::Intermediate;
 use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::inspect::mesh_view::MeshStyle;
 use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::scrub::Moment;
-use rasterscope::inspect::{Buffer, Intermediate};
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
 
