@@ -268,7 +268,7 @@ pub const BINDINGS: &[Binding] = &[
     ),
     bind(
         Modifiers::NONE,
-        Key::X,
+        Key::Y,
         || Command::Scrub(scrub::Change::Touching(None)),
         "Step only to what touches the picked pixel, or to all",
     ),

@@ -74,7 +74,7 @@ fn what_does_not_touch_the_pick_is_passed_over() {
         bench.click("One triangle more  (.)");
         assert_eq!(bench.view().report.as_ref().expect("picked").fragments.len(), fragments);
     }
-    bench.press(Key::X);
+    bench.press(Key::Y);
     assert!(!bench.session().scrub.touching);
     assert_eq!(bench.session().scrub.unit, Unit::Triangle);
 }

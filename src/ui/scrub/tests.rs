@@ -75,8 +75,8 @@ fn a_limit_of_triangles_drops_that_of_fragments() {
     assert_eq!(desk.view().frame.geometry.partial, None);
     // So does whoever sets it without a word to the transport.
     desk.give(Change::Go(Moment { triangles: 1, fragments: Some(3) }));
-    desk.session.triangle_limit = Some(3);
-    assert_eq!(desk.session.moment(), Moment::after(3));
+    desk.session.triangle_limit = Some(2);
+    assert_eq!(desk.session.moment(), Moment::after(2));
 }
 
 #[test]

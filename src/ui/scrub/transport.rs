@@ -114,7 +114,7 @@ fn touching(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let name = "Only what touches the picked pixel";
     let response =
         ui.add_enabled(session.pick.is_some(), button).on_disabled_hover_text("Pick a pixel first").on_hover_text(
-            format!("{name}: steps and playing go from one triangle or fragment at the picked pixel to the next  (X)"),
+            format!("{name}: steps and playing go from one triangle or fragment at the picked pixel to the next  (Y)"),
         );
     response.widget_info(|| WidgetInfo::selected(egui::Role::Button, true, session.scrub.touching, name));
     if response.clicked() {
