@@ -111,7 +111,9 @@ impl Zoom {
                 let exact = (available.x / size.x).min(available.y / size.y);
                 // From 1:1 on only whole factors, so that all squares are equal.
                 let scale = if exact >= 1.0 { exact.floor() } else { exact };
-                (scale, (size - available / scale) / 2.0)
+                // Whole pixels of the screen: a canvas that is larger by less than one shows the picture in its corner.
+                let beside = ((available - size * scale) / 2.0).floor();
+                (scale, -beside / scale)
             }
         };
         let corner = canvas.min - origin * scale / screen;

@@ -92,60 +92,25 @@ pub const TABS: &[(Tab, &str, &str)] = &[
     (Tab::Log, "Log", "Everything that was reported"),
 ];
 
+/// Room for all tabs and what belongs to one of them in one row, points.
+const ONE_ROW_POINTS: f32 = 1500.0;
+
 /// Draws the tabs and the chosen one.
 pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Command>) {
-    ui.horizontal(|ui| {
-        for (value, name, help) in TABS {
-            ui.selectable_value(tab, *value, *name).on_hover_text(*help);
+    if ui.available_width() >= ONE_ROW_POINTS {
+        ui.horizontal(|ui| {
+            tabs(ui, tab);
+            if has_controls(*tab) {
+                ui.separator();
+                controls(ui, *tab, session, commands);
+            }
+        });
+    } else {
+        ui.horizontal_wrapped(|ui| tabs(ui, tab));
+        if has_controls(*tab) {
+            ui.horizontal(|ui| controls(ui, *tab, session, commands));
         }
-        match tab {
-            Tab::FrameTime => {
-                ui.separator();
-                frame_times::controls(ui, session, commands);
-            }
-            Tab::ErrorTime => {
-                ui.separator();
-                tradeoff::controls(ui, session, commands);
-            }
-            Tab::Stability => {
-                ui.separator();
-                stability::controls(ui, session, commands);
-            }
-            Tab::Plan => {
-                ui.separator();
-                plan::controls(ui, session, commands);
-            }
-            Tab::Scaling => {
-                ui.separator();
-                scaling::controls(ui, session, commands);
-            }
-            Tab::Checks => {
-                ui.separator();
-                checks::panel::controls(ui, session, commands);
-            }
-            Tab::Histogram => {
-                ui.separator();
-                panel::controls(ui, session, commands);
-            }
-            Tab::Fates => {
-                ui.separator();
-                fates::controls(ui, session);
-            }
-            Tab::Watch => {
-                ui.separator();
-                watch::panel::controls(ui, session, commands);
-            }
-            Tab::Vertices => {
-                ui.separator();
-                vertices::controls(ui, session, commands);
-            }
-            Tab::Probe => {
-                ui.separator();
-                probe::controls(ui, session, commands);
-            }
-            Tab::Arithmetic | Tab::Xray | Tab::Log => {}
-        }
-    });
+    }
     ui.add_space(4.0);
     panel::tell(*tab == Tab::Histogram, session, commands);
     match tab {
@@ -167,5 +132,33 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
         Tab::Log => {
             ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).show(ui, |ui| log::ui(ui, session));
         }
+    }
+}
+
+fn tabs(ui: &mut Ui, tab: &mut Tab) {
+    for (value, name, help) in TABS {
+        ui.selectable_value(tab, *value, *name).on_hover_text(*help);
+    }
+}
+
+fn has_controls(tab: Tab) -> bool {
+    !matches!(tab, Tab::Arithmetic | Tab::Xray | Tab::Log)
+}
+
+/// What is asked of the chosen tab.
+fn controls(ui: &mut Ui, tab: Tab, session: &Session, commands: &mut Vec<Command>) {
+    match tab {
+        Tab::FrameTime => frame_times::controls(ui, session, commands),
+        Tab::ErrorTime => tradeoff::controls(ui, session, commands),
+        Tab::Stability => stability::controls(ui, session, commands),
+        Tab::Plan => plan::controls(ui, session, commands),
+        Tab::Scaling => scaling::controls(ui, session, commands),
+        Tab::Checks => checks::panel::controls(ui, session, commands),
+        Tab::Histogram => panel::controls(ui, session, commands),
+        Tab::Fates => fates::controls(ui, session),
+        Tab::Watch => watch::panel::controls(ui, session, commands),
+        Tab::Vertices => vertices::controls(ui, session, commands),
+        Tab::Probe => probe::controls(ui, session, commands),
+        Tab::Arithmetic | Tab::Xray | Tab::Log => {}
     }
 }

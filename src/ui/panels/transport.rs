@@ -29,6 +29,9 @@ pub fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mu
 }
 
 fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    /// Narrower bars do without the buttons of what keys and palette offer, too, in points.
+    const ROOMY_POINTS: f32 = 430.0;
+    let roomy = ui.available_width() >= ROOMY_POINTS;
     if icon_button(ui, Icon::ChevronLeft, "Show the stage before  ([)").clicked() {
         commands.push(Command::StepStage(-1));
     }
@@ -61,14 +64,14 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
     }
-    if icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
+    if roomy && icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
         commands.push(Command::WhatIf(what_if::Change::Toggle));
     }
     if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
         commands.push(Command::MeshView(mesh_view::Change::Toggle));
     }
     let help = "Range and histogram of what is shown, on the picture";
-    if icon_button(ui, Icon::ChartColumn, help).clicked() {
+    if roomy && icon_button(ui, Icon::ChartColumn, help).clicked() {
         commands.push(Command::Range(range::Change::Open(!session.range.open)));
     }
     let count = session.overlays.count();
@@ -114,6 +117,9 @@ const ZOOM_POINTS: f32 = 64.0;
 /// Room for size and enlargement in figures, in points.
 const FIGURES_POINTS: f32 = 160.0;
 
+/// Room for the enlargement alone, in points.
+const ENLARGEMENT_POINTS: f32 = 56.0;
+
 fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
     if ui.available_width() < ZOOM_POINTS {
         return;
@@ -124,16 +130,13 @@ fn zoom(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<C
     if icon_button(ui, Icon::Square, "One picture pixel per screen pixel  (0)").clicked() {
         commands.push(Command::ZoomOne);
     }
-    /// Narrower bars do without the figures.
-    const ROOM_POINTS: f32 = 190.0;
-    if ui.available_width() < ROOM_POINTS {
-        return;
-    }
     let viewport = session.viewport();
     let zoom = scale.map_or_else(|| "fit".to_owned(), |s| format!("{:.0} %", s * 100.0));
-    let text = format!("{} × {}  {zoom}", viewport.width, viewport.height);
-    if ui.available_width() >= FIGURES_POINTS {
-        ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
-            .on_hover_text("Size of the picture in px, and its enlargement on screen. Ctrl+G sets it: 800% 12,34");
-    }
+    let text = match ui.available_width() {
+        room if room >= FIGURES_POINTS => format!("{} × {}  {zoom}", viewport.width, viewport.height),
+        room if room >= ENLARGEMENT_POINTS => zoom,
+        _ => return,
+    };
+    ui.label(RichText::new(text).monospace().color(tokens(ui).text_weak))
+        .on_hover_text("Size of the picture in px, and its enlargement on screen. Ctrl+G sets it: 800% 12,34");
 }
