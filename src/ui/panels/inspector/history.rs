@@ -68,11 +68,16 @@ impl History {
             ui.spacing_mut().button_padding.x = theme::space::XS;
             for (kind, listed) in Kind::ALL.iter().zip(&mut self.listed) {
                 let count = kind.count(report);
-                let text = RichText::new(format!("{} {count}", kind.name())).small();
-                let button = Button::selectable(*listed && count > 0, (theme::icon(icon(*kind)), text));
-                let response = ui.add_enabled(count > 0, button);
+                // The word is in the tooltip: five of them do not fit into a row.
+                let text = RichText::new(format::count(count as u64)).small();
+                let is_on = *listed && count > 0;
+                let response = ui.add_enabled(count > 0, Button::selectable(is_on, (theme::icon(icon(*kind)), text)));
+                let name = format!("{} {count}", kind.name());
+                response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, count > 0, is_on, &name));
                 let listing = if *listed { "listed" } else { "not listed" };
-                if response.on_hover_text(format!("{} Now {listing}.", kind.help())).clicked() {
+                let help = format!("{}: {} Now {listing}.", kind.name(), kind.help());
+                let none = format!("{}: none at this pixel. {}", kind.name(), kind.help());
+                if response.on_hover_text(help).on_disabled_hover_text(none).clicked() {
                     *listed ^= true;
                 }
             }
