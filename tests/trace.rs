@@ -31,10 +31,10 @@ use rasterscope::upscale::Upscaling;
 use rayon::prelude::*;
 
 /// Odd on purpose.
-const SIZE: Viewport = Viewport { width: 47, height: 31 };
+const SIZE: Viewport = Viewport { width: 17, height: 13 };
 
 /// The same where there are many recipes.
-const SIZE_OF_MANY: Viewport = Viewport { width: 23, height: 15 };
+const SIZE_OF_MANY: Viewport = Viewport { width: 11, height: 7 };
 
 /// The same for traces.
 const SIZE_TRACED: Viewport = Viewport { width: 9, height: 7 };
