@@ -169,7 +169,7 @@ mod tests {
             "--mirror-z",
             "--set culling=none",
             "--picture 320x200",
-            "--buffer depth --look 'map=magma,reversed' --overlay 'facing=0.25' --overlay wireframe",
+            "--buffer depth --look map=magma,reversed --overlay facing=0.25 --overlay wireframe",
             "--triangles 7 --fragments 8",
             "--at 3,4",
         ] {
