@@ -143,6 +143,8 @@ pub struct Loop {
     to_ask: Option<Box<WhatIfRequest>>,
     /// The present request, if one more frame of it is better than the last.
     to_improve: Option<Box<Request>>,
+    /// The present request, if a part of its answer takes long and is yet to be made.
+    to_complete: Option<Box<Request>>,
     to_time: Option<Box<Figuring>>,
     measurement: Option<Measurement>,
     done: std::collections::VecDeque<Answer>,
@@ -196,7 +198,8 @@ impl Loop {
             return Ok(None);
         }
         let figuring = self.to_time.as_ref();
-        if figuring.is_none() && !self.comparer.has_work() && !self.drawer.has_work() {
+        let is_complete = self.to_complete.is_none();
+        if figuring.is_none() && is_complete && !self.comparer.has_work() && !self.drawer.has_work() {
             return inbox.recv().map(Some);
         }
         if self.comparer.has_begun() || self.drawer.has_begun() || figuring.is_some_and(|figuring| figuring.has_begun())
@@ -237,7 +240,7 @@ impl Loop {
     /// Does one piece of the most urgent work; false if there was none.
     fn step(&mut self) -> bool {
         if let Some(request) = self.to_show.take().or_else(|| self.to_improve.take()) {
-            self.to_improve = None;
+            (self.to_improve, self.to_complete) = (None, None);
             self.show(*request);
         } else if self.watcher.has_work() {
             self.watch();
@@ -245,6 +248,8 @@ impl Loop {
             self.compare(|comparer| Some(comparer.ask(*request)));
         } else if let Some(request) = self.to_ask.take() {
             self.ask(|drawer| drawer.ask(*request).cloned());
+        } else if let Some(request) = self.to_complete.take() {
+            self.show(*request);
         } else if self.comparer.has_work() {
             self.compare(Comparer::step);
         } else if self.drawer.has_work() {
@@ -319,6 +324,9 @@ impl Loop {
                     self.to_improve = Some(Box::new(view.request.clone()));
                 } else if view.fresh {
                     self.to_time = Some(Box::new(Figuring::new(view.clone())));
+                }
+                if view.looked.is_unfinished {
+                    self.to_complete = Some(Box::new(view.request.clone()));
                 }
                 self.watcher.look_at(&view);
                 self.done.push_back(Answer::View(Box::new(view)));
