@@ -25,15 +25,20 @@ pub(super) struct Finished {
     pub(super) unfiltered: Unfiltered,
 }
 
-/// The full picture from what was drawn.
+/// The full picture from what was drawn, in memory that is no longer needed.
 pub(super) fn finish<'a>(
     recipe: &Recipe,
     drawn: &Drawn<'_>,
     viewport: Viewport,
+    memory: Option<Image<Rgba8>>,
     triangles: impl Fn() -> &'a TriangleList,
 ) -> Finished {
     let Viewport { width, height } = viewport;
-    let upscaled = (!recipe.upscaler.is_native()).then(|| recipe.upscaler.upscale(drawn, width, height));
+    let upscaled = (!recipe.upscaler.is_native()).then(|| {
+        let mut full = Image::reusing(memory, width, height, [0; 4]);
+        recipe.upscaler.upscaler().upscale(recipe.upscaler, drawn, &mut full);
+        full
+    });
     let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color));
     if filtered.is_none() && !recipe.wireframe {
         return Finished { picture: upscaled, unfiltered: Unfiltered::Finished };

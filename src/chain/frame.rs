@@ -104,6 +104,15 @@ impl Frame {
         self.surfaces.is_some() && before + 1 < recipe.upscaler.upscaler().settles_after(recipe.upscaler)
     }
 
+    /// Takes a picture apart for its memory: colours and depths that were drawn, and the full picture if there is another.
+    pub(super) fn into_memory(self) -> (Framebuffer, Option<Image<Rgba8>>) {
+        let full = match self.unfiltered {
+            Unfiltered::Kept(picture) => Some(picture),
+            Unfiltered::Finished | Unfiltered::Drawn => self.finished,
+        };
+        (self.drawn, full)
+    }
+
     /// What the next frame may read of this one, if the upscaler reads the past.
     pub(super) fn history(&self, recipe: &Recipe) -> Option<History> {
         let (how, upscaler) = (recipe.upscaler, recipe.upscaler.upscaler());
@@ -182,7 +191,7 @@ impl Frame {
     pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
         let Finished { picture, unfiltered } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
-            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, triangles)
+            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, None, triangles)
         };
         Self {
             finished: picture,

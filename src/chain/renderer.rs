@@ -25,8 +25,10 @@ use crate::upscale::{Drawn, History};
 pub struct Renderer {
     memory: tiled::Memory,
     lanes: Lanes,
-    /// A picture that is no longer needed.
+    /// Colours as they were drawn, that are no longer needed.
     spare: Option<Image<Rgba8>>,
+    /// A full picture that is no longer needed, of frames that are not drawn in full.
+    spare_full: Option<Image<Rgba8>>,
     /// Depths that are no longer needed.
     spare_depth: Option<Image<f32>>,
     /// The last frame, if its upscaler reads the past.
@@ -44,7 +46,14 @@ struct Past {
 
 impl Default for Renderer {
     fn default() -> Self {
-        Self { memory: tiled::Memory::default(), lanes: Lanes::best(), spare: None, spare_depth: None, past: None }
+        Self {
+            memory: tiled::Memory::default(),
+            lanes: Lanes::best(),
+            spare: None,
+            spare_full: None,
+            spare_depth: None,
+            past: None,
+        }
     }
 }
 
@@ -75,7 +84,7 @@ impl Renderer {
         let same = |past: &Past| Arc::ptr_eq(&past.scene, scene) && past.recipe == *recipe && past.viewport == viewport;
         let past = self.past.take().filter(same).map(|past| past.history);
         let mut frame = if execution(scene, recipe).0 == Execution::Classic {
-            run_after(past, scene, camera, recipe, viewport, &mut ())
+            run_after((past, self.spare_full.take()), scene, camera, recipe, viewport, &mut ())
         } else {
             self.render_tiled(past, scene, camera, recipe, viewport, keep_depth)
         };
@@ -153,8 +162,9 @@ impl Renderer {
         let drawn_at = Instant::now();
         let outlines = outlines(scene, camera, recipe, viewport);
         let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
-        let Finished { picture, unfiltered } =
-            finish(recipe, &known, viewport, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
+        let Finished { picture, unfiltered } = finish(recipe, &known, viewport, self.spare_full.take(), || {
+            outlines.as_ref().unwrap_or_else(|| &geometry.triangles)
+        });
         let front = report.times.transform + report.times.cull;
         let times = FrameTimes {
             geometry: front,
@@ -201,14 +211,17 @@ impl Renderer {
 
     /// Takes the memory of a frame that nobody looks at any more.
     pub fn recycle(&mut self, frame: Frame) {
-        self.spare = Some(frame.drawn.color);
-        self.spare_depth = frame.drawn.depth.or(self.spare_depth.take());
+        let (drawn, full) = frame.into_memory();
+        self.spare = Some(drawn.color);
+        self.spare_depth = drawn.depth.or(self.spare_depth.take());
+        self.spare_full = full.or(self.spare_full.take());
     }
 
     /// Bytes held from frame to frame.
     pub fn bytes(&self) -> usize {
         self.memory.bytes()
             + self.spare.as_ref().map_or(0, Image::bytes)
+            + self.spare_full.as_ref().map_or(0, Image::bytes)
             + self.spare_depth.as_ref().map_or(0, Image::bytes)
     }
 }

@@ -27,12 +27,12 @@ pub fn run<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Frame {
-    run_after(None, scene, camera, recipe, viewport, observer)
+    run_after((None, None), scene, camera, recipe, viewport, observer)
 }
 
-/// [`run`] after another frame of the same scene and recipe.
+/// [`run`] after another frame of the same scene and recipe, the full picture in memory that is no longer needed.
 pub(super) fn run_after<O: Observer>(
-    past: Option<Arc<History>>,
+    (past, memory): (Option<Arc<History>>, Option<Image<Rgba8>>),
     scene: &Scene,
     camera: &Camera,
     recipe: &Recipe,
@@ -67,7 +67,7 @@ pub(super) fn run_after<O: Observer>(
     let outlines = outlines(scene, camera, recipe, viewport);
     let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
     let Finished { picture, unfiltered } =
-        finish(recipe, &known, viewport, || outlines.as_ref().unwrap_or(&geometry.triangles));
+        finish(recipe, &known, viewport, memory, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
         geometry: geometry_done - start,
         pixels: drawn_at - geometry_done,

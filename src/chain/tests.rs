@@ -136,3 +136,20 @@ fn another_scene_recipe_or_size_has_no_past() {
     assert!(!draw(&scene, &recipe, SIZE) && draw(&scene, &recipe, SIZE));
     assert!(!draw(&twin, &recipe, SIZE) && !draw(&twin, &lines, SIZE) && !draw(&twin, &lines, smaller));
 }
+
+#[test]
+fn a_frame_is_made_in_the_memory_of_one_that_is_no_longer_needed() {
+    let scene = scene("chess");
+    let upscaler = Upscaling::new("bilinear", 2).unwrap();
+    for execution in Execution::ALL {
+        let recipe = Recipe { upscaler, execution: *execution, ..Recipe::default() };
+        let mut renderer = Renderer::default();
+        let draw = |renderer: &mut Renderer| renderer.render(&scene, &scene.home, &recipe, SIZE, KeepDepth::Yes);
+        let first = draw(&mut renderer);
+        let (picture, memory) = (first.image().clone(), first.image().pixels().as_ptr());
+        renderer.recycle(first);
+        let second = draw(&mut renderer);
+        assert_eq!(second.image().pixels().as_ptr(), memory, "{execution:?}");
+        assert_eq!(*second.image(), picture, "{execution:?}");
+    }
+}

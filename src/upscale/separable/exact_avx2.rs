@@ -15,8 +15,8 @@ use std::array;
 use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
-use super::lanes::{load, load_bytes, load_codes, store, store_codes, window};
 use crate::image::Rgba8;
+use crate::upscale::lanes::{load, load_bytes, load_codes, store, store_codes, window};
 use crate::upscale::lattice::{Lattice, Place};
 
 /// Pixels of a block.

@@ -18,9 +18,9 @@ use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
 use super::fixed::{BIAS, POINT, Phase, value_of};
-use super::lanes::{load, load_bytes, store, store_codes, window};
 use crate::image::Rgba8;
 use crate::upscale::Upscaling;
+use crate::upscale::lanes::{load, load_bytes, store, store_codes, window};
 use crate::upscale::lattice::Lattice;
 
 /// Pixels of a block.

@@ -10,8 +10,6 @@ mod exact_avx2;
 mod fixed;
 #[cfg(target_arch = "x86_64")]
 mod fixed_avx2;
-#[cfg(target_arch = "x86_64")]
-mod lanes;
 mod light;
 #[cfg(test)]
 mod tests;
@@ -60,7 +58,7 @@ fn table<const N: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<
 
 /// Where the columns of a picture lie.
 fn columns(lattice: Lattice, width: u32) -> Vec<Place> {
-    (0..width).map(|at| lattice.place(at)).collect()
+    lattice.places_from(0).take(width as usize).collect()
 }
 
 /// Weights in fixed point.

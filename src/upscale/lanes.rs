@@ -3,7 +3,7 @@
 use std::arch::x86_64::{__m128i, __m256i};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Avx2, i16x16, u8x16, u8x32};
+use fearless_simd::{Avx2, i16x16, u8x16, u8x32, u32x8};
 
 /// Sixteen values.
 #[target_feature(enable = "avx2")]
@@ -24,6 +24,13 @@ pub(super) fn load_bytes(avx2: Avx2, bytes: &[u8; 16]) -> __m128i {
 #[inline]
 pub(super) fn load_codes(avx2: Avx2, bytes: &[u8; 32]) -> __m256i {
     u8x32::load_array_ref(avx2, bytes).into()
+}
+
+/// Eight words.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn load_words(avx2: Avx2, words: &[u32; 8]) -> __m256i {
+    u32x8::load_array_ref(avx2, words).into()
 }
 
 /// Writes sixteen values.
