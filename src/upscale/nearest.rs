@@ -57,9 +57,6 @@ impl Upscaler for Nearest {
     }
 }
 
-/// Most rows that are copies of one row of samples.
-pub(super) const MAX_ROWS: usize = 4;
-
 /// The sample that an output pixel copies: anchored at the corner the last one at or before it, as published, else the
 /// nearest; of `samples`.
 fn source(lattice: Lattice, place: Place, samples: u32) -> u32 {
@@ -78,52 +75,33 @@ fn sources(lattice: Lattice, first: u32, samples: u32) -> impl Iterator<Item = u
     lattice.places_from(first).map(move |place| source(lattice, place, samples))
 }
 
-/// Writes rows that are copies of one row of samples, at most [`MAX_ROWS`].
-pub(super) trait Copies: Sync {
-    /// Overwrites `rows`, which follow one another without a gap.
-    fn copy(&self, samples: &[Rgba8], rows: &mut [Rgba8]);
-}
-
-/// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result.
+/// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result. Rows that look the same are
+/// copies of the first of them.
 fn fill(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
-    let columns: Vec<_> = sources(lattice, 0, drawn.width()).take(full.width() as usize).collect();
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = level.as_avx2()
-        && let Some(copies) = super::nearest_avx2::CopiesAvx2::new(avx2, &columns, drawn.width())
-    {
-        return fill_with(&copies, lattice, drawn, full);
-    }
-    fill_with(&Plain { columns }, lattice, drawn, full);
-}
-
-fn fill_with(copies: &impl Copies, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     let width = full.width() as usize;
+    let columns: Vec<_> = sources(lattice, 0, drawn.width()).take(width).collect();
     bands::fill(full, lattice.scale, |first, count, mut band| {
         let rows: Vec<_> = sources(lattice, first, drawn.height()).take(count).collect();
-        let blocks = rows.chunk_by(|a, b| a == b).flat_map(|block| block.chunks(MAX_ROWS));
-        for block in blocks {
-            let (own, rest) = band.split_at_mut(block.len() * width);
-            copies.copy(drawn.row(block[0]), own);
+        for same in rows.chunk_by(|a, b| a == b) {
+            let (own, rest) = band.split_at_mut(same.len() * width);
+            let (widened, copies) = own.split_at_mut(width);
+            widen(level, drawn.row(same[0]), &columns, widened);
+            for row in copies.chunks_exact_mut(width) {
+                row.copy_from_slice(widened);
+            }
             band = rest;
         }
     });
 }
 
-/// In plain Rust: the first row pixel by pixel, the others are copies of it.
-struct Plain {
-    /// The sample that each pixel of a row copies.
-    columns: Vec<u32>,
-}
-
-impl Copies for Plain {
-    fn copy(&self, samples: &[Rgba8], rows: &mut [Rgba8]) {
-        let (first, others) = rows.split_at_mut(self.columns.len());
-        for (pixel, source) in first.iter_mut().zip(&self.columns) {
-            *pixel = samples[*source as usize];
-        }
-        for row in others.chunks_exact_mut(first.len()) {
-            row.copy_from_slice(first);
-        }
+/// Fills a row whose pixels copy the samples in these columns.
+fn widen(level: Level, samples: &[Rgba8], columns: &[u32], row: &mut [Rgba8]) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = level.as_avx2() {
+        return super::nearest_avx2::widen(avx2, samples, columns, row);
+    }
+    for (pixel, column) in row.iter_mut().zip(columns) {
+        *pixel = samples[*column as usize];
     }
 }
 
