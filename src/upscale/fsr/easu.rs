@@ -42,8 +42,8 @@ const PLACES: [(i32, i32); 12] =
 /// The four nearest, as places in [`PLACES`].
 const NEAREST: [usize; 4] = [3, 4, 7, 8];
 
-/// What is known about a sample: four channels, slope across and down, straightness.
-const PLANES: usize = 7;
+/// What is known about a sample: four channels, slope across and down, straightness, luma.
+const PLANES: usize = 8;
 
 /// Rows of samples, channel by channel, with a margin, and the slopes there.
 struct Source {
@@ -56,7 +56,8 @@ struct Source {
 }
 
 impl Source {
-    /// These rows of samples, of a picture of at least one. Slopes are found in all of them but the first and the last.
+    /// These rows of samples, of a picture of at least one: from the one before the first cells to the third after the last, as
+    /// rows are handed out in fours. Slopes are found in all of them but the first and the last.
     fn new(lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) -> Self {
         let stride = drawn.width() as usize + 2 * MARGIN + 2 * LANES;
         let planes = std::array::from_fn(|_| vec![0.0; stride * rows.len()]);
@@ -86,22 +87,28 @@ impl Source {
             }
             right.fill(f32::from(samples[samples.len() - 1][channel]));
         }
+        let of_row = row * self.stride..(row + 1) * self.stride;
+        let [red, green, blue, .., luma] = &mut self.planes;
+        let [red, green, blue] = [red, green, blue].map(|plane| &plane[of_row.clone()]);
+        for (((luma, r), g), b) in luma[of_row.clone()].iter_mut().zip(red).zip(green).zip(blue) {
+            *luma = 0.5 * (r + b) + g;
+        }
     }
 
     /// Finds the slopes of a row of the planes that has one above and one below.
     #[inline(always)]
     fn find_slopes<S: Simd>(&mut self, _simd: S, row: usize) {
-        let (stride, around) = (self.stride, (row - 1) * self.stride);
-        let [red, green, blue, _, across, down, straightness] = &mut self.planes;
-        let [red, green, blue] = [red, green, blue].map(|plane| &plane[around..around + 3 * stride]);
-        let luma = |at: usize| 0.5 * (red[at] + blue[at]) + green[at];
+        let (stride, inner) = (self.stride, self.stride - 2);
+        let [.., across, down, straightness, luma] = &mut self.planes;
+        let from = |row: usize, column: usize| &luma[row * stride + column..][..inner];
+        let (left, own, right) = (from(row, 0), from(row, 1), from(row, 2));
+        let (above, below) = (from(row - 1, 1), from(row + 1, 1));
         let [across, down, straightness] =
-            [across, down, straightness].map(|plane| &mut plane[row * stride..(row + 1) * stride]);
-        for column in 1..stride - 1 {
-            let at = stride + column;
-            let (dx, along_x) = slope(luma(at - 1), luma(at), luma(at + 1));
-            let (dy, along_y) = slope(luma(column), luma(at), luma(at + stride));
-            (across[column], down[column], straightness[column]) = (dx, dy, along_x + along_y);
+            [across, down, straightness].map(|plane| &mut plane[row * stride + 1..][..inner]);
+        for at in 0..inner {
+            let (dx, along_x) = slope(left[at], own[at], right[at]);
+            let (dy, along_y) = slope(above[at], own[at], below[at]);
+            (across[at], down[at], straightness[at]) = (dx, dy, along_x + along_y);
         }
     }
 
@@ -271,7 +278,7 @@ pub(super) fn fill(
 ) {
     let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
     let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
-    let source = Source::new(lanes, drawn, top.cell - 1..bottom.cell + 3);
+    let source = Source::new(lanes, drawn, top.cell - 1..bottom.cell + 4);
     for (row, place) in rows.chunks_exact_mut(width).zip(places) {
         let phases = Phases { lattice, row: place };
         on_lanes!(lanes, simd => fill_lanes(simd, &source, phases, row));
