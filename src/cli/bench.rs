@@ -43,6 +43,8 @@ pub(crate) struct BenchArgs {
 enum LanesArg {
     /// The best that there are
     Best,
+    /// AVX2; what every processor of the architecture has where there is none
+    Avx2,
     /// What every processor of the architecture has
     Baseline,
 }
@@ -56,6 +58,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     let lanes = match args.lanes {
         LanesArg::Best => Lanes::best(),
+        LanesArg::Avx2 => Lanes::avx2().unwrap_or_else(Lanes::baseline),
         LanesArg::Baseline => Lanes::baseline(),
     };
     let threads = args.threads.map_or(0, usize::from);

@@ -362,7 +362,7 @@ impl Workbench {
 
     /// Sends a request if something has changed that it depends on.
     fn ask(&mut self, ui: &Ui) {
-        self.session.pick_at_first();
+        self.session.pick_by_itself();
         let request = self.session.request();
         let same = self.asked.as_ref().is_some_and(|asked| asked.same_view(&request));
         if !same && self.session.canvas_px != (0, 0) {

@@ -247,10 +247,14 @@ pub struct Session {
     settled: Undoable,
 }
 
-/// Whether the window still has to pick a pixel by itself, so that a new user sees what picking tells.
+/// Whether the window picks a pixel by itself, so that a new user sees what picking tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum FirstPick {
+    /// Nothing was picked yet.
     Due,
+    /// This pixel, in a picture of this size; in one of another size it is picked anew.
+    Made((u32, u32), Viewport),
+    /// The user has picked.
     Done,
 }
 
@@ -434,17 +438,28 @@ impl Session {
         self.settled = self.state.clone();
     }
 
-    /// Picks a pixel of the first frame, unless one is picked already: the one nearest to [`FIRST_PICK`] that shows a
-    /// triangle.
-    pub fn pick_at_first(&mut self) {
+    /// Picks a pixel of the frame on screen if the user has not done so yet, or if the picked one is no longer within the
+    /// picture: the one nearest to [`FIRST_PICK`] that shows a triangle.
+    pub fn pick_by_itself(&mut self) {
         let Some(view) = &self.view else { return };
-        if self.first_pick == FirstPick::Done || view.frame.viewport != self.viewport() {
+        let viewport = view.frame.viewport;
+        if viewport != self.viewport() {
             return;
         }
-        self.first_pick = FirstPick::Done;
-        let Viewport { width, height } = view.frame.viewport;
-        let place = ((width as f32 * FIRST_PICK.0) as u32, (height as f32 * FIRST_PICK.1) as u32);
-        self.pick = self.pick.or_else(|| nearest_drawn(&view.frame, place)).or(Some(place));
+        let is_wanted = match (self.first_pick, self.pick) {
+            (FirstPick::Due, None) => true,
+            (FirstPick::Made(own, of), Some(pick)) if own == pick => of != viewport,
+            (_, Some((x, y))) => x >= viewport.width || y >= viewport.height,
+            (_, None) => false,
+        };
+        if is_wanted {
+            let Viewport { width, height } = viewport;
+            let place = ((width as f32 * FIRST_PICK.0) as u32, (height as f32 * FIRST_PICK.1) as u32);
+            let pick = nearest_drawn(&view.frame, place).unwrap_or(place);
+            (self.pick, self.first_pick) = (Some(pick), FirstPick::Made(pick, viewport));
+        } else if !matches!((self.first_pick, self.pick), (FirstPick::Made(own, _), Some(pick)) if own == pick) {
+            self.first_pick = FirstPick::Done;
+        }
     }
 
     /// Takes the present state as the one that undo ends at.

@@ -137,7 +137,7 @@ impl Bench {
         let size = Vec2::new(viewport.width as f32, viewport.height as f32);
         let scale = (canvas.width() / size.x).min(canvas.height() / size.y).floor();
         assert!(scale >= 1.0, "the picture fits");
-        let corner = (canvas.center() - size * scale / 2.0).round();
+        let corner = canvas.min + ((canvas.size() - size * scale) / 2.0).floor();
         corner + (Vec2::new(x as f32, y as f32) + Vec2::splat(0.5)) * scale
     }
 

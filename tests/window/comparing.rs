@@ -26,7 +26,7 @@ fn place_of(bench: &Bench, picture: &str, (x, y): (u32, u32)) -> Pos2 {
     let size = Vec2::new(viewport.width as f32, viewport.height as f32);
     let exact = (tile.width() / size.x).min(tile.height() / size.y);
     let scale = if exact >= 1.0 { exact.floor() } else { exact };
-    let corner = (tile.center() - size * scale / 2.0).round();
+    let corner = (tile.min + ((tile.size() - size * scale) / 2.0).floor()).round();
     corner + (Vec2::new(x as f32, y as f32) + Vec2::splat(0.5)) * scale
 }
 

@@ -1,6 +1,6 @@
 //! Range control on the canvas: fitting, handles, channels, boxes; and that none of it changes a value.
 
-use eframe::egui::{Key, Modifiers, PointerButton, Vec2};
+use eframe::egui::{Key, Modifiers, PointerButton, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::inspect::Buffer;
 use rasterscope::inspect::range::{Fit, Rule};
@@ -37,7 +37,7 @@ fn handles_set_the_range_and_change_no_value() {
     let mut bench = showing_depth();
     let (before, picture) = (values(&bench), bench.view().picture.clone());
     let natural = bench.view().range.expect("depth has a range");
-    let plot = bench.window.get_by_label("Histogram").rect();
+    let plot = bench.window.get_by_role_and_label(Role::Image, "Histogram").rect();
     let (from, to) = (plot.left_top() + Vec2::new(3.0, 20.0), plot.left_top() + Vec2::new(plot.width() / 4.0, 20.0));
     bench.drag(PointerButton::Primary, from, to - from);
     let Rule::Fixed(range) = rule(&bench) else { panic!("the handle sets the range") };

@@ -11,7 +11,7 @@ use crate::ui::mesh_view;
 use crate::ui::overlays;
 use crate::ui::range;
 use crate::ui::session::{PointerMode, Session};
-use crate::ui::theme::{self, Icon, tokens};
+use crate::ui::theme::{self, CONTROL_HEIGHT, Icon, tokens};
 use crate::ui::what_if;
 use crate::ui::widgets::{combo, icon_button};
 
@@ -28,10 +28,26 @@ pub fn toolbar(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mu
     });
 }
 
+/// What the bar does without from the last one on where it is narrow: keys, menu and palette offer them, too.
+const OPENERS: [Opener; 5] = [Opener::Overlays, Opener::Tiles, Opener::Outside, Opener::WhatIf, Opener::Range];
+
+/// A button that opens a tool.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Opener {
+    Tiles,
+    WhatIf,
+    Outside,
+    Range,
+    Overlays,
+}
+
 fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
-    /// Narrower bars do without the buttons of what keys and palette offer, too, in points.
-    const ROOMY_POINTS: f32 = 430.0;
-    let roomy = ui.available_width() >= ROOMY_POINTS;
+    /// Room for the list of what is shown with its two buttons and for those of the pointer, in points.
+    const ALWAYS: f32 = 230.0;
+    /// Room for one button more, in points.
+    const ONE: f32 = CONTROL_HEIGHT + theme::space::S;
+    let room = ((ui.available_width() - ALWAYS) / ONE).max(0.0) as usize;
+    let shows = |opener| OPENERS.iter().take(room).any(|shown| *shown == opener);
     if icon_button(ui, Icon::ChevronLeft, "Show the stage before  ([)").clicked() {
         commands.push(Command::StepStage(-1));
     }
@@ -61,19 +77,28 @@ fn stages(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if icon_button(ui, Icon::ChevronRight, "Show the stage after  (])").clicked() {
         commands.push(Command::StepStage(1));
     }
-    if icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
+    if shows(Opener::Tiles) && icon_button(ui, Icon::Columns2, "Compare pictures side by side  (T)").clicked() {
         commands.push(Command::Compare(Change::Toggle(Mode::Tiles)));
     }
-    if roomy && icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked() {
+    if shows(Opener::WhatIf) && icon_button(ui, Icon::Diff, "What did the last change of a setting do?  (X)").clicked()
+    {
         commands.push(Command::WhatIf(what_if::Change::Toggle));
     }
-    if icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked() {
+    if shows(Opener::Outside)
+        && icon_button(ui, Icon::Box, "See the scene from outside, with the camera's view  (M)").clicked()
+    {
         commands.push(Command::MeshView(mesh_view::Change::Toggle));
     }
     let help = "Range and histogram of what is shown, on the picture";
-    if roomy && icon_button(ui, Icon::ChartColumn, help).clicked() {
+    if shows(Opener::Range) && icon_button(ui, Icon::ChartColumn, help).clicked() {
         commands.push(Command::Range(range::Change::Open(!session.range.open)));
     }
+    if shows(Opener::Overlays) {
+        overlays_button(ui, session, commands);
+    }
+}
+
+fn overlays_button(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let count = session.overlays.count();
     let name = if count > 0 { format!("Overlays ({count})") } else { "Overlays".to_owned() };
     let text = if count > 0 { count.to_string() } else { String::new() };

@@ -134,8 +134,10 @@ fn handles(ui: &Ui, response: &Response, bars: Rect, axis: Range, range: Range) 
     let mut dragged = None;
     if let Some(pointer) = response.interact_pointer_pos() {
         if response.drag_started() {
-            let (from_low, from_high) = ((pointer.x - ends[0]).abs(), (pointer.x - ends[1]).abs());
-            // Where both stand in one place, the side of the pointer decides.
+            // A drag is known as one only some way from where it began.
+            let from = ui.input(|i| i.pointer.press_origin()).unwrap_or(pointer).x;
+            let (from_low, from_high) = ((from - ends[0]).abs(), (from - ends[1]).abs());
+            // Where both stand in one place, the way of the pointer decides.
             let high = if from_low == from_high { pointer.x > ends[1] } else { from_high < from_low };
             ui.data_mut(|data| data.insert_temp(held_id, high));
         }

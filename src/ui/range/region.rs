@@ -1,6 +1,6 @@
 //! A rectangle of the picture, dragged on the canvas.
 
-use eframe::egui::{CursorIcon, Painter, PointerButton, Rect, Response, Stroke, StrokeKind, Ui};
+use eframe::egui::{CursorIcon, Painter, PointerButton, Pos2, Rect, Response, Stroke, StrokeKind, Ui};
 
 use super::Change;
 use crate::measure::region::Region;
@@ -34,9 +34,12 @@ impl Dragging {
         if session.range.draws_region && response.hovered() {
             ui.set_cursor_icon(CursorIcon::Crosshair);
         }
-        let pixel = response.interact_pointer_pos().and_then(|pointer| nearest(placement, pointer, size));
+        let pixel_at = |place: Option<Pos2>| place.and_then(|place| nearest(placement, place, size));
+        let pixel = pixel_at(response.interact_pointer_pos());
         if response.drag_started_by(PointerButton::Primary) {
-            self.corners = pixel.map(|pixel| [pixel; 2]);
+            // A drag is known as one only some way from where it began.
+            let first = pixel_at(ui.input(|i| i.pointer.press_origin()));
+            self.corners = first.zip(pixel).map(|(first, end)| [first, end]);
         } else if let (true, Some([_, end]), Some(pixel)) =
             (response.dragged_by(PointerButton::Primary), &mut self.corners, pixel)
         {
@@ -63,7 +66,7 @@ impl Dragging {
 }
 
 /// The pixel of a picture nearest to a place on the window; none if there are no pixels.
-fn nearest(placement: Placement, pointer: eframe::egui::Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
+fn nearest(placement: Placement, pointer: Pos2, (width, height): (u32, u32)) -> Option<(u32, u32)> {
     let place = placement.to_picture(pointer);
     let clamp = |at: f32, size: u32| Some((at.max(0.0) as u32).min(size.checked_sub(1)?));
     Some((clamp(place.x, width)?, clamp(place.y, height)?))

@@ -20,7 +20,7 @@ impl Watcher {
 
     /// Takes in what is on screen now.
     pub fn look_at(&mut self, view: &View) {
-        self.is_due |= view.fresh;
+        self.is_due |= view.fresh && !self.pixels.is_empty();
         self.view = Some(view.clone());
     }
 
