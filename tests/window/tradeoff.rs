@@ -49,35 +49,36 @@ fn a_row_becomes_picture_a_or_b() {
     assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [second, first]);
 }
 
-#[test]
-fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
-    let mut bench = Bench::small("chess");
-    bench.click("Error vs time");
-    bench.click("Measure error and time");
-    let points: Vec<(Upscaling, Pos2)> = bench
-        .session()
-        .timings
-        .tradeoff()
-        .iter()
-        .map(|point| {
-            let name = format!("Point: {},", point.upscaling.label());
-            let node = bench.window.query_all_by_label_contains(&name).next().expect("every point is named");
-            (point.upscaling, node.rect().center())
-        })
-        .collect();
-    // Those that stand farthest from all others, so that nobody can say that another was meant.
-    let alone = |of: &(Upscaling, Pos2)| {
-        let others = points.iter().filter(|other| other.0 != of.0);
+/// Where the points of the plot stand, those first that stand farthest from all others: there nobody can say that another
+/// was meant.
+fn lonely_points(bench: &Bench) -> Vec<(Upscaling, Pos2)> {
+    let place = |upscaling: Upscaling| {
+        let name = format!("Point: {},", upscaling.label());
+        bench.window.query_all_by_label_contains(&name).next().expect("every point is named").rect().center()
+    };
+    let points = bench.session().timings.tradeoff();
+    let places: Vec<_> = points.iter().map(|point| (point.upscaling, place(point.upscaling))).collect();
+    let room = |of: &(Upscaling, Pos2)| {
+        let others = places.iter().filter(|other| other.0 != of.0);
         others.map(|other| other.1.distance(of.1)).fold(f32::INFINITY, f32::min)
     };
-    let mut lonely = points.clone();
-    lonely.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
-    let (b, a) = (lonely[0], lonely[1]);
-    bench.click_at(b.1);
+    let mut lonely = places.clone();
+    lonely.sort_by(|a, b| room(b).total_cmp(&room(a)));
+    lonely
+}
+
+#[test]
+fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Error vs time");
+    bench.click("Measure error and time");
+    let (second, place) = lonely_points(&bench)[0];
+    bench.click_at(place);
     assert_eq!(bench.session().comparison.mode, Mode::Wipe);
-    bench.click_at_with(Modifiers::SHIFT, a.1);
+    let (first, place) = lonely_points(&bench)[1];
+    bench.click_at_with(Modifiers::SHIFT, place);
     let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
-    assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [a.0, b.0]);
+    assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [first, second]);
 }
 
 #[test]
