@@ -16,14 +16,20 @@ use crate::pipeline::depth::Comparison;
 use crate::pipeline::settings::{Choice as _, Settings};
 use crate::scene::{Instance, Scene, TriangleId};
 
+/// How the story of a pixel begins that one triangle won without a doubt.
+const PLAIN_WIN: &str = "Won by ";
+
 /// What happened at a pixel, in one sentence; more follow if it is black or the scene was flawed there, and one stands before
-/// if a shared edge went wrong.
+/// if a shared edge went wrong. Where nothing but a plain win is to be told, why it is black comes first: that is what
+/// somebody asks who picks it.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
-    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline) + " ");
+    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
     let story = story(report, frame.is_drawn(report.x, report.y), Comparison::of(&recipe.pipeline));
-    let more = [black::why(report, scene, recipe), flaw::told(report, scene, recipe, frame)];
-    let more = more.into_iter().flatten().fold(String::new(), |text, sentence| text + " " + &sentence);
-    fault.unwrap_or_default() + &story + &more
+    let black = black::why(report, scene, recipe);
+    let flaw = flaw::told(report, scene, recipe, frame, black.as_deref().unwrap_or_default());
+    let (before, after) = if story.starts_with(PLAIN_WIN) { (black, None) } else { (None, black) };
+    let sentences: Vec<_> = [fault, before, Some(story), after, flaw].into_iter().flatten().collect();
+    sentences.join(" ")
 }
 
 /// The instance that a triangle belongs to, and its number.

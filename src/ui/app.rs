@@ -64,6 +64,9 @@ const SLOW_FRAME: Duration = Duration::from_millis(150);
 /// Height of the bars over and under the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 
+/// Height of the tabs along the bottom at first, in points: enough for each of them.
+const TABS_HEIGHT: f32 = 250.0;
+
 /// Most of the window's width that each panel beside the canvas takes at first.
 const SIDE_SHARE: f32 = 0.29;
 
@@ -207,7 +210,7 @@ impl Workbench {
         // In a narrow window the canvas still has the largest share.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
         let (left, right, least) = (share(292.0), share(316.0), self.tab.least_height());
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(least).show(ui, |ui| {
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(TABS_HEIGHT).min_size(least).show(ui, |ui| {
             bottom::ui(ui, &mut self.tab, &self.session, commands);
         });
         Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
@@ -501,6 +504,7 @@ impl Workbench {
             Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
             Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
             Command::OpenTab(tab) => self.tab = tab,
+            Command::OpenStages(open) => pipeline::open_all(ui, open),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
             Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
@@ -791,7 +795,10 @@ impl Workbench {
 }
 
 impl eframe::App for Workbench {
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        if let Some(seconds) = frame.info().cpu_usage {
+            self.session.window_times.record(f64::from(seconds) * 1e3);
+        }
         self.show(ui);
     }
 
