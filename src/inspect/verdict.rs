@@ -80,7 +80,8 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
     let there = || fragments.iter().filter(|f| f.outcome != Outcome::CutOut);
     let triangles = count_triangles(there());
     let rivals = there().filter(|f| f.triangle != winner.triangle);
-    let Some(closest) = rivals.map(|f| f.depth.steps_from(&winner.depth)).min() else {
+    let closest = rivals.map(|f| (f.depth.steps_from(&winner.depth), f)).min_by_key(|(steps, _)| *steps);
+    let Some((closest, rival)) = closest else {
         let others = if there().count() < fragments.len() { " that is not cut out" } else { "" };
         return format!("Won by {name}, the only one here{others}.");
     };
@@ -88,7 +89,8 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
         (None, _, _) => format!("Won by {name}, drawn last of {triangles} (no depth test)."),
         (_, Comparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
         (_, _, 0) => {
-            format!("Depth tie: {name} and another triangle have the very same depth; drawing order decides.")
+            let rival = self::name(rival);
+            format!("Depth tie: {name} and {rival} have the very same depth; drawing order decides.")
         }
         (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => {
             format!("Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest that the buffer can hold.")
