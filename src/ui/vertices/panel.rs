@@ -161,8 +161,11 @@ fn header(ui: &mut Ui, width: f32) {
 }
 
 fn row(ui: &mut Ui, width: f32, stages: &VertexStages, marks: Marks) -> Response {
-    let (rect, response) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT - 4.0), Sense::click());
+    let (rect, _) = ui.allocate_exact_size(vec2(width, ROW_HEIGHT - 4.0), Sense::hover());
     let name = format!("Vertex {}", stages.index);
+    // Its middle, where readers of the screen click, is to be one that is seen.
+    let seen = rect.intersect(ui.clip_rect());
+    let response = ui.interact(seen, ui.scope_id().with(&name), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, marks.is_selected, &name));
     if marks.is_selected {
         ui.painter().rect_filled(rect, RADIUS, tokens(ui).accent_fill);
