@@ -67,6 +67,9 @@ const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 /// Height of the tabs along the bottom at first, in points: enough for each of them.
 const TABS_HEIGHT: f32 = 250.0;
 
+/// Most of the window's height that they take at first.
+const TABS_SHARE: f32 = 0.34;
+
 /// Most of the window's width that each panel beside the canvas takes at first.
 const SIDE_SHARE: f32 = 0.29;
 
@@ -209,10 +212,14 @@ impl Workbench {
     fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
         // In a narrow window the canvas still has the largest share.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
-        let (left, right, least) = (share(292.0), share(316.0), self.tab.least_height());
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(TABS_HEIGHT).min_size(least).show(ui, |ui| {
-            bottom::ui(ui, &mut self.tab, &self.session, commands);
-        });
+        let (left, right) = (share(292.0), share(316.0));
+        let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE);
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(tabs).min_size(bottom::LEAST_HEIGHT).show(
+            ui,
+            |ui| {
+                bottom::ui(ui, &mut self.tab, &self.session, commands);
+            },
+        );
         Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| pipeline::ui(ui, &self.session, commands));
         });

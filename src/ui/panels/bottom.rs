@@ -47,16 +47,8 @@ pub enum Tab {
     Log,
 }
 
-impl Tab {
-    /// What it needs to be of use, in points.
-    pub fn least_height(self) -> f32 {
-        match self {
-            // Some rows of the table under the current line.
-            Self::Arithmetic => 250.0,
-            _ => 90.0,
-        }
-    }
-}
+/// What each of them needs to be of use, in points.
+pub const LEAST_HEIGHT: f32 = 90.0;
 
 /// All tabs, with name and explanation.
 pub const TABS: &[(Tab, &str, &str)] = &[
