@@ -29,7 +29,7 @@ fn absence(absent: &[Absent]) -> String {
             0 => String::new(),
             count => format!(" And {count} more of that kind."),
         };
-        return format!("Background: {} {}.{more}", name(first), without_numbers(&first.reason));
+        return format!("Background: {} {}.{more}", name(first), without_area(&first.reason));
     }
     let never: Vec<_> = absent.iter().filter(|a| a.cause == Cause::NotFinite).collect();
     let unseen = match never.as_slice() {
@@ -53,9 +53,9 @@ fn absence(absent: &[Absent]) -> String {
     }
 }
 
-/// A reason without the numbers in brackets at its end: these stand in the history.
-fn without_numbers(reason: &str) -> &str {
-    reason.split_once(" (").map_or(reason, |(words, _)| words)
+/// A reason without the area in brackets at its end: a number that the history has, and that explains nothing here.
+fn without_area(reason: &str) -> &str {
+    reason.split_once(" (doubled area").map_or(reason, |(words, _)| words)
 }
 
 fn name(absent: &Absent) -> String {
