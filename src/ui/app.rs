@@ -213,7 +213,7 @@ impl Workbench {
         // In a narrow window the canvas still has the largest share.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
         let (left, right) = (share(292.0), share(316.0));
-        let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE);
+        let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE).floor();
         Panel::bottom("tabs").frame(frame).resizable(true).default_size(tabs).min_size(bottom::LEAST_HEIGHT).show(
             ui,
             |ui| {

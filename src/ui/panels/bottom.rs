@@ -107,7 +107,7 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
     panel::tell(*tab == Tab::Histogram, session, commands);
     // A tab has the room that there is: one that wants more would move the picture, whose size may be that of the canvas.
     let room = ui.available_rect_before_wrap();
-    let mut within = ui.new_child(UiBuilder::new().max_rect(room).layout(*ui.layout()));
+    let mut within = ui.new_child(UiBuilder::new().id_salt("tab").max_rect(room).layout(*ui.layout()));
     within.shrink_clip_rect(room.expand2(ui.spacing().item_spacing));
     content(&mut within, *tab, session, commands);
     ui.advance_cursor_after_rect(room);
