@@ -64,8 +64,8 @@ const SLOW_FRAME: Duration = Duration::from_millis(150);
 /// Height of the bars over and under the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 
-/// Height of the tabs along the bottom at first, in points: enough for each of them.
-const TABS_HEIGHT: f32 = 250.0;
+/// Height of the tabs along the bottom at first, in points.
+const TABS_HEIGHT: f32 = 226.0;
 
 /// Most of the window's height that they take at first.
 const TABS_SHARE: f32 = 0.34;
