@@ -299,7 +299,8 @@ impl Workbench {
     }
 
     fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
-        if ui.egui_wants_keyboard_input() || self.dialog.is_open() {
+        // A key in an open menu is the menu's: Esc closes it, and drops nothing else.
+        if ui.egui_wants_keyboard_input() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
             return;
         }
         // In camera mode the letters that fly are no commands.
