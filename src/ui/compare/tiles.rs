@@ -538,14 +538,12 @@ fn words_of(figures: &Figures, count: usize) -> String {
 
 /// Figures in columns from the top of a rectangle on; also as words.
 fn draw_figures(ui: &Ui, rect: Rect, figures: &Figures, color: Color32) -> String {
+    let painter = ui.painter();
     let count = figure_count(rect.width());
     let columns = count.div_ceil(figure_lines(rect.width()));
     let step = rect.width() / columns as f32;
     for (place, (name, value)) in NAMED[..count].iter().enumerate() {
-        let min = rect.min + vec2((place % columns) as f32 * step, (place / columns) as f32 * LINE);
-        // In a very narrow tile a long figure is cut off rather than written over the next one.
-        let painter = ui.painter().with_clip_rect(Rect::from_min_size(min, vec2(step, LINE + 2.0)));
-        let at = min + vec2(space::XS, 2.0);
+        let at = rect.min + vec2((place % columns) as f32 * step + space::XS, (place / columns) as f32 * LINE + 2.0);
         let name = painter.text(at, Align2::LEFT_TOP, name, small(), tokens(ui).text_weak);
         let font = FontId::monospace(font_size::SMALL);
         painter.text(pos2(name.right() + space::XS, at.y), Align2::LEFT_TOP, value(figures), font, color);
