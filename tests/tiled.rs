@@ -1,5 +1,5 @@
 //! Both ways to execute the pipeline give the same picture and the same depths, bit for bit: every scene, every switch, any
-//! number of threads, AVX2 or not.
+//! number of threads, with AVX-512, AVX2 or neither.
 
 mod common;
 
@@ -70,11 +70,11 @@ fn textures() -> Vec<Recipe> {
 }
 
 /// Renderers whose memory goes from frame to frame: what it held must not matter.
-struct Renderers([(&'static str, Renderer); 2]);
+struct Renderers(Vec<(&'static str, Renderer)>);
 
 impl Renderers {
     fn new() -> Self {
-        Self([Lanes::best(), Lanes::baseline()].map(|lanes| (lanes.name(), Renderer::on(lanes))))
+        Self(Lanes::all().map(|lanes| (lanes.name(), Renderer::on(lanes))).collect())
     }
 
     /// Draws tile by tile and compares with the classic way.

@@ -48,6 +48,8 @@ pub(crate) struct BenchArgs {
 enum LanesArg {
     /// The best that there are
     Best,
+    /// AVX2; what every processor of the architecture has where there is none
+    Avx2,
     /// What every processor of the architecture has
     Baseline,
 }
@@ -65,6 +67,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     let lanes = match args.lanes {
         LanesArg::Best => Lanes::best(),
+        LanesArg::Avx2 => Lanes::avx2().unwrap_or_else(Lanes::baseline),
         LanesArg::Baseline => Lanes::baseline(),
     };
     let threads = args.threads.map_or(0, usize::from);

@@ -1,8 +1,8 @@
 //! Eight numbers at a time, with instructions that the processor is asked for at run time.
 //!
-//! Kernels are written once, generic over [`Simd`], and compiled twice: for AVX2, and for what every
-//! processor of the architecture has. Additions, products, quotients, square roots and conversions are correctly rounded in both, and neither joins
-//! a product and a sum into one rounding, so both give the same bits.
+//! Kernels are written once, generic over [`Simd`], and compiled for AVX-512, for AVX2, and for what every processor of the
+//! architecture has. Additions, products, quotients, square roots and conversions are correctly rounded in all, and none joins
+//! a product and a sum into one rounding, so all give the same bits.
 
 pub use fearless_simd::prelude::*;
 pub use fearless_simd::{
@@ -29,6 +29,9 @@ pub type F64<S> = f64x8<S>;
 /// Which instructions kernels are run with.
 #[derive(Clone, Copy, Debug)]
 pub enum Lanes {
+    /// AVX-512 as processors from Ice Lake and Zen 4 on have it: eight doubles in one register.
+    #[cfg(target_arch = "x86_64")]
+    Avx512(fearless_simd::x86::Avx512),
     /// AVX2.
     #[cfg(target_arch = "x86_64")]
     Avx2(fearless_simd::x86::Avx2),
@@ -39,11 +42,28 @@ pub enum Lanes {
 impl Lanes {
     /// The best that this processor has.
     pub fn best() -> Self {
+        Self::avx512().or_else(Self::avx2).unwrap_or_else(Self::baseline)
+    }
+
+    /// All that this processor has, the best first.
+    pub fn all() -> impl Iterator<Item = Self> {
+        [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
+    }
+
+    /// AVX-512, if this processor has it.
+    pub fn avx512() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
-        if let Some(avx2) = Level::new().as_avx2() {
-            return Self::Avx2(avx2);
-        }
-        Self::baseline()
+        return Level::new().as_avx512().map(Self::Avx512);
+        #[cfg(not(target_arch = "x86_64"))]
+        return None;
+    }
+
+    /// AVX2, if this processor has it.
+    pub fn avx2() -> Option<Self> {
+        #[cfg(target_arch = "x86_64")]
+        return Level::new().as_avx2().map(Self::Avx2);
+        #[cfg(not(target_arch = "x86_64"))]
+        return None;
     }
 
     /// What every processor of the architecture has.
@@ -62,6 +82,8 @@ impl Lanes {
     pub fn name(self) -> &'static str {
         match self {
             #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => "AVX-512",
+            #[cfg(target_arch = "x86_64")]
             Self::Avx2(_) => "AVX2",
             Self::Baseline(_) => "baseline",
         }
@@ -73,6 +95,12 @@ impl Lanes {
 macro_rules! on_lanes {
     ($lanes:expr, $simd:ident => $body:expr) => {
         match $lanes {
+            #[cfg(target_arch = "x86_64")]
+            $crate::math::lanes::Lanes::Avx512($simd) => $crate::math::lanes::Simd::vectorize(
+                $simd,
+                #[inline(always)]
+                || $body,
+            ),
             #[cfg(target_arch = "x86_64")]
             $crate::math::lanes::Lanes::Avx2($simd) => $crate::math::lanes::Simd::vectorize(
                 $simd,

@@ -23,11 +23,10 @@ mod shader;
 mod texture;
 mod tile;
 
+use std::cmp::Reverse;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-
-use rayon::prelude::*;
 
 use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
 use geometry::{Arrays, Draw, Surface, Vertex};
@@ -250,23 +249,37 @@ pub fn draw(
     };
     let work = Work::default();
     let band = packed.0 as usize * TILE;
-    let mut depth_bands: Vec<Option<&mut [f32]>> = match depth {
+    let depth_bands: Vec<Option<&mut [f32]>> = match depth {
         Some(depth) => depth.pixels_mut().chunks_mut(band.max(1)).map(Some).collect(),
         None => (0..tile_counts.1).map(|_| None).collect(),
     };
-    color.pixels_mut().par_chunks_mut(band.max(1)).zip(depth_bands.par_iter_mut()).enumerate().with_max_len(1).for_each(
-        |(row, (colors, depths))| {
-            let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
-            let mut workspace = taken.unwrap_or_else(Workspace::new);
+    let mut rows: Vec<_> = color.pixels_mut().chunks_mut(band.max(1)).zip(depth_bands).enumerate().collect();
+    // The most work first, so that no thread begins with it when the others are done.
+    let load = |row: usize| -> usize {
+        let tiles = row * tile_counts.0..(row + 1) * tile_counts.0;
+        tiles.map(|number| chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>()).sum()
+    };
+    rows.sort_by_cached_key(|(row, _)| Reverse(load(*row)));
+    let rows = Mutex::new(rows.into_iter());
+    let next = || rows.lock().ok().and_then(|mut rows| rows.next());
+    let draw_rows = || {
+        let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
+        let mut workspace = taken.unwrap_or_else(Workspace::new);
+        while let Some((row, (colors, mut depths))) = next() {
             for column in 0..tile_counts.0 {
                 let number = row * tile_counts.0 + column;
-                on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, (column, row), number, colors, depths, &work));
+                on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, (column, row), number, colors, &mut depths, &work));
             }
-            if let Ok(mut all) = workspaces.lock() {
-                all.push(workspace);
-            }
-        },
-    );
+        }
+        if let Ok(mut all) = workspaces.lock() {
+            all.push(workspace);
+        }
+    };
+    rayon::scope(|scope| {
+        for _ in 0..rayon::current_num_threads() {
+            scope.spawn(|_| draw_rows());
+        }
+    });
     let tiles_time = binned.elapsed();
     let times = TiledTimes {
         transform: transformed - start,

@@ -33,7 +33,6 @@ fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Co
         (Some(Notable::NotFinite), "NaN"),
         (Some(Notable::Tie), "Tie"),
         (Some(Notable::Cancellation), "Cancellation"),
-        (Some(Notable::DepthEqual), "Equal depth"),
     ] {
         let place = trace.next(session.trace.line, kind, Direction::Forward);
         let help = kind.map_or("Runs to the next line with any flag  (F5, back Shift+F5)", Notable::help);
