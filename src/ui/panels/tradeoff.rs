@@ -12,6 +12,7 @@ use crate::ui::compare::{Change, Mode};
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
+use crate::ui::ticks::log_marks;
 use crate::ui::timings::TradeOff;
 use crate::ui::widgets::{combo, empty_state, figure};
 use crate::upscale::{self, Upscaling};
@@ -138,6 +139,13 @@ fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling>
         .x_axis_label("median ms")
         .y_axis_label("FLIP")
         .allow_scroll(false)
+        .x_grid_spacer(|input| log_marks(&input))
+        .y_grid_spacer(move |input| {
+            let mut marks = log_marks(&input);
+            marks.retain(|mark| mark.value > lane + LANE / 2.0);
+            marks.push(GridMark { value: lane, step_size: 1.0 });
+            marks
+        })
         .x_axis_formatter(move |mark: GridMark, _| number(mark.value))
         .y_axis_formatter(move |mark: GridMark, _| {
             if mark.value <= lane + 1e-9 { "0".to_owned() } else { format!("{:.3}", 10_f64.powf(mark.value)) }
