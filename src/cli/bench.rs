@@ -8,6 +8,7 @@ use rasterscope::measure::timing::Summary;
 use serde::Serialize;
 
 use super::bench_scrub;
+use super::bench_window;
 use super::failure::Failure;
 use super::output;
 use super::scene_args::FrameArgs;
@@ -34,6 +35,10 @@ pub(crate) struct BenchArgs {
     #[arg(long, conflicts_with_all = ["threads", "lanes"])]
     scrub: bool,
 
+    /// Time the window itself instead: its panels, each in turn, as many passes of each; the size is that of the window
+    #[arg(long, conflicts_with_all = ["threads", "lanes", "scrub"])]
+    window: bool,
+
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -52,6 +57,10 @@ enum LanesArg {
 /// Draws, and says what it cost.
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let (view, size) = (args.frame.view()?, args.frame.size());
+    if args.window {
+        let costs = bench_window::measure(view, size, args.frames as usize)?;
+        return if args.json { print_json(&costs) } else { output::print(&bench_window::table(&costs, size)) };
+    }
     if args.scrub {
         let report = bench_scrub::measure(&view, size, args.frames as usize);
         return if args.json { print_json(&report) } else { output::print(&bench_scrub::table(&report)) };

@@ -5,6 +5,7 @@
 
 mod bench;
 mod bench_scrub;
+mod bench_window;
 mod case;
 mod check;
 mod diff;

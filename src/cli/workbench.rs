@@ -8,6 +8,8 @@ use std::panic::{self, AssertUnwindSafe};
 
 use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::measure::window_cost::WindowCost;
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::ui::engine::Shown;
@@ -69,6 +71,11 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         let (x, y) = look.at.unwrap_or_default();
         Failure::OutsidePicture { x, y, picture }
     })
+}
+
+/// What the window itself costs, part after part.
+pub(crate) fn window_costs(view: View, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
+    Ok(ui::window_time::window_costs(&start(view, Seen::default()), size, passes))
 }
 
 /// What lies over the picture on the canvas.

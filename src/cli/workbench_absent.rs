@@ -2,6 +2,8 @@
 
 use rasterscope::chain::Recipe;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::measure::window_cost::WindowCost;
+use rasterscope::pipeline::viewport::Viewport;
 
 use super::failure::Failure;
 use super::scene_args::View;
@@ -14,6 +16,11 @@ const BUILT_WITHOUT: &str = "this program was built without its window (feature 
 /// There is no window to open.
 pub(crate) fn open(_view: View, _args: &WindowArgs) -> Result<(), String> {
     Err(BUILT_WITHOUT.to_owned())
+}
+
+/// There is nothing to time.
+pub(crate) fn window_costs(_view: View, _size: Viewport, _passes: usize) -> Result<Vec<WindowCost>, Failure> {
+    Err(Failure::NoWindow(BUILT_WITHOUT.to_owned()))
 }
 
 /// There is nothing to draw.

@@ -50,7 +50,7 @@ pub const ALL: &[Lesson] = &[
         question: "What are the stripes on the poster?",
         settings: &[],
         place: [0.5, 0.5],
-        cause: "Z-fight",
+        cause: "have the very same depth",
     },
     Lesson {
         scene: "nan-normal",

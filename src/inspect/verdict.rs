@@ -16,14 +16,20 @@ use crate::pipeline::depth::Comparison;
 use crate::pipeline::settings::{Choice as _, Settings};
 use crate::scene::{Instance, Scene, TriangleId};
 
+/// How the story of a pixel begins that one triangle won without a doubt.
+const PLAIN_WIN: &str = "Won by ";
+
 /// What happened at a pixel, in one sentence; more follow if it is black or the scene was flawed there, and one stands before
-/// if a shared edge went wrong.
+/// if a shared edge went wrong. Where nothing but a plain win is to be told, why it is black comes first: that is what
+/// somebody asks who picks it.
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
-    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline) + " ");
+    let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
     let story = story(report, frame.is_drawn(report.x, report.y), Comparison::of(&recipe.pipeline));
-    let more = [black::why(report, scene, recipe), flaw::told(report, scene, recipe, frame)];
-    let more = more.into_iter().flatten().fold(String::new(), |text, sentence| text + " " + &sentence);
-    fault.unwrap_or_default() + &story + &more
+    let black = black::why(report, scene, recipe);
+    let flaw = flaw::told(report, scene, recipe, frame, black.as_deref().unwrap_or_default());
+    let (before, after) = if story.starts_with(PLAIN_WIN) { (black, None) } else { (None, black) };
+    let sentences: Vec<_> = [fault, before, Some(story), after, flaw].into_iter().flatten().collect();
+    sentences.join(" ")
 }
 
 /// The instance that a triangle belongs to, and its number.
@@ -74,7 +80,8 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
     let there = || fragments.iter().filter(|f| f.outcome != Outcome::CutOut);
     let triangles = count_triangles(there());
     let rivals = there().filter(|f| f.triangle != winner.triangle);
-    let Some(closest) = rivals.map(|f| f.depth.steps_from(&winner.depth)).min() else {
+    let closest = rivals.map(|f| (f.depth.steps_from(&winner.depth), f)).min_by_key(|(steps, _)| *steps);
+    let Some((closest, rival)) = closest else {
         let others = if there().count() < fragments.len() { " that is not cut out" } else { "" };
         return format!("Won by {name}, the only one here{others}.");
     };
@@ -82,7 +89,8 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
         (None, _, _) => format!("Won by {name}, drawn last of {triangles} (no depth test)."),
         (_, Comparison::Always, _) => format!("Won by {name}, drawn last of {triangles} (every fragment passes)."),
         (_, _, 0) => {
-            format!("Depth tie: {name} and another triangle have the very same depth; drawing order decides.")
+            let rival = self::name(rival);
+            format!("Depth tie: {name} and {rival} have the very same depth; drawing order decides.")
         }
         (_, _, Z_FIGHT_CODES) if winner.depth.code.is_some() => {
             format!("Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest that the buffer can hold.")

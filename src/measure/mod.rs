@@ -25,3 +25,5 @@ pub mod scaling;
 pub mod stages;
 
 pub mod timing;
+
+pub mod window_cost;

@@ -61,6 +61,12 @@ const SLOW_FRAME: Duration = Duration::from_millis(150);
 /// Height of the bars over and under the canvas, in points.
 const BAR_HEIGHT: f32 = theme::ROW_HEIGHT + 12.0;
 
+/// Height of the tabs along the bottom at first, in points.
+const TABS_HEIGHT: f32 = 226.0;
+
+/// Most of the window's height that they take at first.
+const TABS_SHARE: f32 = 0.34;
+
 /// Most of the window's width that each panel beside the canvas takes at first.
 const SIDE_SHARE: f32 = 0.29;
 
@@ -196,10 +202,14 @@ impl Workbench {
     fn pipeline_layout(&mut self, ui: &mut Ui, frame: egui::Frame, commands: &mut Vec<Command>) {
         // In a narrow window the canvas still has the largest share.
         let share = |wanted: f32| wanted.min(ui.available_width() * SIDE_SHARE);
-        let (left, right, least) = (share(292.0), share(316.0), self.tab.least_height());
-        Panel::bottom("tabs").frame(frame).resizable(true).default_size(226.0).min_size(least).show(ui, |ui| {
-            bottom::ui(ui, &mut self.tab, &self.session, commands);
-        });
+        let (left, right) = (share(292.0), share(316.0));
+        let tabs = TABS_HEIGHT.min(ui.available_height() * TABS_SHARE).floor();
+        Panel::bottom("tabs").frame(frame).resizable(true).default_size(tabs).min_size(bottom::LEAST_HEIGHT).show(
+            ui,
+            |ui| {
+                bottom::ui(ui, &mut self.tab, &self.session, commands);
+            },
+        );
         Panel::left("pipeline").frame(frame).resizable(true).default_size(left).min_size(230.0).show(ui, |ui| {
             egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| pipeline::ui(ui, &self.session, commands));
         });
@@ -279,7 +289,8 @@ impl Workbench {
     }
 
     fn keys(&self, ui: &Ui, commands: &mut Vec<Command>) {
-        if ui.egui_wants_keyboard_input() || self.dialog.is_open() {
+        // A key in an open menu is the menu's: Esc closes it, and drops nothing else.
+        if ui.egui_wants_keyboard_input() || self.dialog.is_open() || egui::Popup::is_any_open(ui.ctx()) {
             return;
         }
         // In camera mode the letters that fly are no commands.
@@ -356,6 +367,7 @@ impl Workbench {
             Command::SetScale(scale) => ui.ctx().set_zoom_factor(scale),
             Command::ToggleKeys => self.dialog = Dialog::Keys(String::new()),
             Command::OpenTab(tab) => self.tab = tab,
+            Command::OpenStages(open) => pipeline::open_all(ui, open),
             Command::OpenPalette => self.dialog = Dialog::Palette(Box::new(Palette::new(&self.session, ""))),
             Command::Place(place::Change::Manage) => self.dialog = Dialog::Bookmarks,
             Command::Place(place::Change::Find(Wanted::View(x, y, percent))) => {
@@ -407,7 +419,10 @@ impl Workbench {
 }
 
 impl eframe::App for Workbench {
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        if let Some(seconds) = frame.info().cpu_usage {
+            self.session.window_times.record(f64::from(seconds) * 1e3);
+        }
         self.show(ui);
     }
 

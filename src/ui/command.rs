@@ -172,6 +172,8 @@ pub enum Command {
     Select(TriangleSelection),
     /// Open a tab along the bottom.
     OpenTab(Tab),
+    /// Show the switches of all stages, or of none.
+    OpenStages(bool),
     /// Open the palette, where everything is found by a few letters.
     OpenPalette,
     /// Ask what the last change of the settings did.

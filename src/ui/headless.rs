@@ -1,12 +1,14 @@
 //! A user interface without a window: passes with a fixed time step and given events, and a picture of the last one.
 //!
-//! Screenshots and tests run through here. Nothing reads a clock or a display, so the same interface gives the same
-//! bytes every time. What is drawn is a closure over [`egui::Ui`], the root one of a window: an application whose
+//! Screenshots and tests run through here. Nothing reads a clock or a display but what is asked to time a pass, so the same
+//! interface gives the same bytes every time. What is drawn is a closure over [`egui::Ui`], the root one of a window: an application whose
 //! `eframe::App::ui` calls `self.show(ui)` is drawn by `headless.pass(vec![], |ui| app.show(ui))`.
+
+use std::time::{Duration, Instant};
 
 use eframe::egui::{
     self, Event, FullOutput, PlatformOutput, PointerButton, Pos2, RawInput, Rect, Vec2, ViewportId,
-    epaint::ClippedShape,
+    epaint::{ClippedShape, Primitive},
 };
 
 use super::{cpu_painter::CpuPainter, theme};
@@ -17,6 +19,19 @@ pub const STEP_SECONDS: f64 = 0.1;
 
 /// The largest texture side that the toolkit may ask for: as long as the longest side of a picture.
 const LARGEST_TEXTURE_SIDE: usize = 16_384;
+
+/// What a pass cost.
+#[derive(Clone, Copy, Debug)]
+pub struct PassCost {
+    /// Panels, text and input.
+    pub layout: Duration,
+    /// Shapes into triangles.
+    pub tessellation: Duration,
+    /// Corners of all triangles.
+    pub vertices: usize,
+    /// Bytes of new textures.
+    pub texture_bytes: usize,
+}
 
 /// An egui context with the theme installed, its painter, and the shapes of its last pass.
 pub struct Headless {
@@ -51,6 +66,27 @@ impl Headless {
         self.passes += 1;
         self.shapes = shapes;
         platform_output
+    }
+
+    /// Runs one pass as [`Self::pass`] does, and tells what it cost up to where a graphics card would take over.
+    pub fn timed_pass(&mut self, events: Vec<Event>, ui: impl FnMut(&mut egui::Ui)) -> PassCost {
+        let input = self.input(events);
+        let begun = Instant::now();
+        let FullOutput { mut textures_delta, shapes, pixels_per_point, .. } = self.context.run_ui(input, ui);
+        let layout = begun.elapsed();
+        let images = textures_delta.set.values().flatten().map(|delta| delta.image.width() * delta.image.height());
+        let texture_bytes = images.sum::<usize>() * size_of::<egui::Color32>();
+        self.painter.handle_delta(&mut textures_delta);
+        self.passes += 1;
+        self.shapes.clone_from(&shapes);
+        let begun = Instant::now();
+        let primitives = self.context.tessellate(shapes, pixels_per_point);
+        let tessellation = begun.elapsed();
+        let vertices = primitives.iter().map(|clipped| match &clipped.primitive {
+            Primitive::Mesh(mesh) => mesh.vertices.len(),
+            Primitive::Callback(_) => 0,
+        });
+        PassCost { layout, tessellation, vertices: vertices.sum(), texture_bytes }
     }
 
     /// Presses and releases the main mouse button at `position` (in points), and lets the interface answer.

@@ -41,15 +41,21 @@ enum Topic {
     Settings,
     Places,
     Comparing,
+    Making,
+    Showing,
+    Arithmetic,
     General,
 }
 
 impl Topic {
-    const ALL: [(Self, &'static str); 9] = [
+    const ALL: [(Self, &'static str); 12] = [
         (Self::Mouse, "Mouse"),
         (Self::Picture, "The picture on the canvas"),
         (Self::Pixel, "The picked pixel"),
-        (Self::Stages, "Stages and triangles"),
+        (Self::Stages, "Stages"),
+        (Self::Making, "How the frame comes about"),
+        (Self::Showing, "Range and overlays"),
+        (Self::Arithmetic, "Arithmetic of the picked pixel"),
         (Self::Places, "Finding and keeping places"),
         (Self::Scene, "Scene and view"),
         (Self::Settings, "Settings"),
@@ -63,11 +69,18 @@ impl Topic {
             Command::NudgePick(..) | Command::Pick(_) | Command::Watch(_) | Command::StepFault(_) | Command::Escape => {
                 Self::Pixel
             }
-            Command::ZoomFit | Command::ZoomOne | Command::SavePicture | Command::CopyPicture => Self::Picture,
-            Command::StepStage(_) | Command::StepTriangle(_) | Command::LimitTriangles(_) | Command::Show(_) => {
-                Self::Stages
+            Command::ZoomFit | Command::ZoomOne | Command::SavePicture | Command::SaveData | Command::CopyPicture => {
+                Self::Picture
             }
-            Command::AskForFile | Command::TogglePointerMode | Command::ResetCamera | Command::FitCamera => Self::Scene,
+            Command::StepStage(_) | Command::Show(_) => Self::Stages,
+            Command::StepTriangle(_) | Command::LimitTriangles(_) | Command::Scrub(_) => Self::Making,
+            Command::Range(_) | Command::Overlays(_) => Self::Showing,
+            Command::Trace(_) => Self::Arithmetic,
+            Command::AskForFile
+            | Command::TogglePointerMode
+            | Command::ResetCamera
+            | Command::FitCamera
+            | Command::MeshView(_) => Self::Scene,
             Command::Undo | Command::Redo | Command::ChooseUpscaler(_) | Command::SetRecipe(_) => Self::Settings,
             Command::Place(_) | Command::OpenPalette | Command::AskForPixel => Self::Places,
             Command::Compare(_) | Command::WhatIf(_) => Self::Comparing,

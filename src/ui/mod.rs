@@ -22,6 +22,8 @@ pub mod format;
 
 pub mod widgets;
 
+pub mod ticks;
+
 pub mod look;
 
 pub mod engine;
@@ -79,5 +81,7 @@ pub mod key_sheet;
 pub mod app;
 
 mod start;
+
+pub mod window_time;
 
 pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, run_window, screenshot};

@@ -37,6 +37,7 @@ use super::trace::TraceView;
 use super::vertices::Vertices;
 use super::watch::Watch;
 use super::what_if::WhatIf;
+use super::window_time::WindowTimes;
 use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
@@ -91,6 +92,8 @@ pub struct Session {
     pub compared: Option<Compared>,
     /// Frame times.
     pub timings: Timings,
+    /// What the window itself took.
+    pub window_times: WindowTimes,
     /// A measurement that is running.
     pub measuring: Option<Measuring>,
     /// The case that is open.
@@ -180,6 +183,7 @@ impl Session {
             comparison: Comparison::default(),
             compared: None,
             timings: Timings::default(),
+            window_times: WindowTimes::default(),
             measuring: None,
             case: None,
             stability: Stability::default(),

@@ -189,7 +189,8 @@ fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
     }
 }
 
-fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+/// The application, as it starts, with these preferences.
+pub(super) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;

@@ -6,6 +6,7 @@ mod bench;
 mod camera;
 mod cases;
 mod comparing;
+mod context;
 mod fates;
 mod files;
 mod growth;

@@ -301,11 +301,11 @@ impl Placed {
                 "covers it, but comes after the last triangle that the triangle slider lets draw".to_owned()
             }
             Facing::Front => format!(
-                "covers it and faces the viewer (doubled area {area} < 0), but culling is {}",
+                "covers it and faces the viewer, but culling is {} (doubled area {area} < 0)",
                 settings.culling.id()
             ),
             Facing::Back => format!(
-                "covers it, but turns its back (doubled area {area} > 0), and culling is {}",
+                "covers it, but turns its back, and culling is {} (doubled area {area} > 0)",
                 settings.culling.id()
             ),
             Facing::Edge => "passes here, but its snapped corners lie on one line: there is no area to draw".to_owned(),

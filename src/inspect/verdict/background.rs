@@ -29,7 +29,7 @@ fn absence(absent: &[Absent]) -> String {
             0 => String::new(),
             count => format!(" And {count} more of that kind."),
         };
-        return format!("Background: {} {}.{more}", name(first), first.reason);
+        return format!("Background: {} {}.{more}", name(first), without_area(&first.reason));
     }
     let never: Vec<_> = absent.iter().filter(|a| a.cause == Cause::NotFinite).collect();
     let unseen = match never.as_slice() {
@@ -51,6 +51,11 @@ fn absence(absent: &[Absent]) -> String {
         }
         None => format!("Background: no triangle covers this pixel's centre.{unseen}"),
     }
+}
+
+/// A reason without the area in brackets at its end: a number that the history has, and that explains nothing here.
+fn without_area(reason: &str) -> &str {
+    reason.split_once(" (doubled area").map_or(reason, |(words, _)| words)
 }
 
 fn name(absent: &Absent) -> String {
@@ -78,7 +83,7 @@ mod tests {
     #[test]
     fn what_would_be_there_is_told_before_what_is_near() {
         let near = absent(9, Cause::Missed, "misses", Some(0.0039));
-        let back = absent(12, Cause::BackFacing, "covers it, but turns its back", None);
+        let back = absent(12, Cause::BackFacing, "covers it, but turns its back (doubled area 7 > 0)", None);
         assert_eq!(
             absence(&[back.clone(), near.clone()]),
             "Background: triangle 12 of “wall” covers it, but turns its back."

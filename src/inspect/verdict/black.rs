@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::flaw::{LOST_NORMALS, lost_normals};
 use super::instance_of;
 use crate::chain::Recipe;
 use crate::image::color::decode_rgb;
@@ -19,7 +20,7 @@ pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Optio
     let settings = &recipe.pipeline;
     let why = match settings.shading {
         Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel => {
-            factors(scene, settings, instance, shading)
+            factors(scene, settings, instance, visible, shading)
         }
         Shading::VertexColor => vec![format!("the vertex colours here are {}", numbers(shading.vertex_color?.into()))],
         _ => return Some(number_shown(settings, visible)),
@@ -36,14 +37,29 @@ fn is_nothing(factor: f32, settings: &Settings) -> bool {
 }
 
 /// The factors that are black by themselves, each with its number.
-fn factors(scene: &Scene, settings: &Settings, instance: &Instance, shading: &ShadingRecord) -> Vec<String> {
+fn factors(
+    scene: &Scene,
+    settings: &Settings,
+    instance: &Instance,
+    visible: &FragmentRecord,
+    shading: &ShadingRecord,
+) -> Vec<String> {
     let material = scene.library.material(instance.material);
     let nothing = |factor: f32| is_nothing(factor, settings);
     let mut found = Vec::new();
     let own = material.diffuse * instance.tint;
     if nothing(to_working_space(own, settings.color_space).max_element()) {
         let whose = if instance.tint == Vec3::ONE { "" } else { " times the tint of the object" };
-        found.push(format!("the colour of its material “{}”{whose} is {}", material.name, numbers(own)));
+        let color = format!("the colour of its material “{}”{whose}", material.name);
+        found.push(match &material.missing_texture {
+            Some(file) => {
+                format!(
+                    "the texture “{file}” could not be read, and {color}, which stands in for it, is {}",
+                    numbers(own)
+                )
+            }
+            None => format!("{color} is {}", numbers(own)),
+        });
     }
     if let Some(color) = shading.vertex_color.map(Vec3::from).filter(|color| nothing(color.max_element())) {
         found.push(format!("the vertex colours here are {}", numbers(color)));
@@ -53,15 +69,21 @@ fn factors(scene: &Scene, settings: &Settings, instance: &Instance, shading: &Sh
         found.push(format!("every texel that it reads is black, the brightest {r} {g} {b}"));
     }
     if shading.light.is_some_and(nothing) {
-        found.push(darkness(settings, shading));
+        found.push(darkness(settings, shading, &lost_normals(visible, scene)));
     }
     found
 }
 
-/// Why no light arrives.
-fn darkness(settings: &Settings, shading: &ShadingRecord) -> String {
+/// Why no light arrives at a fragment whose triangle has no normals at these corners.
+fn darkness(settings: &Settings, shading: &ShadingRecord, lost: &[&str]) -> String {
     let ambient = settings.light.ambient;
+    let has_none = shading.normal == Some([0.0; 3]) || settings.shading == Shading::Gouraud;
     match (settings.shading, shading.cosine) {
+        _ if has_none && lost.len() == 3 => {
+            format!(
+                "the normal at its corners {LOST_NORMALS}, so no direct light falls on it, and the ambient share is {ambient}"
+            )
+        }
         (Shading::Gouraud, _) => {
             format!(
                 "the light at its corners is next to 0: they face away from the light, and the ambient share is {ambient}"
@@ -146,7 +168,8 @@ mod tests {
     }
 
     fn after_black(verdict: &str) -> &str {
-        verdict.split_once("Black: ").map_or("", |(_, why)| why)
+        let why = verdict.split_once("Black: ").map_or("", |(_, why)| why);
+        why.strip_suffix(" Won by triangle 0 of “cow”, the only one here.").unwrap_or(why)
     }
 
     #[test]

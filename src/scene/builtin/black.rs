@@ -30,7 +30,7 @@ pub(super) const NEAR_CLIPPED: Builtin = Builtin {
 pub(super) const Z_FOUGHT: Builtin = Builtin {
     id: "z-fought",
     title: "Black: stripes on a poster",
-    summary: "A white poster in the very plane of a black wall: shows two surfaces whose depths differ by rounding alone.",
+    summary: "A white poster a little in front of a black wall, and a near plane all too near: shows two surfaces that the depth buffer cannot tell apart.",
     draft: draft_z_fought,
 };
 
@@ -83,21 +83,24 @@ fn draft_near_clipped() -> Draft {
 }
 
 fn draft_z_fought() -> Draft {
-    /// So far away, with the near plane at 0.1, snapping the corners to 1/256 px moves depths by a few of their steps.
     const DISTANCE: f32 = 10.0;
-    let home = Camera { near: 0.1, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
+    /// So near that a step of the depth buffer, 2⁻²⁴ · distance² / near, stands for 0.06 units at the poster.
+    const NEAR: f32 = 1e-4;
+    /// The poster before the wall: half of such a step, so that about every other one tells them apart.
+    const GAP: f32 = 0.02;
+    let home = Camera { near: NEAR, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
     let mut draft = Draft::new(DUSK, home);
     let sheet = draft.mesh(shapes::grid(1));
     let paper = draft.plain("white paper", srgb(0xF4_F0_E6));
     let black = draft.plain("black paint", Vec3::ZERO);
     let plane = Quat::from_rotation_y(0.6) * Quat::from_rotation_x(0.9);
-    let at = |edge: f32, turn: f32| {
-        let rotation = plane * Quat::from_rotation_y(turn);
-        Mat4::from_scale_rotation_translation(Vec3::splat(edge), rotation, Vec3::Z * -DISTANCE)
+    let at = |edge: f32, turn: f32, before: f32| {
+        let place = Vec3::Z * -DISTANCE + plane * Vec3::Y * before;
+        Mat4::from_scale_rotation_translation(Vec3::splat(edge), plane * Quat::from_rotation_y(turn), place)
     };
-    // Turned, so that its depth is computed from other corners than that of the wall; first, so that it shows where both tie.
-    draft.place("poster", sheet, paper, at(4.5, 0.6));
-    draft.place("wall", sheet, black, at(7.5, 0.0));
+    // The wall comes first, so that it stays where both have the same depth.
+    draft.place("wall", sheet, black, at(7.5, 0.0, 0.0));
+    draft.place("poster", sheet, paper, at(4.5, 0.6, GAP));
     draft
 }
 

@@ -132,12 +132,13 @@ impl Workbench {
     /// Starts timing all upscalers on what is shown.
     pub fn measure(&mut self) {
         let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
-        self.session.timings.begin_measurement(request.clone());
+        let reference = self.session.comparison.reference;
+        self.session.timings.begin_measurement(request.clone(), reference);
         self.session.measuring = Some(Measuring { progress: 0.0 });
         if self.tab != Tab::ErrorTime {
             self.tab = Tab::FrameTime;
         }
-        self.worker.send(Job::Measure(Box::new(request)));
+        self.worker.send(Job::Measure(Box::new(request), reference));
     }
 
     /// Looks for something in the frame on screen, on a thread of its own.

@@ -1,6 +1,6 @@
 //! The bar over compared pictures: how they are compared, and what figures are against.
 
-use eframe::egui::{self, Button, Response, RichText, Ui, Vec2};
+use eframe::egui::{self, Align, Button, Layout, Response, RichText, Ui, Vec2};
 
 use super::{Change, Mode};
 use crate::measure::difference::{Difference, GAINS};
@@ -13,6 +13,9 @@ use crate::ui::widgets::combo;
 
 /// Numbers of tiles that have a button.
 const COUNTS: [usize; 2] = [2, 4];
+
+/// Room for the list of references and its word, in points.
+const REFERENCE_POINTS: f32 = 190.0;
 
 /// Draws the bar; `scale` is the enlargement on screen, in screen pixels per picture pixel.
 pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec<Command>) {
@@ -35,7 +38,12 @@ pub fn ui(ui: &mut Ui, session: &Session, scale: Option<f32>, commands: &mut Vec
         }
         region(ui, session, &mut changes);
         ui.separator();
-        reference(ui, session, &mut changes);
+        // In one piece: the word and its list stay on one row.
+        ui.allocate_ui_with_layout(
+            Vec2::new(REFERENCE_POINTS, theme::CONTROL_HEIGHT),
+            Layout::left_to_right(Align::Center),
+            |ui| reference(ui, session, &mut changes),
+        );
         if let Some(scale) = scale.filter(|scale| *scale < 1.0) {
             let text = format!("shown at {:.0} %, smoothed", scale * 100.0);
             ui.label(RichText::new(text).small().color(tokens(ui).warning))

@@ -1,6 +1,6 @@
 //! The tabs along the bottom.
 
-use eframe::egui::{ScrollArea, Ui};
+use eframe::egui::{ScrollArea, Ui, UiBuilder};
 
 use super::{frame_times, log, plan, scaling, stability, tradeoff, xray};
 use crate::ui::checks;
@@ -47,16 +47,8 @@ pub enum Tab {
     Log,
 }
 
-impl Tab {
-    /// What it needs to be of use, in points.
-    pub fn least_height(self) -> f32 {
-        match self {
-            // Some rows of the table under the current line.
-            Self::Arithmetic => 250.0,
-            _ => 90.0,
-        }
-    }
-}
+/// What each of them needs to be of use, in points.
+pub const LEAST_HEIGHT: f32 = 90.0;
 
 /// All tabs, with name and explanation.
 pub const TABS: &[(Tab, &str, &str)] = &[
@@ -113,6 +105,16 @@ pub fn ui(ui: &mut Ui, tab: &mut Tab, session: &Session, commands: &mut Vec<Comm
     }
     ui.add_space(4.0);
     panel::tell(*tab == Tab::Histogram, session, commands);
+    // A tab has the room that there is: one that wants more would move the picture, whose size may be that of the canvas.
+    let room = ui.available_rect_before_wrap();
+    let mut within = ui.new_child(UiBuilder::new().id_salt("tab").max_rect(room).layout(*ui.layout()));
+    within.shrink_clip_rect(room.expand2(ui.spacing().item_spacing));
+    content(&mut within, *tab, session, commands);
+    ui.advance_cursor_after_rect(room);
+}
+
+/// What the chosen tab shows.
+fn content(ui: &mut Ui, tab: Tab, session: &Session, commands: &mut Vec<Command>) {
     match tab {
         Tab::Histogram => panel::ui(ui, session, commands),
         Tab::FrameTime => frame_times::ui(ui, session, commands),

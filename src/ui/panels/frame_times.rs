@@ -3,13 +3,14 @@
 //! the machine's speed hits all of them alike.
 
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
-use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints, Points};
+use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints, Points, uniform_grid_spacer};
 
 use crate::measure::timing::{Summary, summarize};
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
+use crate::ui::ticks::round_steps;
 use crate::ui::timings::TimingsView;
 use crate::ui::widgets::{empty_state, figure, icon_button};
 use crate::upscale::Upscaling;
@@ -56,6 +57,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             ui.vertical(|ui| {
                 table(ui, &series, session, commands);
                 spikes(ui, session);
+                window(ui, session);
             });
         });
     });
@@ -126,6 +128,7 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         .include_x(LEAST_FRAMES)
         .y_axis_label("ms")
         .include_y(0.0)
+        .y_grid_spacer(uniform_grid_spacer(|input| round_steps(&input)))
         .allow_scroll(false)
         .label_formatter(|position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -193,17 +196,29 @@ fn spikes(ui: &mut Ui, session: &Session) {
     ui.add(egui::Label::new(text).wrap()).on_hover_text("The slowest frames since scene, settings or size changed");
 }
 
+/// What the window itself takes, beside the picture.
+fn window(ui: &mut Ui, session: &Session) {
+    let Some(Summary { median, p99, .. }) = session.window_times.summary() else { return };
+    let text = format!("The window itself: {}, p99 {}", format::ms(median), format::ms(p99));
+    ui.add(egui::Label::new(RichText::new(text).small().color(tokens(ui).text_weak)).wrap()).on_hover_text(
+        "What one pass of the window takes beside the picture, which is drawn on threads of its own: laying out the panels, \
+         cutting them into triangles and handing these to the graphics driver. Median and 99th percentile of the last passes; \
+         at rest there are none",
+    );
+}
+
 /// One bar per method up to its median, with a bracket from the 10th to the 90th percentile.
 fn bars(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
     let names: Vec<String> = series.iter().map(|s| s.upscaling.label()).collect();
     Plot::new("medians")
         .width(size.x)
         .height(size.y)
-        .y_axis_label("ms")
+        .y_axis_label("median ms")
         .show_x(false)
         .include_y(0.0)
         .include_x(-0.6)
         .include_x(series.len() as f64 - 0.4)
+        .y_grid_spacer(uniform_grid_spacer(|input| round_steps(&input)))
         .allow_scroll(false)
         .show_axes([false, true])
         .label_formatter(move |position| match position {

@@ -18,11 +18,21 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::{figure, icon_button};
 
+/// Has all rows show their switches with the next pass, or none.
+pub fn open_all(ui: &Ui, open: bool) {
+    ui.data_mut(|data| data.insert_temp(open_all_id(), open));
+}
+
+fn open_all_id() -> egui::Id {
+    egui::Id::unique("open all stages")
+}
+
 /// Draws all rows.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut recipe = session.state.recipe;
+    let all = ui.data_mut(|data| data.remove_temp(open_all_id()));
     for stage in Stage::ALL {
-        stage_row(ui, *stage, session, &mut recipe, commands);
+        stage_row(ui, *stage, all, session, &mut recipe, commands);
     }
     if recipe != session.state.recipe {
         commands.push(Command::SetRecipe(recipe));
@@ -42,9 +52,20 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Stages whose switches are shown at first.
 const OPEN_AT_FIRST: [Stage; 4] = [Stage::Assemble, Stage::Cull, Stage::Shade, Stage::Upscale];
 
-fn stage_row(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
+/// One row; opened or closed without a click if `all` says so.
+fn stage_row(
+    ui: &mut Ui,
+    stage: Stage,
+    all: Option<bool>,
+    session: &Session,
+    recipe: &mut Recipe,
+    commands: &mut Vec<Command>,
+) {
     let id = ui.make_persistent_id(("stage", stage.id()));
     let mut open = CollapsingState::load_with_default_open(ui.ctx(), id, OPEN_AT_FIRST.contains(&stage));
+    if let Some(all) = all {
+        open.set_open(all);
+    }
     if header(ui, stage, open.is_open(), session, commands) {
         open.toggle(ui);
     }
@@ -84,6 +105,14 @@ fn header(ui: &mut Ui, stage: Stage, open: bool, session: &Session, commands: &m
         .max_rect(rect.shrink2(egui::vec2(4.0, 0.0)))
         .layout(egui::Layout::right_to_left(egui::Align::Center));
     figures(&mut ui.new_child(right), stage, shown, session, commands);
+    response.context_menu(|ui| {
+        for (open, name) in [(true, "Open all stages"), (false, "Close all stages")] {
+            if ui.button(name).clicked() {
+                commands.push(Command::OpenStages(open));
+                ui.close();
+            }
+        }
+    });
     response.on_hover_text(stage.help()).clicked()
 }
 

@@ -2,7 +2,7 @@
 //! pixels that a sample feeds; and what the method makes of an impulse, a step and a zone plate.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use eframe::egui::{
     self, Align2, Color32, ColorImage, FontId, Rect, RichText, Role, ScrollArea, Sense, Stroke, StrokeKind,
@@ -10,6 +10,7 @@ use eframe::egui::{
 };
 use egui_plot::{HLine, Line, Plot, PlotPoints};
 
+use crate::chain::Frame;
 use crate::image::color::luma;
 use crate::image::{Image, Rgba8};
 use crate::inspect::feeds::{Mixture, Source, fed_by};
@@ -89,7 +90,7 @@ fn cell_of(columns: usize, rows: usize, height: f32) -> f32 {
 
 /// The samples as they lie to each other. The one under the pointer.
 fn sources(ui: &mut Ui, how: Upscaling, at: (u32, u32), mixture: &Mixture, height: f32) -> Option<(u32, u32)> {
-    let title = format!("Pixel {}, {} · {} · {} samples", at.0, at.1, how.label(), mixture.sources.len());
+    let title = format!("Pixel {}, {} · {} · {}", at.0, at.1, how.label(), counted(mixture.sources.len(), "sample"));
     heading(ui, &title, "The drawn samples that this pixel was made of, with their weights");
     let columns = ranks(mixture.sources.iter().map(|source| source.tap.x));
     let rows = ranks(mixture.sources.iter().map(|source| source.tap.y));
@@ -129,8 +130,8 @@ fn feeds(
     height: f32,
     commands: &mut Vec<Command>,
 ) {
-    let fed = fed_by(&view.frame, how, sample);
-    let title = format!("Sample {}, {} feeds {} pixels", sample.0, sample.1, fed.len());
+    let fed = known_fed(ui, view, how, sample);
+    let title = format!("Sample {}, {} feeds {}", sample.0, sample.1, counted(fed.len(), "pixel"));
     heading(
         ui,
         &title,
@@ -143,7 +144,7 @@ fn feeds(
         .allocate_exact_size(vec2((columns.len() as f32 * cell).max(150.0), rows.len() as f32 * cell), Sense::click());
     let most = fed.iter().map(|(_, weight)| weight.abs()).fold(f32::MIN_POSITIVE, f32::max);
     let pointer = response.hover_pos();
-    for ((x, y), weight) in &fed {
+    for ((x, y), weight) in fed.iter() {
         let place = |ranks: &[u32], value: u32| ranks.binary_search(&value).unwrap_or(0) as f32;
         let min = area.min + vec2(place(&columns, *x), place(&rows, *y)) * cell;
         let rect = Rect::from_min_size(min, egui::Vec2::splat(cell));
@@ -203,6 +204,35 @@ fn sums(ui: &mut Ui, how: Upscaling, mixture: &Mixture, height: f32) {
     });
 }
 
+/// So many of something.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
+/// Pixels with the weight that a sample has in each.
+type FedPixels = Arc<[((u32, u32), f32)]>;
+
+/// The pixels that a sample of a frame feeds: finding them looks at all pixels around, too many for every pass.
+#[derive(Clone)]
+struct KnownFed {
+    frame: Weak<Frame>,
+    how: Upscaling,
+    sample: (u32, u32),
+    fed: FedPixels,
+}
+
+fn known_fed(ui: &Ui, view: &View, how: Upscaling, sample: (u32, u32)) -> FedPixels {
+    let id = egui::Id::unique("pixels that the sample feeds");
+    let frame = Arc::downgrade(&view.frame);
+    let is_same = |known: &KnownFed| known.frame.ptr_eq(&frame) && (known.how, known.sample) == (how, sample);
+    if let Some(known) = ui.data(|data| data.get_temp::<KnownFed>(id)).filter(is_same) {
+        return known.fed;
+    }
+    let fed: FedPixels = fed_by(&view.frame, how, sample).into();
+    ui.data_mut(|data| data.insert_temp(id, KnownFed { frame, how, sample, fed: fed.clone() }));
+    fed
+}
+
 /// Answers of a method, and its zone plates on the graphics card.
 #[derive(Clone)]
 struct Known {
@@ -239,6 +269,7 @@ fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
     let names = ["Zone plate", "Native"];
     for (texture, name) in plates.iter().zip(names) {
         ui.vertical(|ui| {
+            ui.set_min_width(side);
             heading(
                 ui,
                 name,

@@ -2,6 +2,7 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, RichText, Sense, Stroke, Ui, Vec2, vec2};
 
+use super::context::SIDE;
 use crate::inspect::pixel::sample_position_px;
 use crate::inspect::{FragmentRecord, PixelReport};
 use crate::ui::format;
@@ -18,8 +19,7 @@ pub(super) enum Place {
 
 /// The triangle on the screen with the sample: in it, with sub-triangles in the colours of their weights, or beside it.
 pub(super) fn triangle_diagram(ui: &mut Ui, corners_px: [[f32; 2]; 3], place: Place, report: &PixelReport) {
-    const HEIGHT: f32 = 132.0;
-    let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), HEIGHT), Sense::hover());
+    let (response, painter) = ui.allocate_painter(vec2(ui.available_width(), SIDE), Sense::hover());
     let frame = response.rect;
     painter.rect_filled(frame, theme::RADIUS, tokens(ui).canvas);
     let corners = corners_px.map(|[x, y]| vec2(x, y));

@@ -1,6 +1,8 @@
 //! The picked pixel at the right: what it shows and why, where the sample lies in its triangle, its history, and the
 //! numbers of the chosen fragment.
 
+mod context;
+
 mod diagram;
 
 mod history;
@@ -60,13 +62,20 @@ impl Inspector {
                 Some(Chosen::Fragment(index)) => (report.fragments.get(index), None),
                 None => (report.visible().or(report.fragments.first()), None),
             };
+            ui.horizontal_top(|ui| {
+                if let Some(view) = what_if::seen(ui, session) {
+                    context::ui(ui, view, (report.x, report.y), commands);
+                }
+                if let Some(fragment) = fragment {
+                    triangle_diagram(ui, fragment.corners_px, Place::Inside, report);
+                }
+                if let Some(corners_px) = absent.and_then(|absent| absent.corners_px) {
+                    let is_outside = absent.is_some_and(|absent| absent.distance_px.is_some());
+                    triangle_diagram(ui, corners_px, if is_outside { Place::Outside } else { Place::Inside }, report);
+                }
+            });
             if let Some(fragment) = fragment {
-                triangle_diagram(ui, fragment.corners_px, Place::Inside, report);
                 weights(ui, fragment);
-            }
-            if let Some(corners_px) = absent.and_then(|absent| absent.corners_px) {
-                let is_outside = absent.is_some_and(|absent| absent.distance_px.is_some());
-                triangle_diagram(ui, corners_px, if is_outside { Place::Outside } else { Place::Inside }, report);
             }
             self.history.ui(ui, session, report, commands);
             if let Some(fragment) = fragment {

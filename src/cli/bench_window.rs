@@ -1,0 +1,36 @@
+//! `rasterscope bench --window`: what the window itself costs, beside the picture.
+
+use rasterscope::measure::window_cost::WindowCost;
+use rasterscope::pipeline::viewport::Viewport;
+
+use super::failure::Failure;
+use super::scene_args::View;
+use super::workbench;
+
+/// Times `passes` passes of each part of a window of `size` px.
+pub(crate) fn measure(view: View, size: Viewport, passes: usize) -> Result<Vec<WindowCost>, Failure> {
+    workbench::window_costs(view, size, passes)
+}
+
+/// The costs as text, the dearest first.
+pub(crate) fn table(costs: &[WindowCost], Viewport { width, height }: Viewport) -> String {
+    let passes = costs.first().map_or(0, |cost| cost.whole_ms.n);
+    let mut text = format!(
+        "The window at {width} × {height} px, {passes} passes each: without the picture and without a graphics card\n\n\
+         {:28} {:>8} {:>8} {:>8} {:>12} {:>9} {:>10}\n",
+        "milliseconds, median", "in all", "p90", "layout", "tessellation", "vertices", "upload kB"
+    );
+    let mut costs: Vec<_> = costs.iter().collect();
+    costs.sort_by(|a, b| b.whole_ms.median.total_cmp(&a.whole_ms.median));
+    for WindowCost { what, layout_ms, tessellation_ms, whole_ms, vertices, texture_bytes } in costs {
+        text += &format!(
+            "{what:28} {:8.3} {:8.3} {:8.3} {:12.3} {vertices:9} {:10.1}\n",
+            whole_ms.median,
+            whole_ms.p90,
+            layout_ms.median,
+            tessellation_ms.median,
+            *texture_bytes as f64 / 1e3,
+        );
+    }
+    text
+}

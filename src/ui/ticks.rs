@@ -1,0 +1,60 @@
+//! Where plots have their lines and numbers: at round values, and so close that a low plot has some of them, too.
+
+use egui_plot::{GridInput, GridMark};
+
+/// Least distance of numbers, in lines of the finest grid that the plot would draw.
+const LINES_APART: f64 = 3.5;
+
+/// Steps of an axis: between the lines without a number, between numbers (1, 2 or 5 times a power of ten), and ten of these.
+pub fn round_steps(input: &GridInput) -> [f64; 3] {
+    let least = (input.base_step_size * LINES_APART).max(f64::MIN_POSITIVE);
+    let power = 10_f64.powf(least.log10().floor());
+    let (factor, parts) = [(1.0, 5.0), (2.0, 4.0), (5.0, 5.0)]
+        .into_iter()
+        .find(|(factor, _)| factor * power >= least)
+        .unwrap_or((10.0, 5.0));
+    let step = factor * power;
+    [step / parts, step, 10.0 * step]
+}
+
+/// Marks of an axis of logarithms to base ten: whole powers, then 2 and 5 times these, then the other digits.
+pub fn log_marks(input: &GridInput) -> Vec<GridMark> {
+    /// How far apart marks count as being for each digit from 1, in powers of ten: it decides which have a number.
+    const APART: [f64; 9] = [1.0, 0.45, 0.1, 0.1, 0.45, 0.1, 0.1, 0.1, 0.1];
+    let (low, high) = input.bounds;
+    /// More powers of ten than this are no picture any more.
+    const MOST_POWERS: i32 = 40;
+    let first = low.floor().clamp(-f64::from(MOST_POWERS), f64::from(MOST_POWERS)) as i32;
+    let last = (high.ceil() as i32).clamp(first, first + MOST_POWERS);
+    let digits = |power: i32| APART.into_iter().zip(1..).map(move |(apart, digit)| (power, digit, apart));
+    let marks = (first..=last)
+        .flat_map(digits)
+        .map(|(power, digit, step_size)| GridMark { value: f64::from(power) + f64::from(digit).log10(), step_size });
+    marks.filter(|mark| (low..=high).contains(&mark.value)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stand_at_round_steps_that_contain_the_finer_lines() {
+        for (base, step) in [(0.9, 5.0), (1.0, 5.0), (0.5, 2.0), (0.28, 1.0), (12.0, 50.0), (0.000_17, 0.001)] {
+            let [fine, numbered, coarse] = round_steps(&GridInput { bounds: (0.0, 1.0), base_step_size: base });
+            assert!((numbered / step - 1.0).abs() < 1e-9, "{base}: {numbered}");
+            let parts = numbered / fine;
+            assert!((parts - parts.round()).abs() < 1e-9 && (coarse / numbered - 10.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn an_axis_of_logarithms_has_all_digits_of_all_powers_within() {
+        let marks = log_marks(&GridInput { bounds: (-1.0, 1.0), base_step_size: 0.1 });
+        assert_eq!(marks.len(), 19);
+        assert!(marks.windows(2).all(|pair| pair[0].value < pair[1].value));
+        assert_eq!(
+            marks.iter().filter(|mark| mark.step_size == 1.0).map(|mark| mark.value).collect::<Vec<_>>(),
+            [-1.0, 0.0, 1.0]
+        );
+    }
+}

@@ -1,0 +1,201 @@
+//! What the window itself takes, beside the picture, which is drawn on threads of its own: laying out the panels, cutting
+//! them into triangles and handing these to the graphics driver.
+
+use std::collections::VecDeque;
+
+use super::app::Workbench;
+use super::command::Command;
+use super::compare::{Change as Compare, Mode};
+use super::headless::{Headless, PassCost};
+use super::lab;
+use super::mesh_view;
+use super::overlays;
+use super::panels::bottom::{TABS, Tab};
+use super::range;
+use super::start::{WindowStart, workbench};
+use super::watch;
+use super::what_if;
+use super::worker::Worker;
+use crate::chain::Recipe;
+use crate::inspect::overlays::Overlay;
+use crate::lab::Page;
+use crate::measure::timing::{Summary, summarize};
+use crate::measure::window_cost::WindowCost;
+use crate::pipeline::settings::Choice as _;
+use crate::pipeline::viewport::Viewport;
+use crate::upscale::Upscaling;
+use eframe::egui::{self, Event, Pos2, Vec2};
+
+/// Passes kept.
+const RECENT: usize = 240;
+
+/// Times of the window's last passes, ms.
+#[derive(Clone, Debug, Default)]
+pub struct WindowTimes {
+    recent: VecDeque<f64>,
+}
+
+impl WindowTimes {
+    /// Adds the time of a pass.
+    pub fn record(&mut self, milliseconds: f64) {
+        if self.recent.len() == RECENT {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(milliseconds);
+    }
+
+    /// Figures of the passes that are kept, if there are any.
+    pub fn summary(&self) -> Option<Summary> {
+        summarize(&self.recent.iter().copied().collect::<Vec<_>>())
+    }
+}
+
+/// Passes before those that count: sizes settle, pictures are drawn, fonts are rasterized.
+const WARM_UP_PASSES: usize = 12;
+
+/// Frames in the plots of frame times, for each upscaler: as many as a measurement takes.
+const PLOTTED_FRAMES: usize = 25;
+
+/// Times `passes` passes of a window of `size` px with each of its parts open in turn, and with as much as possible at once.
+/// The pointer moves over the picture; the picture itself stays, so its drawing is no part of what is timed. There is no
+/// graphics card in it either.
+pub fn window_costs(start: &WindowStart, size: Viewport, passes: usize) -> Vec<WindowCost> {
+    situations().into_iter().filter_map(|(what, first)| cost(start, size, passes.max(1), what, first)).collect()
+}
+
+/// Everything that is timed: its name, and how to get there.
+fn situations() -> Vec<(String, Vec<Command>)> {
+    let tabs = TABS.iter().map(|(tab, name, _)| {
+        let (open, watch) = (Command::OpenTab(*tab), Command::Watch(watch::Change::AddPick));
+        (format!("Tab “{name}”"), vec![watch, open])
+    });
+    let through = ["lanczos3", "fsr1"].map(|method| {
+        let choose = Upscaling::every()
+            .filter(|upscaling| upscaling.method() == method)
+            .last()
+            .map(|upscaler| Command::SetRecipe(Recipe { upscaler, ..Recipe::default() }));
+        (format!("Tab “X-ray”, {method}"), choose.into_iter().chain([Command::OpenTab(Tab::Xray)]).collect())
+    });
+    let compared = [
+        ("Compared: four tiles", Compare::Count(4)),
+        ("Compared: every upscaler", Compare::Every),
+        ("Compared: difference", Compare::Mode(Mode::Difference)),
+    ];
+    let compared = compared.map(|(name, change)| (name.to_owned(), vec![Command::Compare(change)]));
+    let more = [
+        ("The scene from outside", vec![Command::MeshView(mesh_view::Change::Toggle)]),
+        ("What changed", vec![Command::WhatIf(what_if::Change::Toggle)]),
+        ("Range and overlays", laid_over()),
+        ("All stages", vec![Command::OpenStages(true)]),
+        ("Keys", vec![Command::ToggleKeys]),
+        ("Find anything", vec![Command::OpenPalette]),
+        ("Everything at once", everything()),
+    ];
+    let more = more.map(|(name, first)| (name.to_owned(), first));
+    let pages = Page::ALL.iter().map(|page| {
+        let first = [lab::Change::Open(true), lab::Change::Page(*page), lab::Change::Go(usize::MAX)];
+        (format!("2D lab, {}", page.name()), first.map(Command::Lab).into())
+    });
+    tabs.chain(through).chain(compared).chain(more).chain(pages).collect()
+}
+
+fn laid_over() -> Vec<Command> {
+    let layers = [Overlay::Rasterized, Overlay::Wireframe];
+    let layers = layers.map(|overlay| Command::Overlays(overlays::Change::Toggle(overlay)));
+    let open = [Command::Overlays(overlays::Change::Open(true)), Command::Range(range::Change::Open(true))];
+    layers.into_iter().chain(open).collect()
+}
+
+/// All that can be open at the same time, with the longest of the tabs.
+fn everything() -> Vec<Command> {
+    let more = [
+        Command::OpenTab(Tab::Arithmetic),
+        Command::OpenStages(true),
+        Command::MeshView(mesh_view::Change::Toggle),
+        Command::WhatIf(what_if::Change::Toggle),
+        Command::Watch(watch::Change::AddPick),
+    ];
+    laid_over().into_iter().chain(more).collect()
+}
+
+fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first: Vec<Command>) -> Option<WindowCost> {
+    let points = Vec2::new(size.width as f32, size.height as f32);
+    let mut headless = Headless::new(points, 1.0, egui::Theme::Dark);
+    let mut app = workbench(start.clone(), Default::default(), Worker::inline());
+    headless.pass(Vec::new(), |ui| app.show(ui));
+    headless.pass(Vec::new(), |ui| app.show(ui));
+    plot_something(&mut app);
+    app.ask_for(first);
+    let pass = |number| headless.timed_pass(vec![pointer(points, number)], |ui| app.show(ui));
+    let costs: Vec<_> = (0..WARM_UP_PASSES + passes).map(pass).skip(WARM_UP_PASSES).collect();
+    let ms = |time: fn(&PassCost) -> f64| summarize(&costs.iter().map(time).collect::<Vec<_>>());
+    Some(WindowCost {
+        what,
+        layout_ms: ms(|cost| cost.layout.as_secs_f64() * 1e3)?,
+        tessellation_ms: ms(|cost| cost.tessellation.as_secs_f64() * 1e3)?,
+        whole_ms: ms(|cost| (cost.layout + cost.tessellation).as_secs_f64() * 1e3)?,
+        vertices: costs.last()?.vertices,
+        texture_bytes: costs.iter().map(|cost| cost.texture_bytes).max()?,
+    })
+}
+
+/// Fills the plots of frame times as a measurement of all upscalers does. What the times are is nothing to the window.
+fn plot_something(app: &mut Workbench) {
+    let request = app.session().request();
+    let timings = &mut app.session_mut().timings;
+    timings.begin_measurement(request);
+    for (place, upscaling) in Upscaling::every().enumerate() {
+        for frame in 0..PLOTTED_FRAMES {
+            timings.record_measured(upscaling, (1 + place + frame % 5) as f64);
+        }
+    }
+}
+
+/// A pointer that goes up and down in the middle of the window.
+fn pointer(window: Vec2, pass: usize) -> Event {
+    const STEP_POINTS: f32 = 3.0;
+    const TRAVEL_POINTS: usize = 40;
+    let down = (pass % TRAVEL_POINTS) as f32 * STEP_POINTS;
+    Event::PointerMoved(Pos2::new(window.x * 0.4 + down, window.y * 0.3 + down))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ui::Seen;
+
+    #[test]
+    fn old_passes_make_room_for_new_ones() {
+        let mut times = WindowTimes::default();
+        assert!(times.summary().is_none());
+        times.record(900.0);
+        (0..RECENT).for_each(|_| times.record(2.0));
+        let summary = times.summary().unwrap();
+        assert_eq!((summary.n, summary.max), (RECENT, 2.0));
+    }
+
+    #[test]
+    fn each_part_of_the_window_is_timed_and_at_rest_uploads_nothing() {
+        let source = crate::scene::SceneSource::named("triangle".into());
+        let scene = source.load().unwrap().scene;
+        let start = WindowStart {
+            camera: scene.home,
+            scene: std::sync::Arc::new(scene),
+            source,
+            warnings: Vec::new(),
+            recipe: Recipe::default(),
+            mirrored: false,
+            resume: false,
+            seen: Seen { picture: Some(Viewport { width: 64, height: 40 }), ..Seen::default() },
+        };
+        let size = Viewport { width: 1000, height: 600 };
+        let situations = situations();
+        for (what, first) in situations.into_iter().filter(|(what, _)| what.contains("Watch") || what.contains("once"))
+        {
+            let cost = cost(&start, size, 2, what, first).unwrap();
+            assert_eq!(cost.texture_bytes, 0, "{}: textures are uploaded again and again", cost.what);
+            assert_eq!(cost.whole_ms.n, 2);
+            assert!(cost.vertices > 1000, "{}: {} vertices", cost.what, cost.vertices);
+        }
+    }
+}
