@@ -141,9 +141,9 @@ fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first:
 
 /// Fills the plots of frame times as a measurement of all upscalers does. What the times are is nothing to the window.
 fn plot_something(app: &mut Workbench) {
-    let request = app.session().request();
+    let (request, reference) = (app.session().request(), app.session().comparison.reference);
     let timings = &mut app.session_mut().timings;
-    timings.begin_measurement(request);
+    timings.begin_measurement(request, reference);
     for (place, upscaling) in Upscaling::every().enumerate() {
         for frame in 0..PLOTTED_FRAMES {
             timings.record_measured(upscaling, (1 + place + frame % 5) as f64);
