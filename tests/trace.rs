@@ -34,10 +34,10 @@ use rayon::prelude::*;
 const SIZE: Viewport = Viewport { width: 17, height: 13 };
 
 /// The same where there are many recipes.
-const SIZE_OF_MANY: Viewport = Viewport { width: 11, height: 7 };
+const SIZE_OF_MANY: Viewport = Viewport { width: 9, height: 5 };
 
 /// The same for traces.
-const SIZE_TRACED: Viewport = Viewport { width: 9, height: 7 };
+const SIZE_TRACED: Viewport = Viewport { width: 6, height: 5 };
 
 /// The places of the colour in the names of lines.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
