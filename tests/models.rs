@@ -1,9 +1,10 @@
 //! Real models: as many triangles as an independent count, materials and textures as their libraries say.
 
-#![expect(clippy::print_stderr, reason = "a test that had nothing to read says so")]
+mod common;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use common::models;
 use rasterscope::scene::obj::{self, Loaded};
 use rasterscope::scene::{DepthMapping, MeshData, SceneError};
 
@@ -14,16 +15,6 @@ const WITHOUT_AREA: [(&str, usize, &str); 3] = [
     ("odd/box_longline.obj", 944 - 466, "one face repeats corners in hundreds of ways"),
     ("odd/issue-319-002.obj", 14 - 1, "one polygon has two corners in one place"),
 ];
-
-fn models() -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
-    let folder = std::env::var_os("RASTERSCOPE_SAMPLES").map_or_else(|| PathBuf::from(default), PathBuf::from);
-    let found = folder.join("models/SOURCES.md").is_file();
-    if !found {
-        eprintln!("no samples at {}: nothing was tested", folder.display());
-    }
-    found.then(|| folder.join("models"))
-}
 
 /// Name and count of triangles of each row of the table.
 fn rows(table: &str) -> Vec<(String, usize)> {

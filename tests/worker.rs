@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use rasterscope::chain::{Recipe, run};
 use rasterscope::inspect::Buffer;
+use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::engine::{Request, Shown};
@@ -154,7 +155,7 @@ fn another_pick_keeps_the_frame() {
 #[test]
 fn a_measurement_times_every_method_once_per_round() {
     let mut worker = Worker::spawn(|| ());
-    worker.send(Job::Measure(Box::new(request("triangle", (32, 24)))));
+    worker.send(Job::Measure(Box::new(request("triangle", (32, 24))), Reference::Native));
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Measured));
     let samples: Vec<_> = answers
         .iter()
@@ -176,7 +177,7 @@ fn a_measurement_times_every_method_once_per_round() {
 #[test]
 fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
     let mut worker = Worker::spawn(|| ());
-    worker.send(Job::Measure(Box::new(request("chess", (320, 240)))));
+    worker.send(Job::Measure(Box::new(request("chess", (320, 240))), Reference::Native));
     answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
     worker.send(Job::CancelMeasure);
     let wanted = request("triangle", (16, 16));
@@ -190,7 +191,7 @@ fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
 fn requests_come_before_measuring() {
     let mut worker = Worker::spawn(|| ());
     let measured = request("chess", (320, 240));
-    worker.send(Job::Measure(Box::new(measured)));
+    worker.send(Job::Measure(Box::new(measured), Reference::Native));
     answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
     worker.send(show(&request("triangle", (16, 16))));
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::View(_)));

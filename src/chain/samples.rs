@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::{Frame, KeepDepth, Recipe, Renderer, camera_of, raster_of};
+use super::view::{camera_of, raster_of};
+use super::{Frame, KeepDepth, Recipe, Renderer};
 use crate::antialias::pattern::{Pattern, jitter, jittered_places};
 use crate::antialias::resolve::{self, Mean};
 use crate::antialias::settings::{Antialiasing, Method};

@@ -1,6 +1,10 @@
 //! From words of the command line to values.
 
+use std::ffi::OsStr;
+
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Arg, Command};
+use rasterscope::inspect::overlays::{Layer, Overlay};
 use rasterscope::pipeline::settings::Choice;
 use rasterscope::pipeline::viewport::Viewport;
 
@@ -25,6 +29,27 @@ fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
 /// Parser for a closed set of alternatives, which help lists with what they do.
 pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
     PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not one of the alternatives"))
+}
+
+/// Parser for an overlay and how strong it is; help lists all overlays.
+pub(crate) fn layer() -> impl TypedValueParser<Value = Layer> {
+    LayerParser
+}
+
+#[derive(Clone)]
+struct LayerParser;
+
+impl TypedValueParser for LayerParser {
+    type Value = Layer;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<Layer, clap::Error> {
+        let parse = |text: &str| text.parse::<Layer>();
+        TypedValueParser::parse_ref(&parse, command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(possible_values::<Overlay>()))
+    }
 }
 
 /// Parser for two sets of alternatives, no word of which is in both.

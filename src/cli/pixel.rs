@@ -41,6 +41,14 @@ pub(crate) struct PixelArgs {
     #[arg(long, hide = true)]
     stage: Option<String>,
 
+    /// As `buffer`
+    #[arg(long, hide = true)]
+    look: Option<String>,
+
+    /// As `buffer`
+    #[arg(long, hide = true)]
+    overlay: Vec<String>,
+
     /// Print JSON instead of text
     #[arg(long)]
     json: bool,

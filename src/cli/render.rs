@@ -8,12 +8,13 @@ use clap::Args;
 use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer};
 use rasterscope::image::file::write_png;
 use rasterscope::image::pfm::{Floats, write_pfm};
+use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::buffers::Buffers;
-use rasterscope::inspect::display::Display;
+use rasterscope::inspect::display::{Display, Kind};
 use rasterscope::inspect::intermediate::{self, Captured};
-use rasterscope::inspect::overlays::{Context, Overlay, Sheet, compose, csv};
+use rasterscope::inspect::overlays::{Context, Layer, Sheet, compose, csv};
 use rasterscope::inspect::planes::planes;
-use rasterscope::inspect::view::Value;
+use rasterscope::inspect::view::{Range, Value};
 use rasterscope::inspect::{Buffer, Hits, Intermediate, Stage, capture, stages, view};
 use rasterscope::measure::stages::stage_times;
 use rasterscope::measure::timing::summarize;
@@ -52,9 +53,13 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "X,Y", hide = true)]
     at: Option<String>,
 
-    /// Lay this over the picture, and print its totals; may be given several times, the lowest first
-    #[arg(long, value_name = "OVERLAY", conflicts_with = "stage", value_parser = parse::choice::<Overlay>())]
-    overlay: Vec<Overlay>,
+    /// By which range (all, most, 0.25..0.5), colour map and channels it is shown, as range=most,map=magma,reversed,channels=rg
+    #[arg(long, value_name = "LOOK")]
+    look: Option<Display>,
+
+    /// Lay this over the picture, as strong as is said, and print its totals; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY[=OPACITY]", value_parser = parse::layer())]
+    overlay: Vec<Layer>,
 
     /// Also write the totals of all overlays as a table
     #[arg(long, value_name = "FILE.csv", requires = "overlay")]
@@ -81,26 +86,28 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         Either::Second(number) => (Buffer::Color, Some(intermediate::capture(&scene, &recipe, &frame, number))),
     };
     let captured = captured.as_ref();
-    let ends = captured.filter(|_| args.stage.is_none()).and_then(Captured::range);
-    let is_whole = args.triangles.is_none();
-    let shown = Shown { buffer, captured, scene: &scene, recipe: &recipe, frame: &frame, is_whole };
-    let buffers = (args.stage.is_none() && buffer != Buffer::Color)
+    let stage = args.stage.map(|stage| stages::picture(&scene, &camera, &recipe, &frame, stage));
+    let buffers = (stage.is_none() && buffer != Buffer::Color)
         .then(|| capture(&scene, &recipe, &frame).completed_for(buffer, &recipe, &frame));
     let faults = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref()).map(Hits::summary);
-    let image = match (args.stage, &buffers, captured) {
-        (Some(stage), ..) => &stages::picture(&scene, &camera, &recipe, &frame, stage),
-        (None, _, Some(captured)) => &captured.picture(&frame, ends),
-        (None, None, None) => frame.image(),
-        (None, Some(buffers), None) => {
-            let range = view::range(buffer, &frame, Some(buffers));
-            &view::picture(buffer, &frame, Some(buffers), range)
-        }
+    let shown = Shown {
+        buffer,
+        captured,
+        stage: stage.as_ref(),
+        buffers: buffers.as_ref(),
+        display: args.look.unwrap_or_default(),
+        scene: &scene,
+        recipe: &recipe,
+        frame: &frame,
+        is_whole: args.triangles.is_none(),
     };
-    let sheets = shown.sheets(&args.overlay, buffers.as_ref());
-    let image = &compose(image, sheets.iter().map(|sheet| (sheet, sheet.overlay.first_opacity())));
+    let ends = captured.filter(|_| stage.is_none()).and_then(|_| shown.range());
+    let sheets = shown.sheets(&args.overlay);
+    let opacities = args.overlay.iter().map(|layer| layer.opacity);
+    let image = &compose(&shown.colored(), sheets.iter().zip(opacities));
     write_png(&args.output, image)?;
     if let Some(path) = &args.data {
-        write_pfm(path, &shown.planes(buffers.as_ref()))?;
+        write_pfm(path, &shown.planes())?;
     }
     if let Some(path) = &args.totals {
         let failed = |source| Failure::ResultFile { path: path.clone(), source };
@@ -131,6 +138,11 @@ struct Shown<'a> {
     buffer: Buffer,
     /// A number on the way, which takes the place of the buffer.
     captured: Option<&'a Captured>,
+    /// The picture after a stage, which takes the place of both.
+    stage: Option<&'a Image<Rgba8>>,
+    /// Where the buffer comes from, unless it is the colour.
+    buffers: Option<&'a Buffers>,
+    display: Display,
     scene: &'a Scene,
     recipe: &'a Recipe,
     frame: &'a Frame,
@@ -139,15 +151,37 @@ struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    fn value(&self, buffers: Option<&Buffers>, x: u32, y: u32) -> Value {
-        match self.captured {
-            Some(captured) => captured.value(self.frame, x, y),
-            None => view::value(self.buffer, self.frame, buffers, x, y),
+    fn value(&self, x: u32, y: u32) -> Value {
+        match (self.stage, self.captured) {
+            (Some(stage), _) => Value::Color(stage.at(x, y)),
+            (None, Some(captured)) => captured.value(self.frame, x, y),
+            (None, None) => view::value(self.buffer, self.frame, self.buffers, x, y),
+        }
+    }
+
+    /// The range that it is shown with, if it has one.
+    fn range(&self) -> Option<Range> {
+        let (size, value) = (self.frame.image().size(), |x: u32, y: u32| self.value(x, y));
+        match (self.stage, self.captured) {
+            (Some(_), _) => self.display.range_of(Kind::Colors, size, || None, value),
+            (None, Some(captured)) => self.display.range_of(Kind::Numbers, size, || captured.range(), value),
+            (None, None) => self.display.range(self.buffer, self.frame, self.buffers),
+        }
+    }
+
+    /// In its colours.
+    fn colored(&self) -> Image<Rgba8> {
+        let as_at_first = self.display == Display::default();
+        match (self.stage, self.captured) {
+            (Some(stage), _) if as_at_first => stage.clone(),
+            (None, Some(captured)) if as_at_first => captured.picture(self.frame, self.range()),
+            (None, None) => self.display.picture(self.buffer, self.frame, self.buffers, self.range()),
+            _ => self.display.picture_of(None, self.frame.image().size(), self.range(), |x, y| self.value(x, y)),
         }
     }
 
     /// What is laid over it.
-    fn sheets(&self, overlays: &[Overlay], buffers: Option<&Buffers>) -> Vec<Sheet> {
+    fn sheets(&self, layers: &[Layer]) -> Vec<Sheet> {
         let watched = OnceLock::new();
         let context = Context {
             scene: self.scene,
@@ -155,18 +189,15 @@ impl Shown<'_> {
             frame: self.frame,
             is_whole: self.is_whole,
             watched: &watched,
-            shown: &|x, y| self.value(buffers, x, y),
-            range: match self.captured {
-                Some(captured) => captured.range(),
-                None => Display::default().range(self.buffer, self.frame, buffers),
-            },
+            shown: &|x, y| self.value(x, y),
+            range: self.range(),
         };
-        overlays.iter().map(|overlay| overlay.sheet(&context)).collect()
+        layers.iter().map(|layer| layer.overlay.sheet(&context)).collect()
     }
 
     /// Its exact values.
-    fn planes(&self, buffers: Option<&Buffers>) -> Floats {
-        planes(self.frame.image().size(), |x, y| self.value(buffers, x, y))
+    fn planes(&self) -> Floats {
+        planes(self.frame.image().size(), |x, y| self.value(x, y))
     }
 }
 

@@ -8,7 +8,6 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::Intermediate;
 use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::inspect::mesh_view::MeshStyle;
-use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::scrub::Moment;
 use rasterscope::lab::Page;
 use rasterscope::pipeline::viewport::Viewport;
@@ -82,10 +81,6 @@ pub(crate) struct Look {
     #[arg(long)]
     pub(crate) range: bool,
 
-    /// Lay this over the picture; may be given several times, the lowest first
-    #[arg(long, value_name = "OVERLAY", value_parser = parse::choice::<Overlay>())]
-    pub(crate) overlay: Vec<Overlay>,
-
     /// Show the list of overlays
     #[arg(long)]
     pub(crate) overlays: bool,
@@ -130,7 +125,6 @@ impl Default for Look {
             number: None,
             moment: None,
             range: false,
-            overlay: Vec::new(),
             overlays: false,
             fate: None,
             watch: false,
@@ -230,7 +224,7 @@ pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
     let mut against = view.recipe;
     against.set_all(&args.against)?;
     let against = (!args.against.is_empty()).then_some(against);
-    save(&workbench::draw(view, &args.look, args.seen, against)?, &args.output)
+    save(&workbench::draw(view, &args.look, args.seen.clone(), against)?, &args.output)
 }
 
 /// Writes a picture of the workbench and says in one line what was made.

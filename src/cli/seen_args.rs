@@ -1,23 +1,33 @@
 //! What of a frame is looked at: the options that "Copy as command" adds to scene, view and settings.
 
 use clap::Args;
+use rasterscope::inspect::display::Display;
+use rasterscope::inspect::overlays::Layer;
 use rasterscope::inspect::scrub::Moment;
-use rasterscope::inspect::{Buffer, Stage};
+use rasterscope::inspect::{Buffer, Intermediate, Stage};
 use rasterscope::pipeline::viewport::Viewport;
 
-use super::parse;
+use super::parse::{self, Either};
 use super::scene_args::SceneArgs;
 
 /// What the window shows of the frame.
-#[derive(Args, Clone, Copy, Debug, Default)]
+#[derive(Args, Clone, Debug, Default)]
 pub(crate) struct SeenArgs {
-    /// The buffer to show instead of the colour
-    #[arg(long, value_parser = parse::choice::<Buffer>())]
-    pub(crate) buffer: Option<Buffer>,
+    /// The quantity to show instead of the colour
+    #[arg(long, value_parser = parse::either::<Buffer, Intermediate>())]
+    pub(crate) buffer: Option<Either<Buffer, Intermediate>>,
 
     /// Show the picture after this stage instead of a buffer
     #[arg(long, conflicts_with = "buffer", value_parser = parse::choice::<Stage>())]
     pub(crate) stage: Option<Stage>,
+
+    /// By which range (all, most, 0.25..0.5), colour map and channels it is shown, as range=most,map=magma,reversed,channels=rg
+    #[arg(long, value_name = "LOOK")]
+    pub(crate) look: Option<Display>,
+
+    /// Lay this over the picture, as strong as is said; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY[=OPACITY]", value_parser = parse::layer())]
+    pub(crate) overlay: Vec<Layer>,
 
     /// Draw only the first so many of the rasterized triangles
     #[arg(long, value_name = "N")]

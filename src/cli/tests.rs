@@ -1,4 +1,6 @@
-use rasterscope::inspect::{Buffer, Place, Stage};
+use rasterscope::inspect::display::Display;
+use rasterscope::inspect::{Buffer, Intermediate, Place, Stage};
+use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::{Projection, SceneSource};
 
 use super::*;
@@ -30,8 +32,17 @@ fn arrive(line: &str) -> Place {
         camera: view.camera,
         recipe: view.recipe,
         picture: args.seen.picture.map(|size| (size.width, size.height)),
-        buffer: args.seen.buffer.unwrap_or(Buffer::Color),
+        buffer: match args.seen.buffer {
+            Some(parse::Either::First(buffer)) => buffer,
+            _ => Buffer::Color,
+        },
         stage: args.seen.stage,
+        number: match args.seen.buffer {
+            Some(parse::Either::Second(number)) => Some(number),
+            _ => None,
+        },
+        display: args.seen.look.unwrap_or_default(),
+        overlays: args.seen.overlay,
         triangles: args.seen.triangles,
         fragments: args.seen.fragments,
         pixel: args.at,
@@ -48,6 +59,9 @@ fn places() -> Vec<Place> {
         picture: Some((320, 200)),
         buffer: Buffer::Color,
         stage: None,
+        number: None,
+        display: Display::default(),
+        overlays: Vec::new(),
         triangles: None,
         fragments: None,
         pixel: None,
@@ -62,12 +76,22 @@ fn places() -> Vec<Place> {
     let mut flat = Place {
         stage: Some(Stage::Clip),
         buffer: Buffer::Color,
+        display: "channels=gb".parse().unwrap(),
+        overlays: vec!["wireframe".parse().unwrap()],
         triangles: Some(3),
         fragments: Some(2),
         ..turned.clone()
     };
     flat.camera.projection = Projection::Orthographic { height: 1.0 / 3.0 };
-    vec![plain, turned, flat]
+    let overlays = ["exact-owner", "facing=0.123", "triangle-size=0"].map(|text| text.parse().unwrap()).to_vec();
+    let numbers = Intermediate::ALL.iter().map(|number| Place {
+        number: Some(*number),
+        display: "range=-0.1..0.30000001,map=diverging,reversed".parse().unwrap(),
+        overlays: overlays.clone(),
+        ..plain.clone()
+    });
+    let numbers: Vec<_> = numbers.collect();
+    [plain, turned, flat].into_iter().chain(numbers).collect()
 }
 
 #[test]

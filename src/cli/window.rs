@@ -23,7 +23,7 @@ pub(crate) fn run_or_draw(args: &WindowArgs) -> Result<(), Failure> {
     let view = args.scene.view()?;
     let Err(reason) = workbench::open(view.clone(), args) else { return Ok(()) };
     let look = Look { at: args.at, ..Look::default() };
-    let image = workbench::draw(view, &look, args.seen, None)?;
+    let image = workbench::draw(view, &look, args.seen.clone(), None)?;
     // Said before the picture is written: should that fail too, both reasons are told.
     output::complain("note", format!("{reason}; the workbench is drawn into {FALLBACK_PICTURE} instead"));
     screenshot::save(&image, Path::new(FALLBACK_PICTURE))

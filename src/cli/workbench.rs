@@ -22,6 +22,7 @@ use rasterscope::ui::what_if;
 use rasterscope::ui::{self, ScreenshotRequest, Seen, WindowStart};
 
 use super::failure::Failure;
+use super::parse::Either;
 use super::scene_args::{View, WARNED};
 use super::screenshot::{Compare, Look, Open, Tab, Theme};
 use super::seen_args::{SeenArgs, WindowArgs, moment};
@@ -31,7 +32,7 @@ pub(crate) fn open(view: View, args: &WindowArgs) -> Result<(), String> {
     if needs_display() && !is_set("WAYLAND_DISPLAY") && !is_set("WAYLAND_SOCKET") && !is_set("DISPLAY") {
         return Err("no window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set)".to_owned());
     }
-    let outcome = without_library_panics(|| ui::run_window(start(view, seen(args.seen, args.at))));
+    let outcome = without_library_panics(|| ui::run_window(start(view, seen(args.seen.clone(), args.at))));
     if outcome.is_err() {
         retry_on_x11();
     }
@@ -80,9 +81,8 @@ pub(crate) fn window_costs(view: View, size: Viewport, passes: usize) -> Result<
 /// What lies over the picture on the canvas.
 fn laid_over(look: &Look) -> impl Iterator<Item = Command> {
     let range = look.range.then_some(Command::Range(range::Change::Open(true)));
-    let layers = look.overlay.iter().map(|overlay| Command::Overlays(overlays::Change::Toggle(*overlay)));
     let list = look.overlays.then_some(Command::Overlays(overlays::Change::Open(true)));
-    range.into_iter().chain(layers).chain(list)
+    range.into_iter().chain(list)
 }
 
 fn comparison(compare: Compare) -> Change {
@@ -124,8 +124,18 @@ fn tab(tab: Tab) -> bottom::Tab {
 }
 
 fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
-    let shown = args.stage.map(Shown::Stage).or(args.buffer.map(Shown::Buffer));
-    Seen { pixel, shown, moment: moment(args.triangles, args.fragments), picture: args.picture }
+    let quantity = args.buffer.map(|buffer| match buffer {
+        Either::First(buffer) => Shown::Buffer(buffer),
+        Either::Second(number) => Shown::Intermediate(number),
+    });
+    Seen {
+        pixel,
+        shown: args.stage.map(Shown::Stage).or(quantity),
+        display: args.look,
+        layers: args.overlay,
+        moment: moment(args.triangles, args.fragments),
+        picture: args.picture,
+    }
 }
 
 fn start(view: View, seen: Seen) -> WindowStart {

@@ -4,6 +4,8 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 
+use crate::math::lanes::*;
+
 /// The tables behind fast conversion. Loops hold on to one reference: asking for it each time costs as much as a lookup.
 #[derive(Debug)]
 pub struct Tables {
@@ -11,10 +13,9 @@ pub struct Tables {
     pub linear_of_code: [f32; 256],
     /// Each code as a float.
     pub code: [f32; 256],
-    /// For each code the least linear value that rounds to it, and an unreachable one at the end.
-    thresholds: [f32; 257],
-    /// The code of the least linear value in each bucket of [`bucket`].
-    first_code: [u8; BUCKETS],
+    /// Of each bucket of linear values the code of the least one, and in the upper half the bits of the least value that has
+    /// the next code.
+    buckets: Box<[u64; BUCKETS]>,
 }
 
 /// Linear values below 2⁻¹³ have code 0: half a code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
@@ -23,7 +24,8 @@ const LEAST_BITS: u32 = 0x3900_0000;
 /// Buckets per octave are 2⁸: 0.4 % wide, narrower than any code, so a bucket holds one threshold at most.
 const BUCKET_SHIFT: u32 = 15;
 
-const BUCKETS: usize = ((0x3F80_0000 - LEAST_BITS) >> BUCKET_SHIFT) as usize + 1;
+/// Buckets up to that of 1, and more up to a power of two, so that a masked number is known to be one of them.
+const BUCKETS: usize = (((0x3F80_0000 - LEAST_BITS) >> BUCKET_SHIFT) as usize + 1).next_power_of_two();
 
 static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     let threshold = |code: usize| match code {
@@ -35,11 +37,11 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
     Tables {
         linear_of_code: std::array::from_fn(|code| decode(code as f32 / 255.0)),
         code: std::array::from_fn(|code| code as f32),
-        thresholds,
-        first_code: std::array::from_fn(|bucket| {
+        buckets: Box::new(std::array::from_fn(|bucket| {
             let least = f32::from_bits(LEAST_BITS + ((bucket as u32) << BUCKET_SHIFT));
-            (thresholds.partition_point(|t| *t <= least) - 1) as u8
-        }),
+            let code = thresholds.partition_point(|t| *t <= least).clamp(1, 256) - 1;
+            code as u64 | u64::from(thresholds[code + 1].to_bits()) << 32
+        })),
     }
 });
 
@@ -55,9 +57,21 @@ impl Tables {
     #[inline]
     pub fn encode(&self, linear: f32) -> u8 {
         let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
-        let bucket = clamped.to_bits().saturating_sub(LEAST_BITS) >> BUCKET_SHIFT;
-        let code = self.first_code[bucket as usize];
-        code + u8::from(clamped >= self.thresholds[code as usize + 1])
+        let entry = self.buckets[clamped.to_bits().saturating_sub(LEAST_BITS) as usize >> BUCKET_SHIFT];
+        entry as u8 + u8::from(clamped >= f32::from_bits((entry >> 32) as u32))
+    }
+
+    /// [`Self::encode`] for eight values.
+    #[inline(always)]
+    pub fn encode_lanes<S: Simd>(&self, simd: S, linear: F32<S>) -> u32x8<S> {
+        let zero = F32::splat(simd, 0.0);
+        let clamped = linear.simd_gt(zero).select(linear.min(1.0), zero);
+        let bits = clamped.bitcast::<u32x8<S>>();
+        let bucket = ((bits.max(LEAST_BITS) - LEAST_BITS) >> BUCKET_SHIFT).to_array();
+        let entries = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => self.buckets[bucket[lane] as usize % BUCKETS]);
+        let (code, next) = halves(simd, entries);
+        let one = clamped.simd_ge(next.bitcast::<F32<S>>()).select(u32x8::splat(simd, 1), u32x8::splat(simd, 0));
+        code + one
     }
 }
 

@@ -1,5 +1,7 @@
 //! How a quantity becomes colours on the screen: range, colour map, channels. The quantity itself is never changed.
 
+mod text;
+
 use serde::{Deserialize, Serialize};
 
 use super::buffers::{Buffer, Buffers};
@@ -53,7 +55,8 @@ impl ColorMap {
 }
 
 /// How a quantity is shown.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
 pub struct Display {
     /// How the ends of the range are found.
     pub rule: Rule,

@@ -1,5 +1,7 @@
 //! Finding things in a frame: the pixel where a triangle or an object is seen, or why there is none.
 
+mod vertex;
+
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::Until;
@@ -19,6 +21,8 @@ pub enum Wanted {
     View(u32, u32, u32),
     /// A triangle of the scene.
     Triangle(TriangleId),
+    /// The vertex of this number, of the object of that: first the object, then the vertex.
+    Vertex(u32, u32),
     /// All instances of these numbers, under the name that they were found by.
     Object(String, Vec<u32>),
 }
@@ -33,13 +37,21 @@ pub enum Found {
     Seen((u32, u32), usize),
     /// It covers this pixel and so many in all, and is seen at none.
     Hidden((u32, u32), usize),
+    /// A point lies in this pixel; where and how far away, in words.
+    At((u32, u32), String),
     /// It covers no pixel; why, in words.
     Nowhere(String),
 }
 
 impl Wanted {
-    /// Reads "12,34", "800% 12,34", "tri 56" or the name of an object, or a part of it. The error says what could not be found.
-    pub fn parse(text: &str, scene: &Scene, Viewport { width, height }: Viewport) -> Result<Self, String> {
+    /// Reads "12,34", "800% 12,34", "tri 56", "vertex 7 of knot" or the name of an object, or a part of it. A vertex without an
+    /// object is one of the object with the number `near`. The error says what could not be found.
+    pub fn parse(
+        text: &str,
+        scene: &Scene,
+        Viewport { width, height }: Viewport,
+        near: Option<u32>,
+    ) -> Result<Self, String> {
         if let Some((x, y)) = parse_pixel(text) {
             return if x < width && y < height {
                 Ok(Self::Pixel(x, y))
@@ -63,6 +75,9 @@ impl Wanted {
                 None => Err(format!("The scene has {count} triangles, numbered from 0")),
             };
         }
+        if let Some(found) = vertex::parse(text, scene, near) {
+            return found.map(|(object, number)| Self::Vertex(object, number));
+        }
         let name = text.trim().to_lowercase();
         if name.is_empty() {
             return Err(String::new());
@@ -82,6 +97,7 @@ impl Wanted {
         match self {
             Self::Pixel(x, y) | Self::View(x, y, _) => format!("Pixel {x}, {y}"),
             Self::Triangle(id) => format!("Triangle {}", id.0),
+            Self::Vertex(_, number) => format!("Vertex {number}"),
             Self::Object(name, numbers) if numbers.len() == 1 => format!("“{name}”"),
             Self::Object(name, numbers) => format!("“{name}” ({} objects)", numbers.len()),
         }
@@ -117,6 +133,7 @@ fn parse_triangle(text: &str) -> Option<u64> {
 pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> Found {
     let is_wanted: &dyn Fn(&ScreenTriangle) -> bool = match wanted {
         Wanted::Pixel(x, y) | Wanted::View(x, y, _) => return Found::Seen((*x, *y), 1),
+        Wanted::Vertex(object, number) => return vertex::find(scene, recipe, frame, (*object, *number)),
         Wanted::Triangle(id) => &|triangle| triangle.id == *id,
         Wanted::Object(_, numbers) => &|triangle| numbers.contains(&triangle.instance),
     };
@@ -207,7 +224,7 @@ mod tests {
     #[test]
     fn triangles_and_objects_are_read_and_what_is_not_there_is_said() {
         let scene = builtin::by_id("cubes").unwrap().build();
-        let parse = |text: &str| Wanted::parse(text, &scene, SIZE);
+        let parse = |text: &str| Wanted::parse(text, &scene, SIZE, None);
         for text in ["tri 7", "Triangle 7", "t7", "#7"] {
             assert_eq!(parse(text), Ok(Wanted::Triangle(TriangleId(7))), "{text}");
         }
@@ -243,6 +260,7 @@ mod tests {
                     assert_eq!(winners, 0);
                     nowhere += 1;
                 }
+                Found::At(..) => panic!("a triangle is no point"),
             }
         }
         assert!(seen > 3 && hidden + nowhere > 3, "{seen} {hidden} {nowhere}");

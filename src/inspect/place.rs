@@ -8,7 +8,10 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::buffers::Buffer;
+use super::display::Display;
 use super::fields::assignments;
+use super::intermediate::Intermediate;
+use super::overlays::Layer;
 use super::stages::Stage;
 use crate::chain::Recipe;
 use crate::pipeline::settings::Choice as _;
@@ -28,10 +31,19 @@ pub struct Place {
     pub recipe: Recipe,
     /// Size of the picture in px; as large as the canvas if none.
     pub picture: Option<(u32, u32)>,
-    /// The buffer that is shown if no stage is.
+    /// The buffer that is shown if neither a stage nor a number on the way is.
     pub buffer: Buffer,
     /// The stage that is shown.
     pub stage: Option<Stage>,
+    /// The number on the way from triangle to colour that is shown, if no stage is.
+    #[serde(default)]
+    pub number: Option<Intermediate>,
+    /// By which range, colour map and channels.
+    #[serde(default)]
+    pub display: Display,
+    /// What is laid over it, the lowest first.
+    #[serde(default)]
+    pub overlays: Vec<Layer>,
     /// Only the first so many rasterized triangles.
     pub triangles: Option<usize>,
     /// Of the last of them only the first so many fragments.
@@ -64,10 +76,17 @@ impl Place {
         if let Some((width, height)) = self.picture {
             option("picture", format!("{width}x{height}"));
         }
-        match self.stage {
-            Some(stage) => option("stage", stage.id().to_owned()),
-            None if self.buffer != Buffer::Color => option("buffer", self.buffer.id().to_owned()),
-            None => {}
+        match (self.stage, self.number) {
+            (Some(stage), _) => option("stage", stage.id().to_owned()),
+            (None, Some(number)) => option("buffer", number.id().to_owned()),
+            (None, None) if self.buffer != Buffer::Color => option("buffer", self.buffer.id().to_owned()),
+            (None, None) => {}
+        }
+        if self.display != Display::default() {
+            option("look", self.display.text());
+        }
+        for layer in &self.overlays {
+            option("overlay", layer.text());
         }
         if let Some(limit) = self.triangles {
             option("triangles", limit.to_string());
@@ -83,9 +102,10 @@ impl Place {
 
     /// What is looked at, in words: "pixel 12, 34, Depth".
     pub fn words(&self) -> String {
-        let shown = match self.stage {
-            Some(stage) => Some(stage.name()),
-            None => (self.buffer != Buffer::Color).then(|| self.buffer.name()),
+        let shown = match (self.stage, self.number) {
+            (Some(stage), _) => Some(stage.name()),
+            (None, Some(number)) => Some(number.name()),
+            (None, None) => (self.buffer != Buffer::Color).then(|| self.buffer.name()),
         };
         let pixel = self.pixel.map(|(x, y)| format!("pixel {x}, {y}"));
         let parts: Vec<_> = pixel.into_iter().chain(shown.map(str::to_owned)).collect();
@@ -116,6 +136,9 @@ mod tests {
             picture: None,
             buffer: Buffer::Color,
             stage: None,
+            number: None,
+            display: Display::default(),
+            overlays: Vec::new(),
             triangles: None,
             fragments: None,
             pixel: None,
@@ -139,12 +162,14 @@ mod tests {
         place.recipe.set("culling=none").unwrap();
         (place.pixel, place.buffer, place.triangles) = (Some((3, 4)), Buffer::Depth, Some(7));
         (place.picture, place.mirrored, place.fragments) = (Some((320, 200)), true, Some(8));
+        place.display = "map=magma,reversed".parse().unwrap();
+        place.overlays = vec!["facing=0.25".parse().unwrap(), "wireframe".parse().unwrap()];
         let line = place.command_line();
         for part in [
             "--mirror-z",
             "--set culling=none",
             "--picture 320x200",
-            "--buffer depth",
+            "--buffer depth --look map=magma,reversed --overlay facing=0.25 --overlay wireframe",
             "--triangles 7 --fragments 8",
             "--at 3,4",
         ] {

@@ -5,6 +5,7 @@
 //! From rasterizing on they show the pixels that the frame really drew, of the triangles that it drew; those left to the
 //! upscaler are dark.
 
+use super::fates::Rejections;
 use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
@@ -15,7 +16,7 @@ use crate::pipeline::settings::{Choice, Culling, Settings, Shading, choice};
 use crate::pipeline::shade::id_color;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Until, prepare, wireframe};
-use crate::scene::{Camera, Scene, TriangleId};
+use crate::scene::{Camera, Scene};
 
 choice! {
     /// A stage whose result can be looked at.
@@ -52,7 +53,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         Stage::Transform => Wires::of(scene, camera, recipe, frame.viewport).edges(|_| KEPT),
         Stage::Clip => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
-            wires.edges(|t| if wires.fates.cut.binary_search(&t.id).is_ok() { CUT } else { KEPT })
+            wires.edges(|t| if wires.rejections.is_cut(t.id) { CUT } else { KEPT })
         }
         Stage::Project => {
             let wires = Wires::of(scene, camera, recipe, frame.viewport);
@@ -107,29 +108,17 @@ fn is_kept(triangle: &ScreenTriangle, settings: &Settings) -> bool {
 /// All triangles before culling, as lines.
 struct Wires {
     triangles: Vec<ScreenTriangle>,
-    fates: CutTriangles,
+    rejections: Rejections,
     viewport: Viewport,
-}
-
-/// Which triangles were cut, ascending.
-#[derive(Default)]
-struct CutTriangles {
-    cut: Vec<TriangleId>,
-}
-
-impl Observer for CutTriangles {
-    fn clipped(&mut self, id: TriangleId, _pieces: usize) {
-        self.cut.push(id);
-    }
 }
 
 impl Wires {
     fn of(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Self {
         let mut settings = recipe.pipeline;
         settings.culling = Culling::None;
-        let mut fates = CutTriangles::default();
-        let triangles = prepare(scene, camera, &settings, viewport, &mut fates).triangles;
-        Self { triangles: triangles.into_vec(), fates, viewport }
+        let mut rejections = Rejections::new(scene.triangle_count());
+        let triangles = prepare(scene, camera, &settings, viewport, &mut rejections).triangles;
+        Self { triangles: triangles.into_vec(), rejections, viewport }
     }
 
     fn blank(&self) -> Image<Rgba8> {

@@ -138,6 +138,16 @@ pub fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
     simd.narrow_f64x4(low, high)
 }
 
+/// The lower and the upper halves of eight numbers.
+#[inline(always)]
+pub fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
+    let [first, second, third, fourth] = each!((i, j) in [(0, 1), (2, 3), (4, 5), (6, 7)] => {
+        u64x2::load_array(simd, [numbers[i], numbers[j]]).bitcast::<u32x4<S>>()
+    });
+    let ((a, b), (c, d)) = (first.deinterleave(second), third.deinterleave(fourth));
+    (a.combine(c), b.combine(d))
+}
+
 /// Eight rows of four floats as four columns.
 #[inline(always)]
 pub fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> [F32<S>; 4] {

@@ -3,6 +3,7 @@
 use std::sync::OnceLock;
 
 use super::mips;
+use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
 
 /// Which alpha codes a picture has.
@@ -34,6 +35,7 @@ pub struct Texture {
     image: Image<Rgba8>,
     alpha: Alpha,
     wrapped: OnceLock<Box<[u32]>>,
+    wrapped_linear: OnceLock<Box<[[f32; 4]]>>,
     /// Means of codes, means of linear light.
     smaller: [OnceLock<Vec<Image<Rgba8>>>; 2],
 }
@@ -46,6 +48,7 @@ impl Texture {
             alpha: Alpha::of(&image),
             image,
             wrapped: OnceLock::new(),
+            wrapped_linear: OnceLock::new(),
             smaller: [const { OnceLock::new() }; 2],
         })
     }
@@ -58,10 +61,17 @@ impl Texture {
     /// Texels as little-endian numbers, each row followed by its first texel: neighbours along a row of the repeated texture
     /// are neighbours in memory. Made when first asked for.
     pub fn wrapped(&self) -> &[u32] {
-        self.wrapped.get_or_init(|| {
-            let rows = (0..self.image.height()).map(|y| self.image.row(y));
-            rows.flat_map(|row| row.iter().chain(row.first()).map(|texel| u32::from_le_bytes(*texel))).collect()
-        })
+        self.wrapped.get_or_init(|| self.wrap(u32::from_le_bytes))
+    }
+
+    /// The same in linear light: red, green and blue, and a fourth number that means nothing.
+    pub fn wrapped_linear(&self) -> &[[f32; 4]] {
+        self.wrapped_linear.get_or_init(|| self.wrap(|texel| texel.map(decode_byte)))
+    }
+
+    fn wrap<T>(&self, value: impl Fn(Rgba8) -> T) -> Box<[T]> {
+        let rows = (0..self.image.height()).map(|y| self.image.row(y));
+        rows.flat_map(|row| row.iter().chain(row.first()).map(|texel| value(*texel))).collect()
     }
 
     /// Copies of half the length, a quarter, and so on down to one texel, by means of linear light or of codes. Made when

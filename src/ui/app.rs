@@ -2,12 +2,23 @@
 //! renderer. It holds the session, the worker and what belongs to widgets only; every decision about the picture is in
 //! the session.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+mod asking;
+
+mod opening;
+
+mod saving;
+
+mod tasks;
+
+use std::path::PathBuf;
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel, Ui};
+
+pub(super) use saving::free_name;
+
+use opening::{Loading, SLOW_LOAD};
 
 use super::canvas::Canvas;
 use super::checks;
@@ -30,30 +41,16 @@ use super::panels::dialogs::{Dialog, OpenDialog};
 use super::panels::inspector::Inspector;
 use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
-use super::probe;
 use super::range;
 use super::scrub;
-use super::session::{Level, Measuring, PointerMode, Session};
-use super::task::{Listening, Task};
+use super::session::{Level, PointerMode, Session};
+use super::task::Task;
 use super::theme;
 use super::what_if;
-use super::worker::{Answer, Job, Worker};
-use crate::case::{Case, MinimalCase};
-use crate::drawing;
-use crate::image::file::write_png;
+use super::worker::{Job, Worker};
 use crate::inspect::Buffer;
-use crate::inspect::find::{self, Found, Wanted};
-use crate::inspect::outline::{OutlineKind, outline};
-use crate::lab::drawing::write_recording;
-use crate::measure::leaving_out::savings;
-use crate::measure::scaling::{self, Quantity};
-use crate::pipeline::settings::Choice as _;
-use crate::report::stability::sweep::{self, Plan, Progress, Stage};
-use crate::scene::obj::Loaded;
-use crate::scene::{SceneError, SceneSource};
-
-/// A model is called slow, and its progress shown, after this time.
-const SLOW_LOAD: Duration = Duration::from_millis(300);
+use crate::inspect::find::{Found, Wanted};
+use crate::scene::SceneSource;
 
 /// Height of the line under the menu, in points.
 const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
@@ -72,13 +69,6 @@ const TABS_SHARE: f32 = 0.34;
 
 /// Most of the window's width that each panel beside the canvas takes at first.
 const SIDE_SHARE: f32 = 0.29;
-
-/// A model that is being loaded on a thread of its own.
-struct Loading {
-    source: SceneSource,
-    result: Receiver<Result<Loaded, SceneError>>,
-    since: Instant,
-}
 
 /// The application.
 pub struct Workbench {
@@ -317,141 +307,6 @@ impl Workbench {
         }
     }
 
-    /// Takes what the renderer and the loader have ready.
-    fn listen(&mut self) {
-        while let Some(answer) = self.worker.poll() {
-            self.hear(answer);
-        }
-        self.hear_tasks();
-        if let Some(outcome) = self.saving.as_ref().and_then(|saving| saving.try_recv().ok()) {
-            self.saving = None;
-            self.saved(outcome);
-        }
-        if let Some(loading) = &self.loading {
-            let source = loading.source.clone();
-            match loading.result.try_recv() {
-                Ok(result) => {
-                    self.loading = None;
-                    self.loaded(source, result);
-                }
-                Err(TryRecvError::Empty) => {}
-                Err(TryRecvError::Disconnected) => {
-                    self.loading = None;
-                    let text = format!("Loading {} stopped by an error of the program", source.title());
-                    self.session.report(Level::Error, text);
-                }
-            }
-        }
-    }
-
-    fn hear(&mut self, answer: Answer) {
-        match answer {
-            Answer::View(view) => {
-                if view.fresh && view.request.triangle_limit.is_none() {
-                    let ms = view.frame.times.total.as_secs_f64() * 1e3;
-                    self.session.timings.record_recent(&view.request, ms);
-                }
-                self.session.view = Some(*view);
-                self.asked_at = None;
-            }
-            Answer::Compared(compared) => self.session.compared = Some(*compared),
-            Answer::Watched(rows) => self.session.watch.hear(rows),
-            Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
-            Answer::Stages(figures) => self.session.stages = Some(*figures),
-            Answer::Sample { upscaling, milliseconds, progress } => {
-                self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
-                self.session.timings.record_measured(upscaling, milliseconds);
-            }
-            Answer::Judged { upscaling, error } => self.session.timings.record_error(upscaling, *error),
-            Answer::Measured => self.session.measuring = None,
-            Answer::Panicked(text) => {
-                let text = format!("Drawing stopped by an error of the program: {text}. The last good picture stays.");
-                self.session.report(Level::Error, text);
-            }
-        }
-    }
-
-    /// Sends a request if something has changed that it depends on.
-    fn ask(&mut self, ui: &Ui) {
-        self.session.pick_by_itself();
-        let request = self.session.request();
-        let same = self.asked.as_ref().is_some_and(|asked| asked.same_view(&request));
-        if !same && self.session.canvas_px != (0, 0) {
-            self.asked = Some(request.clone());
-            self.asked_at.get_or_insert_with(Instant::now);
-            self.worker.send(Job::Show(Box::new(request)));
-            if self.waits {
-                self.listen();
-                ui.request_repaint();
-            }
-        }
-    }
-
-    /// Sends what is to be compared if that has changed.
-    fn ask_to_compare(&mut self, ui: &Ui) {
-        let request = self.session.compare_request().filter(|_| self.session.canvas_px != (0, 0));
-        let same = match (&self.asked_to_compare, &request) {
-            (Some(asked), Some(request)) => asked.same_as(request),
-            (asked, request) => asked.is_none() && request.is_none(),
-        };
-        if same {
-            return;
-        }
-        if request.is_none() {
-            self.session.compared = None;
-        }
-        self.asked_to_compare = request.clone();
-        self.worker.send(Job::Compare(request.map(Box::new)));
-        if self.waits {
-            self.listen();
-            ui.request_repaint();
-        }
-    }
-
-    /// Says which pixels are watched if that has changed.
-    fn ask_to_watch(&mut self, ui: &Ui) {
-        if self.asked_to_watch != self.session.watch.pixels {
-            self.asked_to_watch.clone_from(&self.session.watch.pixels);
-            self.worker.send(Job::Watch(self.asked_to_watch.clone()));
-            if self.waits {
-                self.listen();
-                ui.request_repaint();
-            }
-        }
-    }
-
-    /// Looks for something in the frame on screen, on a thread of its own.
-    fn find(&mut self, ui: &Ui, wanted: Wanted) {
-        let Some(view) = self.session.view.clone() else { return };
-        let look = move || {
-            let found = find::find(&view.request.scene, &view.request.recipe, &view.frame, &wanted);
-            (wanted, found)
-        };
-        if self.waits {
-            self.found(&look());
-        } else {
-            self.finding = Some(Task::start(ui.ctx().clone(), move |_, _| Some(look())));
-        }
-    }
-
-    fn found(&mut self, (wanted, found): &(Wanted, Found)) {
-        if let Some(pixel) = self.session.take_found(wanted, found) {
-            self.canvas.bring_into_view(pixel, self.session.canvas_px);
-        }
-    }
-
-    /// Asks what a change did if that is looked at and something is new.
-    fn ask_what_if(&mut self, ui: &Ui) {
-        let request = self.session.what_if_request().filter(|_| self.session.canvas_px != (0, 0));
-        if self.session.what_if.asks_anew(request.as_ref()) {
-            self.worker.send(Job::WhatIf(request.map(Box::new)));
-            if self.waits {
-                self.listen();
-                ui.request_repaint();
-            }
-        }
-    }
-
     fn run(&mut self, ui: &Ui, command: Command) {
         let Some(command) = self.session.apply(command) else { return };
         match command {
@@ -561,245 +416,6 @@ impl Workbench {
             self.session.apply(Command::LimitTriangles(None));
         }
     }
-
-    /// Starts timing all upscalers on what is shown.
-    pub fn measure(&mut self) {
-        let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
-        self.session.timings.begin_measurement(request.clone());
-        self.session.measuring = Some(Measuring { progress: 0.0 });
-        if self.tab != Tab::ErrorTime {
-            self.tab = Tab::FrameTime;
-        }
-        self.worker.send(Job::Measure(Box::new(request)));
-    }
-
-    /// Writes all frame times into the current folder.
-    fn export_timings(&mut self) {
-        let path = free_name(&self.session.folder, "frame-times", "csv");
-        match std::fs::write(&path, self.session.timings.csv()) {
-            Ok(()) => {
-                self.session.report(Level::Info, format!("Saved the frame times as {}", path.display()));
-                self.tab = Tab::Log;
-            }
-            Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),
-        }
-    }
-
-    /// Makes the stability report on a thread of its own.
-    fn judge(&mut self, ui: &Ui) {
-        self.tab = Tab::Stability;
-        self.session.stability.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
-        let plan = Plan::default();
-        self.judging = Some(Task::start(ui.ctx().clone(), move |tell, stop| sweep::run(&plan, tell, stop)));
-    }
-
-    /// Measures what the plan of the present view saves.
-    fn measure_plan(&mut self, ui: &Ui) {
-        /// Rounds that count.
-        const ROUNDS: usize = 21;
-        let request = self.session.request();
-        self.session.savings.progress = Some(0.0);
-        self.measuring_savings = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
-            let Request { scene, camera, recipe, viewport, .. } = &request;
-            savings(scene, camera, recipe, *viewport, ROUNDS, tell, stop)
-        }));
-    }
-
-    /// Measures how cost grows, with the present recipe.
-    fn measure_growth(&mut self, ui: &Ui) {
-        /// Triangles at most, and rounds that count: it shall take seconds, not minutes.
-        const MOST: (usize, usize) = (1_000_000, 7);
-        let recipe = self.session.state.recipe;
-        let threads = std::thread::available_parallelism().map_or(1, usize::from);
-        self.session.growth.progress = Some((Quantity::Triangles, 0.0));
-        self.measuring_growth = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
-            let plan = scaling::Plan::new(recipe, MOST.0, threads, MOST.1);
-            scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok()
-        }));
-    }
-
-    /// Takes what long measurements have said.
-    fn hear_tasks(&mut self) {
-        probe::listen(&mut self.session);
-        let session = &mut self.session;
-        let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
-            session.stability.report = Some(Arc::from(report));
-        });
-        let name = &session.scene.name;
-        let broke_off = broke_off
-            | hear(&mut self.measuring_savings, &mut session.savings.progress, |found| {
-                session.savings.found = Some((Arc::from(found), name.clone()));
-            })
-            | hear(&mut self.measuring_growth, &mut session.growth.progress, |found| {
-                session.growth.found = Some(Arc::from(found));
-            });
-        let mut found = None;
-        let broke_off = broke_off | hear(&mut self.finding, &mut None, |what| found = Some(what));
-        if broke_off {
-            session.report(Level::Error, "A measurement stopped by an error of the program");
-        }
-        if let Some(what) = found {
-            self.found(&what);
-        }
-    }
-
-    /// Changes what is known of how firmly the picture stands.
-    fn probe(&mut self, ui: &Ui, change: probe::Change) {
-        match probe::apply(&mut self.session, ui.ctx(), change) {
-            probe::Rest::Nothing => {}
-            probe::Rest::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
-            probe::Rest::Write(case) => self.write_case(&case),
-        }
-    }
-
-    /// Writes the triangle that the picked pixel shows as a case into the current folder.
-    fn save_case(&mut self) {
-        let Some(view) = &self.session.view else { return };
-        let visible = view.report.as_ref().and_then(|report| Some((report.drawn_at, report.visible()?.submission)));
-        let Some(([x, y], submission)) = visible else {
-            self.session
-                .report(Level::Error, "Pick a pixel that shows a triangle first: that triangle becomes the case");
-            return;
-        };
-        let settings = &view.request.recipe.pipeline;
-        let triangle = &view.frame.geometry.triangles[submission];
-        let minimal = MinimalCase::new(triangle, (x, y), view.frame.viewport, settings, &view.request.scene.name);
-        self.write_case(&minimal);
-    }
-
-    fn write_case(&mut self, minimal: &MinimalCase) {
-        let path = free_name(&self.session.folder, &minimal.id, "json");
-        match std::fs::write(&path, minimal.to_json()) {
-            Ok(()) => {
-                self.session.report(Level::Info, format!("Saved {} as the case {}", minimal.id, path.display()));
-                self.tab = Tab::Log;
-            }
-            Err(error) => self.session.report(Level::Error, format!("{}: {error}", path.display())),
-        }
-    }
-
-    fn open(&mut self, ui: &Ui, source: SceneSource) {
-        if let SceneSource::File(path) = &source
-            && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
-        {
-            match Case::read(path) {
-                Ok(case) => self.session.show_case(case),
-                Err(error) => self.session.report(Level::Error, error.to_string()),
-            }
-            return;
-        }
-        if self.waits {
-            let result = source.load();
-            self.loaded(source, result);
-            return;
-        }
-        let (sender, result) = channel();
-        let (context, wanted) = (ui.ctx().clone(), source.clone());
-        std::thread::spawn(move || {
-            // Nobody listens any more if loading was cancelled.
-            drop(sender.send(wanted.load()));
-            context.request_repaint();
-        });
-        self.loading = Some(Loading { source, result, since: Instant::now() });
-        ui.request_repaint_after(SLOW_LOAD);
-    }
-
-    fn loaded(&mut self, source: SceneSource, result: Result<Loaded, SceneError>) {
-        match result {
-            Ok(Loaded { scene, warnings }) => {
-                self.session.show_scene(scene, source);
-                self.worker.send(Job::CancelMeasure);
-                self.canvas.fit();
-                self.warn(&warnings);
-            }
-            Err(error) => {
-                self.session.places.pending = None;
-                self.session.report(Level::Error, error.to_string());
-            }
-        }
-    }
-
-    /// Writes the loader's warnings into the log.
-    pub fn warn(&mut self, warnings: &[crate::scene::Warning]) {
-        for warning in warnings {
-            self.session.report(Level::Warning, warning.to_string());
-        }
-        if !warnings.is_empty() {
-            self.tab = Tab::Log;
-        }
-    }
-
-    fn slow_load(&self) -> Option<&Path> {
-        let loading = self.loading.as_ref()?;
-        match &loading.source {
-            SceneSource::File(path) if loading.since.elapsed() >= SLOW_LOAD => Some(path),
-            _ => None,
-        }
-    }
-
-    /// Writes the picture on a thread of its own: encoding a large one takes a while.
-    fn save_picture(&mut self, ui: &Ui) {
-        let Some(view) = &self.session.view else { return };
-        let picture = view.picture.clone();
-        let path = free_name(&self.session.folder, "picture", "png");
-        self.save(ui, move || write_png(&path, &picture).map(|()| path).map_err(|error| error.to_string()));
-    }
-
-    /// Writes the scene on screen as drawing commands.
-    fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
-        let Request { scene, camera, recipe, viewport, .. } = self.session.request();
-        let path = free_name(&self.session.folder, kind.id(), end);
-        self.save(ui, move || {
-            let drawing = outline(&scene, &camera, &recipe, viewport, kind);
-            drawing::file::write(&path, &drawing, 1.0).map(|()| path).map_err(|error| error.to_string())
-        });
-    }
-
-    /// Writes what the lab shows.
-    fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
-        let lab = &self.session.lab;
-        let (recording, step) = (lab.recording.clone(), lab.step);
-        let path = free_name(&self.session.folder, lab.page.id(), end);
-        self.save(ui, move || {
-            write_recording(&path, &recording, step).map(|()| path).map_err(|error| error.to_string())
-        });
-    }
-
-    /// Runs what writes a file, on a thread of its own.
-    fn save(&mut self, ui: &Ui, write: impl FnOnce() -> Result<PathBuf, String> + Send + 'static) {
-        let context = ui.ctx().clone();
-        let (sender, result) = channel();
-        let save = move || {
-            // The window may be gone by now.
-            drop(sender.send(write()));
-            context.request_repaint();
-        };
-        if self.waits {
-            save();
-        } else {
-            std::thread::spawn(save);
-        }
-        self.saving = Some(result);
-    }
-
-    fn saved(&mut self, outcome: Result<PathBuf, String>) {
-        match outcome {
-            Ok(path) => {
-                self.session.report(Level::Info, format!("Saved {}", path.display()));
-                self.tab = Tab::Log;
-            }
-            Err(error) => self.session.report(Level::Error, error),
-        }
-    }
-
-    fn copy_picture(&mut self, ui: &Ui) {
-        if let Some(view) = &self.session.view {
-            let (width, height) = view.picture.size();
-            let size = [width as usize, height as usize];
-            ui.ctx().copy_image(egui::ColorImage::from_rgba_premultiplied(size, view.picture.as_bytes()));
-            self.session.report(Level::Info, format!("Copied the picture, {width} × {height} px"));
-        }
-    }
 }
 
 impl eframe::App for Workbench {
@@ -819,37 +435,5 @@ impl eframe::App for Workbench {
 fn dropped_files(ui: &Ui, commands: &mut Vec<Command>) {
     if let Some(file) = ui.input(|i| i.raw.dropped_files.last().cloned()) {
         commands.push(Command::Open(file.path().to_owned()));
-    }
-}
-
-/// `stem.extension`, or the first free `stem-2.extension`, `stem-3.extension` … in `folder`.
-pub(super) fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
-    let first = folder.join(format!("{stem}.{extension}"));
-    if !first.exists() {
-        return first;
-    }
-    (2..).map(|n| folder.join(format!("{stem}-{n}.{extension}"))).find(|p| !p.exists()).unwrap_or(first)
-}
-
-/// Takes what a task has said; whether it broke off.
-fn hear<P: Send + 'static, T: Send + 'static>(
-    task: &mut Option<Task<P, T>>,
-    progress: &mut Option<P>,
-    done: impl FnOnce(Box<T>),
-) -> bool {
-    let Some(running) = task else { return false };
-    let listening = running.listen(progress);
-    if !matches!(listening, Listening::GoesOn) {
-        *task = None;
-    }
-    match listening {
-        Listening::GoesOn => false,
-        Listening::Ended(result) => {
-            if let Some(result) = result {
-                done(result);
-            }
-            false
-        }
-        Listening::BrokeOff => true,
     }
 }

@@ -229,7 +229,7 @@ pub const BINDINGS: &[Binding] = &[
     bind(Modifiers::COMMAND, Key::C, || Command::CopyPicture, "Copy the picture"),
     bind(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z, || Command::Redo, "Redo"),
     bind(Modifiers::COMMAND, Key::Z, || Command::Undo, "Undo the last setting"),
-    bind(Modifiers::COMMAND, Key::G, || Command::AskForPixel, "Go to a pixel, triangle or object"),
+    bind(Modifiers::COMMAND, Key::G, || Command::AskForPixel, "Go to a pixel, triangle, vertex or object"),
     bind(CONTROL_SHIFT, Key::P, || Command::OpenPalette, "Find anything"),
     bind(Modifiers::COMMAND, Key::B, || Command::Place(place::Change::Bookmark), "Bookmark this place"),
     jump(Key::Num1, || Command::Place(place::Change::Jump(0))),

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::look::{self, Look, Looked, Source};
+use super::look::{self, Look, Looked, Slow, Source};
 use super::scrub::reel::{Reel, timeline_of};
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
@@ -153,8 +153,7 @@ impl View {
 pub struct Engine {
     last: Option<View>,
     renderer: Renderer,
-    /// What the geometry stages of the last frame dropped, if a pixel of it was questioned.
-    survey: Option<Survey>,
+    survey: Surveyed,
     reel: Option<Reel>,
 }
 
@@ -183,11 +182,13 @@ impl Engine {
         let buffers = needed_buffers(&request, &frame, kept_buffers);
         let looked = {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
-            look::look(&request, Source { frame: &frame, buffers, captured, stage: None }, kept)
+            // Whoever asks for the same again has seen the rest.
+            let is_asked_again = kept.as_ref().is_some_and(|(before, _)| before.same_view(&request));
+            let slow = if is_asked_again { Slow::Made } else { Slow::Postponed };
+            look::look(&request, Source { frame: &frame, buffers, captured, stage: None }, kept, slow)
         };
-        self.survey.take_if(|_| fresh);
         let report = request.pick.and_then(|pick| {
-            let survey = self.survey.get_or_insert_with(|| Survey::of(&request.scene, &request.recipe, &frame));
+            let survey = self.survey.of(&request, &frame);
             explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
         });
         let (picture, range) = (looked.picture.clone(), looked.range);
@@ -205,6 +206,19 @@ impl Engine {
             (Some(moment), Some(reel)) => Some(reel.timeline(moment, pixel)),
             _ => pixel.map(|pixel| timeline_of(request, frame, Some(pixel))),
         }
+    }
+}
+
+/// Where the triangles of the last frame of which a pixel was questioned came to, kept for its other pixels and moments.
+#[derive(Debug, Default)]
+struct Surveyed(Option<(Arc<Scene>, Recipe, Survey)>);
+
+impl Surveyed {
+    fn of(&mut self, request: &Request, frame: &Frame) -> &Survey {
+        let Request { scene, recipe, .. } = request;
+        self.0.take_if(|(of, by, survey)| !Arc::ptr_eq(of, scene) || by != recipe || !survey.fits(recipe, frame));
+        let make = || (scene.clone(), *recipe, Survey::of(scene, recipe, frame));
+        &self.0.get_or_insert_with(make).2
     }
 }
 

@@ -29,6 +29,13 @@ pub struct Look {
     pub vectors: bool,
 }
 
+impl Look {
+    /// Whether the same is laid over the picture.
+    fn has_same_layers(&self, other: &Self) -> bool {
+        (&self.layers, self.vectors) == (&other.layers, other.vectors)
+    }
+}
+
 /// Which figures are wanted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measures {
@@ -51,6 +58,10 @@ pub struct Looked {
     pub range: Option<Range>,
     /// What is laid over it, in the order of the layers.
     pub sheets: Vec<Arc<Sheet>>,
+    /// Whether some of it stands for overlays that are yet to be made, as they take long.
+    pub is_unfinished: bool,
+    /// All sheets that were made for the frame, laid over the picture or not.
+    made: Vec<Arc<Sheet>>,
     /// The watched drawing of the frame that overlays share, once one needed it.
     watched: Arc<OnceLock<Watched>>,
     /// The figures, if they were wanted.
@@ -92,11 +103,20 @@ impl Source<'_> {
     }
 }
 
+/// Whether overlays that take long are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Slow {
+    /// They are.
+    Made,
+    /// Others stand for them, so that the frame is seen soon.
+    Postponed,
+}
+
 /// Answers the look of a request, reusing what was found for the one before of the same frame, if there was one.
-pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked)>) -> Looked {
+pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked)>, slow: Slow) -> Looked {
     let frame = source.frame;
-    let (watched, sheets) = match &kept {
-        Some((_, looked)) => (looked.watched.clone(), looked.sheets.clone()),
+    let (watched, mut made) = match &kept {
+        Some((_, looked)) => (looked.watched.clone(), looked.made.clone()),
         None => Default::default(),
     };
     let kept = kept.filter(|(before, _)| before.shown == request.shown);
@@ -133,14 +153,27 @@ pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked
         shown: &value,
         range,
     };
-    let still_right = |sheet: &&Arc<Sheet>| same_colors || !sheet.overlay.reads_shown();
-    let sheet = |layer: &Layer| {
-        let known = sheets.iter().filter(still_right).find(|sheet| sheet.overlay == layer.overlay);
-        known.cloned().unwrap_or_else(|| Arc::new(layer.overlay.sheet(&context)))
+    made.retain(|sheet| same_colors || !sheet.overlay.reads_shown());
+    let mut is_unfinished = false;
+    let mut sheet = |layer: &Layer| {
+        if let Some(known) = made.iter().find(|sheet| sheet.overlay == layer.overlay) {
+            return known.clone();
+        }
+        if slow == Slow::Postponed && layer.overlay.is_slow() {
+            is_unfinished = true;
+            return Arc::new(layer.overlay.unmade(&context));
+        }
+        made.push(Arc::new(layer.overlay.sheet(&context)));
+        made[made.len() - 1].clone()
     };
-    let sheets: Vec<Arc<Sheet>> = request.look.layers.iter().map(sheet).collect();
-    let picture = composed(&base, &sheets, &request.look);
-    Looked { stage, base, picture, range, measured, sheets, watched }
+    let sheets: Vec<Arc<Sheet>> = request.look.layers.iter().map(&mut sheet).collect();
+    let before = kept.as_ref().filter(|(before, _)| same_colors && before.look.has_same_layers(&request.look));
+    let same_sheets = |looked: &Looked| looked.sheets.iter().zip(&sheets).all(|(a, b)| Arc::ptr_eq(a, b));
+    let picture = match before.filter(|(_, looked)| same_sheets(looked)) {
+        Some((_, looked)) => looked.picture.clone(),
+        None => composed(&base, &sheets, &request.look),
+    };
+    Looked { stage, base, picture, range, measured, sheets, is_unfinished, made, watched }
 }
 
 /// The picture with all that is laid over it.

@@ -2,11 +2,19 @@
 //!
 //! Panels read it and push [`Command`]s; [`Session::apply`] is the only place that changes it. No widget holds a setting.
 
+mod log;
+
+mod preferences;
+
+mod undo;
+
+pub use log::{Level, LogLine};
+pub use preferences::{PictureSize, PointerMode, Preferences};
+pub use undo::Undoable;
+
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-use serde::{Deserialize, Serialize};
 
 use super::checks::Checks;
 use super::command::Command;
@@ -20,7 +28,7 @@ use super::look::Look;
 use super::mesh_view::{self, MeshView};
 use super::open_case::{self, OpenCase};
 use super::overlays::Overlays;
-use super::place::{Bookmark, Places};
+use super::place::Places;
 use super::probe::Probing;
 use super::range::{self, RangeControl};
 use super::scrub::{self, Scrub};
@@ -44,121 +52,11 @@ use crate::upscale;
 /// Files kept in the list of recent ones.
 const RECENT_FILES: usize = 8;
 
-/// Steps that can be undone.
-const UNDO_STEPS: usize = 200;
-
-/// Camera moves closer in time than this are one step of undo: wheel notches, flying.
-const ONE_MOVE_SECONDS: f64 = 0.6;
-
-/// Lines kept in the log.
-const LOG_LINES: usize = 500;
-
-/// How large the picture is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PictureSize {
-    /// As large as the canvas, one picture pixel on each screen pixel.
-    #[default]
-    Canvas,
-    /// Fixed, in px.
-    Fixed(u32, u32),
-}
-
-impl PictureSize {
-    /// This size, or that of the canvas if no picture may be that large.
-    pub fn checked(self) -> Self {
-        match self {
-            Self::Fixed(width, height) if Viewport { width, height }.check().is_err() => Self::Canvas,
-            size => size,
-        }
-    }
-}
-
-/// What the pointer does on the canvas.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PointerMode {
-    /// Drag moves the picture, wheel enlarges it.
-    #[default]
-    Inspect,
-    /// Drag turns the scene, wheel comes closer, W A S D fly.
-    Camera,
-}
-
-impl PointerMode {
-    /// The mode that is not this one.
-    pub fn other(self) -> Self {
-        match self {
-            Self::Inspect => Self::Camera,
-            Self::Camera => Self::Inspect,
-        }
-    }
-}
-
-/// Everything that undo covers.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Undoable {
-    /// How the scene is drawn.
-    pub recipe: Recipe,
-    /// From where.
-    pub camera: Camera,
-    /// How large.
-    pub size: PictureSize,
-    /// The pictures that are compared with the one that is drawn by `recipe`.
-    pub tiles: Tiles,
-}
-
-/// One line of the log.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct LogLine {
-    /// How grave.
-    pub level: Level,
-    /// What happened.
-    pub text: String,
-}
-
-/// How grave a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// Good to know.
-    Info,
-    /// Something was left out or repaired.
-    Warning,
-    /// Something did not work.
-    Error,
-}
-
 /// A measurement of all upscalers that is running.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measuring {
     /// Share that is done, in [0, 1].
     pub progress: f32,
-}
-
-/// Kept between runs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct Preferences {
-    /// Last scene: the id of a built-in one, or a path.
-    pub source: Option<PathBuf>,
-    /// Last recipe.
-    pub recipe: Recipe,
-    /// Last view; the scene's own if none.
-    pub camera: Option<Camera>,
-    /// Last picture size.
-    pub size: PictureSize,
-    /// Files opened, newest first.
-    pub recent: Vec<PathBuf>,
-    /// Whether the first hint was closed.
-    pub hint_closed: bool,
-    /// Light theme instead of dark.
-    pub light_theme: bool,
-    /// Interface scale; 0 means 1.
-    pub scale: f32,
-    /// Places that were kept.
-    pub bookmarks: Vec<Bookmark>,
-    /// Pixels that are watched.
-    pub watched: Vec<(u32, u32)>,
 }
 
 /// The state of the window.
@@ -361,37 +259,6 @@ impl Session {
         })
     }
 
-    /// What is kept between runs.
-    pub fn preferences(&self, light_theme: bool, scale: f32) -> Preferences {
-        Preferences {
-            source: Some(match &self.source {
-                SceneSource::Builtin(_) => self.source.name(),
-                SceneSource::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
-            }),
-            recipe: self.state.recipe,
-            camera: Some(if self.mirrored { self.state.camera.mirrored_z() } else { self.state.camera }),
-            size: self.state.size,
-            recent: self.recent.clone(),
-            hint_closed: self.hint_closed,
-            light_theme,
-            scale,
-            bookmarks: self.places.bookmarks.clone(),
-            watched: self.watch.pixels.clone(),
-        }
-    }
-
-    /// Writes a line into the log; errors also into the bar above the canvas.
-    pub fn report(&mut self, level: Level, text: impl Into<String>) {
-        let text = text.into();
-        if level == Level::Error {
-            self.error = Some(text.clone());
-        }
-        if self.log.len() == LOG_LINES {
-            self.log.pop_front();
-        }
-        self.log.push_back(LogLine { level, text });
-    }
-
     /// Replaces the scene. The recipe stays; view, pick and stepping start anew.
     pub fn show_scene(&mut self, scene: Scene, source: SceneSource) {
         if let SceneSource::File(path) = &source {
@@ -418,30 +285,6 @@ impl Session {
         self.settled = self.state.clone();
     }
 
-    /// Makes what changed since the last call one step of undo; `now` in seconds. Call it when no change is under way,
-    /// such as a slider being dragged. Moves of the camera that follow each other closely are one step.
-    pub fn settle(&mut self, now: f64) {
-        self.note_visit(now);
-        self.state.tiles.store(self.state.recipe);
-        if self.state == self.settled {
-            return;
-        }
-        let only_camera = Undoable { camera: self.settled.camera, ..self.state.clone() } == self.settled;
-        let goes_on = only_camera && now - self.camera_moved_at < ONE_MOVE_SECONDS;
-        if only_camera {
-            self.camera_moved_at = now;
-        }
-        if !goes_on {
-            if self.undo.len() == UNDO_STEPS {
-                self.undo.remove(0);
-            }
-            self.undo.push(self.settled.clone());
-        }
-        self.redo.clear();
-        self.what_if.settled(&self.settled.recipe, &self.state.recipe);
-        self.settled = self.state.clone();
-    }
-
     /// Picks a pixel of the frame on screen if the user has not done so yet, or if the picked one is no longer within the
     /// picture: the one nearest to [`FIRST_PICK`] that shows a triangle.
     pub fn pick_by_itself(&mut self) {
@@ -464,21 +307,6 @@ impl Session {
         } else if !matches!((self.first_pick, self.pick), (FirstPick::Made(own, _), Some(pick)) if own == pick) {
             self.first_pick = FirstPick::Done;
         }
-    }
-
-    /// Takes the present state as the one that undo ends at.
-    pub fn settle_silently(&mut self) {
-        self.settled = self.state.clone();
-    }
-
-    /// Whether there is something to undo.
-    pub fn can_undo(&self) -> bool {
-        !self.undo.is_empty()
-    }
-
-    /// Whether there is something to redo.
-    pub fn can_redo(&self) -> bool {
-        !self.redo.is_empty()
     }
 
     /// Applies a command that concerns nothing but this state. Returns it if it concerns the window or the disk.
@@ -627,16 +455,6 @@ impl Session {
             Shown::Buffer(_) | Shown::Intermediate(_) => last,
         };
         self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
-    }
-
-    fn travel(&mut self, back: bool) {
-        let (from, to) = if back { (&mut self.undo, &mut self.redo) } else { (&mut self.redo, &mut self.undo) };
-        if let Some(state) = from.pop() {
-            to.push(std::mem::replace(&mut self.state, state));
-            self.what_if.settled(&self.settled.recipe, &self.state.recipe);
-            self.settled = self.state.clone();
-            self.camera_moved_at = f64::NEG_INFINITY;
-        }
     }
 }
 

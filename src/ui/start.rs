@@ -20,8 +20,10 @@ use super::watch;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
+use crate::inspect::display::Display;
 use crate::inspect::fates::{Bin, TriangleFate};
 use crate::inspect::mesh_view::MeshStyle;
+use crate::inspect::overlays::Layer;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
@@ -49,12 +51,16 @@ pub struct WindowStart {
 }
 
 /// What of the frame is looked at from the start; where nothing is said, as always.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Seen {
     /// The questioned pixel.
     pub pixel: Option<(u32, u32)>,
-    /// A buffer or the picture after a stage.
+    /// A buffer, the picture after a stage, or a number on the way.
     pub shown: Option<Shown>,
+    /// By which range, colour map and channels.
+    pub display: Option<Display>,
+    /// What is laid over it, the lowest first.
+    pub layers: Vec<Layer>,
     /// An earlier moment of the frame than its last.
     pub moment: Option<Moment>,
     /// Size of the picture.
@@ -65,6 +71,14 @@ impl Seen {
     fn show(self, session: &mut Session) {
         session.pick = self.pixel;
         session.shown = self.shown.unwrap_or(session.shown);
+        if let Some(display) = self.display {
+            session.range.show_by(display, session.shown);
+        }
+        for layer in self.layers {
+            // Each but once: what is laid over twice stands where it was said last.
+            session.overlays.layers.retain(|other| other.overlay != layer.overlay);
+            session.overlays.layers.push(layer);
+        }
         if let Some(moment) = self.moment {
             session.begin_at(moment);
         }

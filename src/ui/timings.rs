@@ -8,6 +8,7 @@ use super::engine::Request;
 use super::look::Look;
 use crate::chain::Recipe;
 use crate::measure::against::Figures;
+use crate::measure::reference::Reference;
 use crate::measure::timing::{Summary, summarize};
 use crate::report::upscaling::tradeoff::dominated_by;
 use crate::upscale::Upscaling;
@@ -41,6 +42,7 @@ pub struct Timings {
     measured: BTreeMap<Upscaling, Vec<f64>>,
     errors: BTreeMap<Upscaling, Figures>,
     measured_of: Option<Request>,
+    measured_against: Option<Reference>,
 }
 
 /// What a method costs and how wrong it is.
@@ -50,7 +52,7 @@ pub struct TradeOff {
     pub upscaling: Upscaling,
     /// Frame times, ms.
     pub ms: Summary,
-    /// Error against native.
+    /// Error against the reference of the measurement.
     pub error: Figures,
     /// One that is at least as good in time and FLIP and better in one, if there is one.
     pub dominated_by: Option<Upscaling>,
@@ -104,8 +106,9 @@ impl Timings {
         text
     }
 
-    /// Starts a measurement.
-    pub fn begin_measurement(&mut self, request: Request) {
+    /// Starts a measurement, whose errors are against this reference.
+    pub fn begin_measurement(&mut self, request: Request, reference: Reference) {
+        self.measured_against = Some(reference);
         self.measured.clear();
         self.errors.clear();
         self.measured_of = Some(request);
@@ -147,6 +150,11 @@ impl Timings {
     /// Whether there is a measurement to show, begun or complete.
     pub fn has_measurement(&self) -> bool {
         !self.measured.is_empty()
+    }
+
+    /// What the errors of the measurement are against.
+    pub fn measured_against(&self) -> Option<Reference> {
+        self.measured_against
     }
 
     /// Whether the measurement was made on what `request` shows, whatever its upscaler.
@@ -241,7 +249,7 @@ mod tests {
         timings.record_recent(&request, 4.25);
         let name = &request.scene.name;
         assert_eq!(timings.csv().lines().nth(1), Some(&*format!("\"{name}\",8,6,recent,\"Native\",0,4.25")));
-        timings.begin_measurement(request);
+        timings.begin_measurement(request, Reference::Native);
         timings.record_measured(Upscaling::NATIVE, 1.5);
         assert!(timings.csv().ends_with("measured,\"Native\",0,1.5\n"));
     }

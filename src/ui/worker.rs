@@ -16,7 +16,7 @@ use crate::chain::{KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::watch::Watched;
 use crate::measure::against::{Figures, figures};
-use crate::measure::reference::Reference;
+use crate::measure::reference::{Gathering, Reference};
 use crate::upscale::Upscaling;
 
 /// Rounds of a measurement; every round times every method once, so that drift of the machine's speed hits all alike.
@@ -39,8 +39,8 @@ pub enum Job {
     WhatIf(Option<Box<WhatIfRequest>>),
     /// Tell what every new frame holds at these pixels.
     Watch(Vec<(u32, u32)>),
-    /// Time every upscaler on this request's scene.
-    Measure(Box<Request>),
+    /// Time every upscaler on this request's scene, and judge its picture against the reference.
+    Measure(Box<Request>, Reference),
     /// Stop timing.
     CancelMeasure,
 }
@@ -143,6 +143,8 @@ pub struct Loop {
     to_ask: Option<Box<WhatIfRequest>>,
     /// The present request, if one more frame of it is better than the last.
     to_improve: Option<Box<Request>>,
+    /// The present request, if a part of its answer takes long and is yet to be made.
+    to_complete: Option<Box<Request>>,
     to_time: Option<Box<Figuring>>,
     measurement: Option<Measurement>,
     done: std::collections::VecDeque<Answer>,
@@ -156,8 +158,17 @@ struct Measurement {
     next: usize,
     /// Methods whose error is known.
     judged: usize,
-    native: Option<Image<Rgba8>>,
+    against: Against,
     renderer: Renderer,
+}
+
+/// The picture that methods are judged against.
+#[derive(Debug)]
+enum Against {
+    /// Some of its samples are drawn.
+    Gathering(Box<Gathering>),
+    /// It is there.
+    Picture(Image<Rgba8>),
 }
 
 impl Loop {
@@ -196,7 +207,8 @@ impl Loop {
             return Ok(None);
         }
         let figuring = self.to_time.as_ref();
-        if figuring.is_none() && !self.comparer.has_work() && !self.drawer.has_work() {
+        let is_complete = self.to_complete.is_none();
+        if figuring.is_none() && is_complete && !self.comparer.has_work() && !self.drawer.has_work() {
             return inbox.recv().map(Some);
         }
         if self.comparer.has_begun() || self.drawer.has_begun() || figuring.is_some_and(|figuring| figuring.has_begun())
@@ -225,10 +237,12 @@ impl Loop {
                 }
                 self.to_ask = request;
             }
-            Job::Measure(request) => {
+            Job::Measure(request, reference) => {
                 let methods = Upscaling::every().collect();
                 let renderer = Renderer::default();
-                self.measurement = Some(Measurement { request, methods, next: 0, judged: 0, native: None, renderer });
+                let Request { scene, camera, recipe, viewport, .. } = &*request;
+                let against = Against::Gathering(Box::new(reference.begin(scene, camera, recipe, *viewport)));
+                self.measurement = Some(Measurement { request, methods, next: 0, judged: 0, against, renderer });
             }
             Job::CancelMeasure => self.measurement = None,
         }
@@ -237,7 +251,7 @@ impl Loop {
     /// Does one piece of the most urgent work; false if there was none.
     fn step(&mut self) -> bool {
         if let Some(request) = self.to_show.take().or_else(|| self.to_improve.take()) {
-            self.to_improve = None;
+            (self.to_improve, self.to_complete) = (None, None);
             self.show(*request);
         } else if self.watcher.has_work() {
             self.watch();
@@ -245,6 +259,8 @@ impl Loop {
             self.compare(|comparer| Some(comparer.ask(*request)));
         } else if let Some(request) = self.to_ask.take() {
             self.ask(|drawer| drawer.ask(*request).cloned());
+        } else if let Some(request) = self.to_complete.take() {
+            self.show(*request);
         } else if self.comparer.has_work() {
             self.compare(Comparer::step);
         } else if self.drawer.has_work() {
@@ -320,6 +336,9 @@ impl Loop {
                 } else if view.fresh {
                     self.to_time = Some(Box::new(Figuring::new(view.clone())));
                 }
+                if view.looked.is_unfinished {
+                    self.to_complete = Some(Box::new(view.request.clone()));
+                }
                 self.watcher.look_at(&view);
                 self.done.push_back(Answer::View(Box::new(view)));
             }
@@ -367,18 +386,23 @@ impl Measurement {
 }
 
 impl Measurement {
+    /// Judges the next method; before the first, draws a sample of what they are judged against.
     fn judge(&mut self) -> Option<Answer> {
+        let reference = match &mut self.against {
+            Against::Picture(picture) => picture,
+            Against::Gathering(gathering) => {
+                if !gathering.step() {
+                    self.against = Against::Picture(gathering.picture());
+                }
+                return None;
+            }
+        };
         let upscaling = *self.methods.get(self.judged)?;
         self.judged += 1;
         let Request { scene, camera, recipe, viewport, .. } = &*self.request;
-        let native = match self.native.take() {
-            Some(native) => native,
-            None => Reference::Native.picture(scene, camera, recipe, *viewport, |_| true)?,
-        };
         let recipe = Recipe { upscaler: upscaling, wireframe: false, ..*recipe };
         let frame = self.renderer.render_settled(scene, camera, &recipe, *viewport);
-        let error = figures(frame.image(), &native).map(|(error, _)| Box::new(error));
-        self.native = Some(native);
+        let error = figures(frame.image(), reference).map(|(error, _)| Box::new(error));
         Some(Answer::Judged { upscaling, error: error? })
     }
 }

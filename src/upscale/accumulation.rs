@@ -9,9 +9,7 @@
 //! Enlarged, a sample that lies within the output pixel counts in full; where none does, the four around are interpolated,
 //! and count for little.
 
-use rayon::prelude::*;
-
-use super::{Anchor, Before, Drawn, Lattice, Light, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling};
+use super::{Anchor, Before, Drawn, Lattice, Light, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling, bands};
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
@@ -73,12 +71,7 @@ impl Upscaler for Accumulation {
 
     fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
         let size = full.size();
-        let rows = full.pixels_mut().par_chunks_mut((size.0 as usize).max(1));
-        rows.zip(0..size.1).for_each(|(row, y)| {
-            for (pixel, x) in row.iter_mut().zip(0..) {
-                *pixel = self.pixel(how, drawn, size, (x, y));
-            }
-        });
+        bands::fill_pixels(full, |at| self.pixel(how, drawn, size, at));
     }
 
     fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -112,12 +105,7 @@ impl Upscaler for Accumulation {
 
     fn memory(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32)) -> Option<Image<[f32; 4]>> {
         let mut memory = Image::filled(size.0, size.1, [0.0; 4]);
-        let rows = memory.pixels_mut().par_chunks_mut((size.0 as usize).max(1));
-        rows.zip(0..size.1).for_each(|(row, y)| {
-            for (pixel, x) in row.iter_mut().zip(0..) {
-                *pixel = accumulated(how, drawn, size, (x, y));
-            }
-        });
+        bands::fill_pixels(&mut memory, |at| accumulated(how, drawn, size, at));
         Some(memory)
     }
 }

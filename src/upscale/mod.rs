@@ -16,30 +16,29 @@ use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
 
 mod accumulation;
+mod bands;
 mod bicubic;
 mod bilinear;
 mod checkerboard;
-mod checkerboard_edges;
-mod checkerboard_surfaces;
-mod checkerboard_temporal;
 mod choice;
 mod cubic;
 mod fsr;
 mod history;
 mod lanczos;
+#[cfg(target_arch = "x86_64")]
+mod lanes;
 mod lattice;
 mod native;
 mod nearest;
+#[cfg(target_arch = "x86_64")]
+mod nearest_avx2;
 mod scale;
 mod separable;
 
 pub use accumulation::ACCUMULATION;
 pub use bicubic::BICUBIC;
 pub use bilinear::BILINEAR;
-pub use checkerboard::CHECKERBOARD;
-pub use checkerboard_edges::CHECKERBOARD_EDGES;
-pub use checkerboard_surfaces::CHECKERBOARD_SURFACES;
-pub use checkerboard_temporal::CHECKERBOARD_TEMPORAL;
+pub use checkerboard::{CHECKERBOARD, CHECKERBOARD_EDGES, CHECKERBOARD_SURFACES, CHECKERBOARD_TEMPORAL};
 pub use choice::{Light, Upscaling};
 pub use cubic::{CATMULL_ROM, MITCHELL};
 pub use fsr::FSR1;

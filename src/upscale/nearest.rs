@@ -1,8 +1,9 @@
 //! Each sample fills its block.
 
-use rayon::prelude::*;
+use fearless_simd::Level;
 
-use super::lattice::Lattice;
+use super::bands;
+use super::lattice::{Lattice, Place};
 use super::separable::SCALES;
 use super::{Anchor, Drawn, Light, Offers, Sampling, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
@@ -39,72 +40,69 @@ impl Upscaler for Nearest {
     }
 
     fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let (width, height) = full.size();
-        let lattice = how.lattice();
-        let sources: Vec<_> = (0..width).map(|x| source(lattice, x, drawn.color.width())).collect();
-        let rows_of = |y: u32| source(lattice, y, drawn.color.height());
-        // Rows of one block are copies of its first.
-        let (pixels, _) = lattice.scale.ratio();
-        let rows = ROWS_PER_BAND.next_multiple_of(pixels);
-        let bands = full.pixels_mut().par_chunks_mut((width * rows).max(1) as usize);
-        bands.zip((0..height).into_par_iter().step_by(rows as usize)).for_each(|(band, first)| {
-            let mut filled: &mut [Rgba8] = &mut [];
-            for (row, y) in band.chunks_exact_mut(width as usize).zip(first..) {
-                if y > first && rows_of(y) == rows_of(y - 1) {
-                    row.copy_from_slice(filled);
-                } else {
-                    widen(drawn.color.row(rows_of(y)), lattice, &sources, row);
-                }
-                filled = row;
-            }
-        });
+        fill(Level::new(), how.lattice(), drawn.color, full);
     }
 
     fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
         let (columns, rows) = drawn.color.size();
-        drawn.color.at(source(how.lattice(), x, columns), source(how.lattice(), y, rows))
+        let [column, row] = [(x, columns), (y, rows)].map(|(at, samples)| of_pixel(how.lattice(), at, samples));
+        drawn.color.at(column, row)
     }
 
     fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, _size: (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
         let (columns, rows) = drawn.color.size();
-        let (x, y) = how.grid().pixel(source(how.lattice(), x, columns), source(how.lattice(), y, rows));
+        let [column, row] = [(x, columns), (y, rows)].map(|(at, samples)| of_pixel(how.lattice(), at, samples));
+        let (x, y) = how.grid().pixel(column, row);
         vec![Tap { x, y, weight: 1.0 }]
     }
 }
 
-/// Rows that are filled in at a time.
-const ROWS_PER_BAND: u32 = 64;
-
-/// The sample that output pixel `at` copies: anchored at the corner the last one at or before it, as published, else the
+/// The sample that an output pixel copies: anchored at the corner the last one at or before it, as published, else the
 /// nearest; of `samples`.
-fn source(lattice: Lattice, at: u32, samples: u32) -> u32 {
+fn source(lattice: Lattice, place: Place, samples: u32) -> u32 {
     match lattice.anchor {
-        Anchor::Corner => (lattice.place(at).cell as u32).min(samples.saturating_sub(1)),
-        Anchor::Centre => lattice.nearest(at, samples),
+        Anchor::Corner => (place.cell as u32).min(samples.saturating_sub(1)),
+        Anchor::Centre => lattice.nearest_to(place, samples),
     }
 }
 
-/// Fills a row; each scale in a loop of its own, as a loop over pixels of blocks of any size is several times slower.
-fn widen(samples: &[Rgba8], lattice: Lattice, sources: &[u32], row: &mut [Rgba8]) {
-    match lattice.scale.whole() {
-        Some(2) => repeat::<2>(samples, row),
-        Some(3) => repeat::<3>(samples, row),
-        Some(4) => repeat::<4>(samples, row),
-        _ => {
-            for (pixel, source) in row.iter_mut().zip(sources) {
-                *pixel = samples[*source as usize];
+fn of_pixel(lattice: Lattice, at: u32, samples: u32) -> u32 {
+    source(lattice, lattice.place(at), samples)
+}
+
+/// The samples that the pixels from `first` on copy.
+fn sources(lattice: Lattice, first: u32, samples: u32) -> impl Iterator<Item = u32> {
+    lattice.places_from(first).map(move |place| source(lattice, place, samples))
+}
+
+/// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result. Rows that look the same are
+/// copies of the first of them.
+fn fill(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
+    let width = full.width() as usize;
+    let columns: Vec<_> = sources(lattice, 0, drawn.width()).take(width).collect();
+    bands::fill(full, lattice.scale, |first, count, mut band| {
+        let rows: Vec<_> = sources(lattice, first, drawn.height()).take(count).collect();
+        for same in rows.chunk_by(|a, b| a == b) {
+            let (own, rest) = band.split_at_mut(same.len() * width);
+            let (widened, copies) = own.split_at_mut(width);
+            widen(level, drawn.row(same[0]), &columns, widened);
+            for row in copies.chunks_exact_mut(width) {
+                row.copy_from_slice(widened);
             }
+            band = rest;
         }
-    }
+    });
 }
 
-fn repeat<const N: usize>(samples: &[Rgba8], row: &mut [Rgba8]) {
-    let (blocks, rest) = row.as_chunks_mut::<N>();
-    let whole = blocks.len();
-    for (block, sample) in blocks.iter_mut().zip(samples) {
-        *block = [*sample; N];
+/// Fills a row whose pixels copy the samples in these columns.
+fn widen(level: Level, samples: &[Rgba8], columns: &[u32], row: &mut [Rgba8]) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = level.as_avx2() {
+        return super::nearest_avx2::widen(avx2, samples, columns, row);
     }
-    rest.fill(samples[whole.min(samples.len() - 1)]);
+    for (pixel, column) in row.iter_mut().zip(columns) {
+        *pixel = samples[*column as usize];
+    }
 }
 
 #[cfg(test)]
@@ -119,6 +117,20 @@ mod tests {
             let how = Upscaling::new("nearest", Scale::from(scale)).unwrap();
             let full = how.upscale(&Drawn::from(&drawn), 3, 1);
             assert_eq!(full.row(0), columns.map(|code| [code; 4]));
+        }
+    }
+
+    #[test]
+    fn wide_lanes_and_plain_code_copy_the_same_samples() {
+        for lattice in crate::upscale::lattice::tests::every() {
+            for (width, height) in [(1, 1), (7, 5), (8, 3), (33, 18), (100, 13), (131, 97)] {
+                let drawn =
+                    Image::from_fn(lattice.samples(width), lattice.samples(height), |x, y| [x as u8, y as u8, 3, 4]);
+                let [mut wide, mut plain] = [1, 2].map(|code| Image::filled(width, height, [code; 4]));
+                fill(Level::new(), lattice, &drawn, &mut wide);
+                fill(Level::fallback(), lattice, &drawn, &mut plain);
+                assert_eq!(wide, plain, "{lattice:?} {width} × {height}");
+            }
         }
     }
 }

@@ -62,6 +62,15 @@ fn places(image: &Image<Rgba8>) -> impl Iterator<Item = (u32, u32)> + use<> {
 }
 
 #[test]
+fn what_the_picture_held_before_does_not_show() {
+    for_every_method_and_size(|how, full, _, drawn| {
+        let mut again = Image::filled(full.width(), full.height(), [7, 77, 177, 3]);
+        how.upscaler().upscale(how, drawn, &mut again);
+        assert_eq!(again, *full, "{}", how.label());
+    });
+}
+
+#[test]
 fn a_pixel_alone_is_that_of_the_picture() {
     for_every_method_and_size(|how, full, _, drawn| {
         for at in places(full) {

@@ -4,6 +4,7 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use std::f32::consts::{FRAC_PI_2, TAU};
+use std::path::PathBuf;
 
 use glam::{Mat4, Quat, Vec2, Vec3};
 use rasterscope::chain::{Frame, Recipe, run};
@@ -38,6 +39,18 @@ impl Drop for NameSeedOnPanic {
             eprintln!("failed with seed {}", self.0);
         }
     }
+}
+
+/// Where the models are; `None`, and says so, where there are none.
+#[expect(clippy::print_stderr, reason = "a test that had nothing to read says so")]
+pub(crate) fn models() -> Option<PathBuf> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
+    let folder = std::env::var_os("RASTERSCOPE_SAMPLES").map_or_else(|| PathBuf::from(default), PathBuf::from);
+    let found = folder.join("models/SOURCES.md").is_file();
+    if !found {
+        eprintln!("no samples at {}: nothing was tested", folder.display());
+    }
+    found.then(|| folder.join("models"))
 }
 
 /// A number in [−1, 1).

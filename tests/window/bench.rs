@@ -145,6 +145,15 @@ impl Bench {
         self.drag(PointerButton::Primary, position, Vec2::ZERO);
     }
 
+    pub(crate) fn click_at_with(&mut self, modifiers: Modifiers, position: Pos2) {
+        self.window.hover_at(position);
+        for pressed in [true, false] {
+            let event = Event::PointerButton { pos: position, button: PointerButton::Primary, pressed, modifiers };
+            self.window.event_modifiers(event, modifiers);
+        }
+        self.rest();
+    }
+
     /// Presses at `from`, moves by `by`, releases.
     pub(crate) fn drag(&mut self, button: PointerButton, from: Pos2, by: Vec2) {
         self.window.hover_at(from);

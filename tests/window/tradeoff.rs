@@ -1,6 +1,6 @@
 //! Error against time in the window, and the upscaler seen through.
 
-use eframe::egui::{Role, Vec2};
+use eframe::egui::{Modifiers, Pos2, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::measure::against::figures;
 use rasterscope::ui::compare::Mode;
@@ -47,6 +47,54 @@ fn a_row_becomes_picture_a_or_b() {
     bench.click(&format!("Show {} as A", second.label()));
     let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
     assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [second, first]);
+}
+
+/// Where the points of the plot stand, those first that stand farthest from all others: there nobody can say that another
+/// was meant.
+fn lonely_points(bench: &Bench) -> Vec<(Upscaling, Pos2)> {
+    let place = |upscaling: Upscaling| {
+        let name = format!("Point: {},", upscaling.label());
+        bench.window.query_all_by_label_contains(&name).next().expect("every point is named").rect().center()
+    };
+    let points = bench.session().timings.tradeoff();
+    let places: Vec<_> = points.iter().map(|point| (point.upscaling, place(point.upscaling))).collect();
+    let room = |of: &(Upscaling, Pos2)| {
+        let others = places.iter().filter(|other| other.0 != of.0);
+        others.map(|other| other.1.distance(of.1)).fold(f32::INFINITY, f32::min)
+    };
+    let mut lonely = places.clone();
+    lonely.sort_by(|a, b| room(b).total_cmp(&room(a)));
+    lonely
+}
+
+#[test]
+fn a_point_of_the_plot_becomes_picture_b_and_with_shift_a() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Error vs time");
+    bench.click("Measure error and time");
+    let (second, place) = lonely_points(&bench)[0];
+    bench.click_at(place);
+    assert_eq!(bench.session().comparison.mode, Mode::Wipe);
+    let (first, place) = lonely_points(&bench)[1];
+    bench.click_at_with(Modifiers::SHIFT, place);
+    let tiles = &bench.session().compared.as_ref().expect("two are compared").tiles;
+    assert_eq!([tiles[0].recipe.upscaler, tiles[1].recipe.upscaler], [first, second]);
+}
+
+#[test]
+fn a_measurement_says_which_reference_it_is_against() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Error vs time");
+    bench.click("Measure error and time");
+    assert!(bench.mentions("Errors are against: Native, 1 sample"));
+    bench.choose("Measure against", "Converged, 256 samples");
+    assert!(bench.mentions("Errors are against: Native, 1 sample"), "until it is measured anew");
+    bench.click("Measure error and time");
+    assert!(bench.mentions("Errors are against: Converged, 256 samples"));
+    let points = bench.session().timings.tradeoff();
+    let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
+    assert!(native.error.codes.mse > 0.0, "edges of one sample per pixel are stairs");
+    assert_eq!(points.len(), Upscaling::every().count());
 }
 
 #[test]

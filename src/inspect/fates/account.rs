@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use super::tally::{Rejections, Tally};
+use super::rejections::Rejections;
+use super::tally::Tally;
 use crate::pipeline::Geometry;
 use crate::scene::TriangleId;
 

@@ -10,11 +10,14 @@ mod members;
 
 mod places;
 
+mod rejections;
+
 mod tally;
 
 pub use account::Account;
 pub use members::{Bin, Filter};
 pub use places::Mark;
+pub use rejections::{Met, Rejections};
 
 use serde::{Serialize, Serializer};
 
@@ -29,7 +32,7 @@ use crate::pipeline::{Extent, Geometry, Until, draw};
 use crate::scene::{Instance, Scene, TriangleId};
 use crate::upscale::Sampling;
 use places::{Shape, shapes};
-use tally::{Rejections, Tally};
+use tally::Tally;
 
 choice! {
     /// How a triangle ended. Of those that were rasterized it is as far as the best of their fragments came.
@@ -220,7 +223,8 @@ impl Fates {
 
 /// Where each triangle ended.
 fn endings(geometry: &Geometry, rejections: &Rejections, fragments: &[FragmentCounts]) -> Vec<TriangleFate> {
-    let mut fates: Vec<_> = rejections.fates.iter().map(|fate| fate.unwrap_or(TriangleFate::Unaccounted)).collect();
+    let mut fates: Vec<_> =
+        rejections.fates.iter().map(|fate| fate.map_or(TriangleFate::Unaccounted, Into::into)).collect();
     for triangle in &geometry.triangles {
         let place = triangle.id.0 as usize;
         fates[place] = match fragments[place].best() {

@@ -1,44 +1,15 @@
-//! Observers that write down how triangles and fragments end.
+//! The observer that writes down how fragments end.
 
-use super::{FragmentCounts, FragmentFate, TriangleFate};
+use super::{FragmentCounts, FragmentFate};
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::Geometry;
 use crate::pipeline::interpolate::Fragment;
-use crate::pipeline::observe::{DepthOutcome, Fate, Observer};
+use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::raster::Sample;
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, Transparency, TriangleId};
-
-/// The triangles that the geometry stages rejected.
-#[derive(Debug)]
-pub(super) struct Rejections {
-    /// For each triangle of the scene.
-    pub(super) fates: Vec<Option<TriangleFate>>,
-    /// Triangles that were rejected more than once.
-    pub(super) again: Vec<TriangleId>,
-    /// Triangles that crossed a plane of the view and were cut.
-    pub(super) cut: Vec<TriangleId>,
-}
-
-impl Rejections {
-    pub(super) fn new(triangles: usize) -> Self {
-        Self { fates: vec![None; triangles], again: Vec::new(), cut: Vec::new() }
-    }
-}
-
-impl Observer for Rejections {
-    fn rejected(&mut self, id: TriangleId, fate: Fate) {
-        if self.fates[id.0 as usize].replace(fate.into()).is_some() {
-            self.again.push(id);
-        }
-    }
-
-    fn clipped(&mut self, id: TriangleId, _pieces: usize) {
-        self.cut.push(id);
-    }
-}
 
 /// Stands for "no layer" in lists of layers.
 const NO_LAYER: u32 = u32::MAX;

@@ -193,7 +193,7 @@ fn what_does_not_add_up_is_told() {
     let lost = geometry.triangles.last().unwrap().id;
     geometry.triangles.truncate(geometry.triangles.len() - 1);
     let again = geometry.triangles[0].id;
-    rejections.fates[again.0 as usize] = Some(TriangleFate::Outside);
+    rejections.fates[again.0 as usize] = Some(Fate::Outside);
     let account = Account::of(&geometry, &rejections, &tally);
     assert_eq!(
         (account.without_fate.as_slice(), account.with_two_fates.as_slice()),

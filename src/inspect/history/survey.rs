@@ -1,11 +1,11 @@
-//! What the geometry stages of a frame dropped, kept so that every pixel can be asked about it.
+//! Where the triangles of a frame came to on the screen and what the geometry stages dropped, kept so that every pixel can be
+//! asked about it.
 //!
-//! The stages are called once more, by the matrices, plans and arithmetic of the frame itself; only what ended there is kept.
-//! For 100 000 dropped triangles that is some 5 MB.
+//! The stages are called once more, by the matrices, plans and arithmetic of the frame itself, on all threads. For 100 000
+//! triangles some 5 MB are kept. Another pixel and an earlier moment of the same frame need no other survey.
 
-use std::collections::BTreeSet;
-
-use glam::{DVec2, Vec4};
+use glam::{DVec2, Vec3, Vec4};
+use rayon::prelude::*;
 
 use super::clipped::{Meeting, meeting};
 use super::near_miss::distance_px;
@@ -25,19 +25,40 @@ use crate::scene::{Camera, Projection, Scene, TriangleId};
 /// farther from it after, px.
 const SNAPPED_BY_PX: f64 = 1.0 / 256.0;
 
-/// The triangles of one frame that ended before the rasterizer, as far as they may be missed at a pixel.
+/// Triangles that one thread goes through at a time.
+const CHUNK: usize = 4096;
+
+/// The triangles of one frame, as far as they may be missed at a pixel.
 #[derive(Clone, Debug)]
 pub struct Survey {
-    dropped: Vec<Dropped>,
-    crossing: Vec<Crossing>,
-    not_finite: Vec<(TriangleId, u32)>,
+    found: Found,
     camera: Camera,
     raster: Viewport,
 }
 
-/// A triangle, or a piece of one, that reached the screen and was not rasterized.
+/// What was found, in the order of the triangles.
+#[derive(Clone, Debug, Default)]
+struct Found {
+    /// What reached the screen and was dropped there.
+    dropped: Vec<Placed>,
+    /// What is rasterized, sooner or later.
+    rasterized: Vec<Placed>,
+    crossing: Vec<Crossing>,
+    not_finite: Vec<(TriangleId, u32)>,
+}
+
+impl Found {
+    fn append(&mut self, mut later: Self) {
+        self.dropped.append(&mut later.dropped);
+        self.rasterized.append(&mut later.rasterized);
+        self.crossing.append(&mut later.crossing);
+        self.not_finite.append(&mut later.not_finite);
+    }
+}
+
+/// A triangle, or a piece of one, that reached the screen, and why it may be missed there.
 #[derive(Clone, Copy, Debug)]
-struct Dropped {
+struct Placed {
     id: TriangleId,
     instance: u32,
     corners_px: [[f32; 2]; 3],
@@ -52,77 +73,99 @@ struct Crossing {
     corners: [Vec4; 3],
 }
 
-impl Survey {
-    /// Of a frame that `recipe` made of `scene`.
-    pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
-        let mut survey = Self {
-            dropped: Vec::new(),
-            crossing: Vec::new(),
-            not_finite: Vec::new(),
-            camera: frame.drawn_by(recipe),
-            raster: frame.raster,
-        };
-        let mut kept = 0;
-        for (index, first) in scene.first_triangles().into_iter().enumerate() {
-            kept += survey.take_draw(scene, recipe, frame, (index, first));
-        }
-        survey.settle_limit(kept, frame);
-        survey
-    }
+/// One draw of a frame, whose triangles are gone through.
+struct Draw<'a> {
+    settings: &'a Settings,
+    raster: Viewport,
+    widening: f32,
+    instance: u32,
+    first: TriangleId,
+    triangles: &'a [[u32; 3]],
+    /// Whether its vertices are transformed at all.
+    runs: bool,
+    may_cross: bool,
+    vertices: Vec<ClipVertex>,
+    positions_px: Vec<[f32; 2]>,
+}
 
-    /// Takes in one draw. How many pieces were kept to be rasterized; they are noted, too, as if they came after the last.
-    fn take_draw(&mut self, scene: &Scene, recipe: &Recipe, frame: &Frame, draw: (usize, TriangleId)) -> usize {
-        let ((index, first), settings) = (draw, &recipe.pipeline);
+impl<'a> Draw<'a> {
+    fn new(
+        scene: &'a Scene,
+        recipe: &'a Recipe,
+        frame: &Frame,
+        camera: &Camera,
+        index: usize,
+        first: TriangleId,
+    ) -> Self {
+        let (settings, raster) = (&recipe.pipeline, frame.raster);
         let (instance, plan) = (&scene.instances[index], &frame.plans[index]);
         let mesh = scene.library.mesh(instance.mesh);
-        let matrices = DrawMatrices::new(instance, &self.camera, self.raster.aspect(), settings.depth_format.mapping());
-        let vertices: Vec<ClipVertex> =
-            mesh.positions.iter().map(|p| ClipVertex::at(matrices.clip_from_model * p.extend(1.0))).collect();
-        let instance = index as u32;
-        for (offset, corners) in mesh.triangles.iter().enumerate() {
-            let corners = corners.map(|corner| vertices[corner as usize].position);
-            if corners.iter().any(|p| p.z < 0.0 || p.z > p.w) {
-                self.crossing.push(Crossing { id: TriangleId(first.0 + offset as u32), instance, corners });
-            }
+        let matrices = DrawMatrices::new(instance, camera, raster.aspect(), settings.depth_format.mapping());
+        let vertex = |p: &Vec3| ClipVertex::at(matrices.clip_from_model * p.extend(1.0));
+        let vertices: Vec<_> = mesh.positions.par_iter().with_min_len(CHUNK).map(vertex).collect();
+        let positions_px = vertices.par_iter().with_min_len(CHUNK).map(|vertex| position_px(raster, vertex)).collect();
+        Self {
+            settings,
+            raster,
+            widening: guard_band_widening(raster.width, raster.height),
+            instance: index as u32,
+            first,
+            triangles: &mesh.triangles,
+            runs: plan.runs(Part::Vertices),
+            may_cross: plan.runs(Part::Clipping),
+            vertices,
+            positions_px,
         }
-        if !plan.runs(Part::Vertices) {
-            return 0;
-        }
-        let positions_px: Vec<[f32; 2]> = vertices.iter().map(|vertex| self.position_px(vertex)).collect();
-        let widening = guard_band_widening(self.raster.width, self.raster.height);
-        let may_cross = plan.runs(Part::Clipping);
-        let mut kept = 0;
-        for (offset, corners) in mesh.triangles.iter().enumerate() {
-            let owner = (TriangleId(first.0 + offset as u32), instance);
-            let whole = corners.map(|corner| vertices[corner as usize]);
-            if may_cross && !whole.iter().all(|corner| is_inside(corner.position)) {
-                let pieces = self.clipped(owner, &whole, widening);
-                kept += self.take_pieces(&pieces, owner, settings);
-            } else {
-                kept += self.take_pieces(&[corners.map(|corner| positions_px[corner as usize])], owner, settings);
-            }
-        }
-        kept
     }
 
-    /// Where a vertex lies on the screen before snapping, by the steps of [`Viewport::project`].
-    fn position_px(&self, vertex: &ClipVertex) -> [f32; 2] {
-        let inv_w = 1.0 / vertex.position.w;
-        self.raster.pixels_from_ndc(vertex.position.truncate() * inv_w).into()
+    /// All that is found of its triangles.
+    fn found(&self) -> Found {
+        let chunks = self.triangles.par_chunks(CHUNK).enumerate();
+        let parts: Vec<Found> = chunks.map(|(chunk, triangles)| self.found_in(chunk * CHUNK, triangles)).collect();
+        let mut all = Found::default();
+        parts.into_iter().for_each(|part| all.append(part));
+        all
+    }
+
+    /// What is found of some triangles, the first of which has this place in the mesh.
+    fn found_in(&self, place: usize, triangles: &[[u32; 3]]) -> Found {
+        let mut found = Found::default();
+        for (id, corners) in (self.first.0 + place as u32..).map(TriangleId).zip(triangles) {
+            let whole = corners.map(|corner| self.vertices[corner as usize]);
+            let positions = whole.map(|corner| corner.position);
+            if positions.iter().any(|p| p.z < 0.0 || p.z > p.w) {
+                found.crossing.push(Crossing { id, instance: self.instance, corners: positions });
+            }
+            if !self.runs {
+                continue;
+            }
+            if self.may_cross && !positions.iter().all(|position| is_inside(*position)) {
+                let pieces = self.clipped(id, &whole, &mut found.not_finite);
+                self.take_pieces(&pieces, id, &mut found);
+            } else {
+                self.take_pieces(&[corners.map(|corner| self.positions_px[corner as usize])], id, &mut found);
+            }
+        }
+        found
     }
 
     /// Corners on the screen of what clipping leaves of a triangle.
-    fn clipped(&mut self, owner: (TriangleId, u32), whole: &[ClipVertex; 3], widening: f32) -> Vec<[[f32; 2]; 3]> {
-        let mut not_finite = NotFinite { found: &mut self.not_finite, instance: owner.1 };
-        let pieces = clip(whole, &[[0, 1, 2]], owner.0, true, widening, &mut not_finite);
-        pieces.iter().map(|piece| piece.vertices.each_ref().map(|corner| self.position_px(corner))).collect()
+    fn clipped(
+        &self,
+        id: TriangleId,
+        whole: &[ClipVertex; 3],
+        not_finite: &mut Vec<(TriangleId, u32)>,
+    ) -> Vec<[[f32; 2]; 3]> {
+        let mut not_finite = NotFinite { found: not_finite, instance: self.instance };
+        let pieces = clip(whole, &[[0, 1, 2]], id, true, self.widening, &mut not_finite);
+        pieces.iter().map(|piece| piece.vertices.each_ref().map(|corner| position_px(self.raster, corner))).collect()
     }
 
-    /// Takes in the pieces of one triangle; how many were kept.
-    fn take_pieces(&mut self, pieces: &[[[f32; 2]; 3]], owner: (TriangleId, u32), settings: &Settings) -> usize {
+    /// Takes in the pieces of one triangle.
+    fn take_pieces(&self, pieces: &[[[f32; 2]; 3]], id: TriangleId, found: &mut Found) {
         let causes = pieces.iter().map(|corners_px| {
-            let (area, _) = doubled_area(settings.arithmetic, *corners_px);
-            match cull(area, settings.culling) {
+            let (area, _) = doubled_area(self.settings.arithmetic, *corners_px);
+            match cull(area, self.settings.culling) {
                 None => Cause::NotDrawnYet,
                 Some(Fate::BackFacing) => Cause::BackFacing,
                 Some(Fate::FrontFacing) => Cause::FrontFacing,
@@ -131,22 +174,34 @@ impl Survey {
         });
         // A piece without area says nothing where others of its triangle have some.
         let has_area = causes.clone().any(|cause| cause != Cause::ZeroArea);
-        let told = pieces.iter().zip(causes.clone()).filter(|(_, cause)| !has_area || *cause != Cause::ZeroArea);
-        let (id, instance) = owner;
-        self.dropped.extend(told.map(|(corners_px, cause)| Dropped { id, instance, corners_px: *corners_px, cause }));
-        causes.filter(|cause| *cause == Cause::NotDrawnYet).count()
+        for (corners_px, cause) in pieces.iter().zip(causes).filter(|(_, cause)| !has_area || *cause != Cause::ZeroArea)
+        {
+            let piece = Placed { id, instance: self.instance, corners_px: *corners_px, cause };
+            if cause == Cause::NotDrawnYet { &mut found.rasterized } else { &mut found.dropped }.push(piece);
+        }
+    }
+}
+
+/// Where a vertex lies on the screen before snapping, by the steps of [`Viewport::project`].
+fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
+    let inv_w = 1.0 / vertex.position.w;
+    raster.pixels_from_ndc(vertex.position.truncate() * inv_w).into()
+}
+
+impl Survey {
+    /// Of a frame that `recipe` made of `scene`.
+    pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
+        let camera = frame.drawn_by(recipe);
+        let mut found = Found::default();
+        for (index, first) in scene.first_triangles().into_iter().enumerate() {
+            found.append(Draw::new(scene, recipe, frame, &camera, index, first).found());
+        }
+        Self { found, camera, raster: frame.raster }
     }
 
-    /// Forgets the triangles that the frame did draw: all that were kept, unless its list was cut short.
-    fn settle_limit(&mut self, kept: usize, frame: &Frame) {
-        let drawn: BTreeSet<TriangleId> = if frame.geometry.triangles.len() < kept {
-            frame.geometry.triangles.iter().map(|triangle| triangle.id).collect()
-        } else {
-            BTreeSet::new()
-        };
-        let is_whole = frame.geometry.triangles.len() >= kept;
-        self.dropped.retain(|piece| piece.cause != Cause::NotDrawnYet || !is_whole && !drawn.contains(&piece.id));
-        self.dropped.shrink_to_fit();
+    /// Whether it is of a frame, too, that the same recipe made of the same scene: of the same view, all of it or a moment.
+    pub fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
+        self.camera == frame.drawn_by(recipe) && self.raster == frame.raster
     }
 
     /// The triangles that ended before the rasterizer and would have been at a drawn pixel, and those that are nowhere.
@@ -162,15 +217,21 @@ impl Survey {
             edges: None,
         };
         let settings = &recipe.pipeline;
-        let dropped = self.dropped.iter().filter(|piece| piece.would_cover(settings, frame, pixel));
-        let crossing = self.crossing.iter().filter_map(|t| Some((t, self.cut_away(t, settings, pixel)?)));
+        let is_there = |piece: &&Placed| piece.would_cover(settings, frame, pixel);
+        let is_drawn = |piece: &&Placed| frame.geometry.triangles.iter().any(|triangle| triangle.id == piece.id);
+        // All that is rasterized is drawn, unless the frame's list was cut short.
+        let is_whole = frame.geometry.triangles.len() >= self.found.rasterized.len();
+        let later: &[Placed] = if is_whole { &[] } else { &self.found.rasterized };
+        let later = later.iter().filter(is_there).filter(|piece| !is_drawn(piece));
+        let dropped = self.found.dropped.iter().filter(is_there).chain(later);
+        let crossing = self.found.crossing.iter().filter_map(|t| Some((t, self.cut_away(t, settings, pixel)?)));
         dropped
             .map(|piece| Absent {
                 corners_px: Some(piece.corners_px),
                 ..absent(piece.id, piece.instance, piece.cause, piece.reason(settings))
             })
             .chain(crossing.map(|(t, (cause, reason))| absent(t.id, t.instance, cause, reason)))
-            .chain(self.not_finite.iter().map(|(id, instance)| {
+            .chain(self.found.not_finite.iter().map(|(id, instance)| {
                 let reason = "has a corner that is not a finite number in clip space, so it is never drawn".to_owned();
                 absent(*id, *instance, Cause::NotFinite, reason)
             }))
@@ -215,7 +276,7 @@ impl Survey {
     }
 }
 
-impl Dropped {
+impl Placed {
     /// Whether the recipe's rasterizer would have given the pixel to it; one without area, whether it runs through it.
     fn would_cover(&self, settings: &Settings, frame: &Frame, (x, y): (u32, u32)) -> bool {
         let scissor = Scissor::pixel(x, y);

@@ -6,8 +6,6 @@
 
 mod explode;
 
-mod fate;
-
 mod hatch;
 
 mod overlay;
@@ -17,13 +15,13 @@ mod outside;
 mod picture;
 
 use crate::image::Rgba8;
+use crate::inspect::fates::{Met, Rejections};
 use crate::pipeline::observe::Fate;
-use crate::pipeline::settings::{Choice, Settings, choice};
+use crate::pipeline::settings::{Choice, Culling, Settings, choice};
 use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, TriangleId};
+use crate::scene::{Camera, Scene, TriangleId};
 
 pub use explode::{corners, exploded};
-pub use fate::{Met, fates};
 pub use outside::{first_view, fit, with_planes};
 pub use overlay::{Kind, Look, Mark, drawn};
 pub use picture::{MeshPicture, Painting, paint, shown_at};
@@ -48,6 +46,14 @@ pub struct Inner {
     pub settings: Settings,
     /// Size of its picture.
     pub viewport: Viewport,
+}
+
+impl Inner {
+    /// What the render camera's pipeline does to every triangle before the rasterizer, culled in this way: another one than
+    /// that of the settings may be tried.
+    pub fn rejections(&self, scene: &Scene, culling: Culling) -> Rejections {
+        Rejections::of(scene, &self.camera, &Settings { culling, ..self.settings }, self.viewport)
+    }
 }
 
 /// The colour that stands for what a triangle met.

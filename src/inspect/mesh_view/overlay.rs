@@ -4,7 +4,8 @@
 use glam::{DMat4, DVec3, DVec4, Vec3};
 
 use super::hatch::{Point, hatch};
-use super::{Inner, Met, corners, fates};
+use super::{Inner, corners};
+use crate::inspect::fates::Met;
 use crate::pipeline::clip::{Cut, Polygon, guard_band_widening};
 use crate::pipeline::observe::Fate;
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
@@ -227,10 +228,10 @@ impl<'a> Eye<'a> {
 
 /// Marks triangles that were cut, and outlines those that were culled.
 fn cut_and_culled(scene: &Scene, inner: &Inner, look: &Look, canvas: &mut Canvas) {
-    let fates = fates(scene, inner, inner.settings.culling);
+    let rejections = inner.rejections(scene, inner.settings.culling);
     let that_met = |wanted: fn(Met) -> bool| {
         let found: Vec<_> =
-            fates.iter().zip(0..).filter(|(met, _)| wanted(**met)).map(|(_, id)| TriangleId(id)).collect();
+            rejections.met().zip(0..).filter(|(met, _)| wanted(*met)).map(|(_, id)| TriangleId(id)).collect();
         let few = found.len() <= MOST_MARKED;
         found.into_iter().filter(move |id| few || look.selected == Some(*id))
     };

@@ -2,8 +2,9 @@
 
 use glam::Vec3;
 
-use super::{Inner, MeshStyle, exploded, fates, is_triangle, met_color};
+use super::{Inner, MeshStyle, exploded, is_triangle, met_color};
 use crate::image::{Image, Rgba8};
+use crate::inspect::fates::Met;
 use crate::inspect::selection::TriangleSelection;
 use crate::math::unit_or;
 use crate::pipeline::framebuffer::Framebuffer;
@@ -117,14 +118,13 @@ pub fn shown_at(owner: &Image<TriangleId>, triangle: TriangleId) -> Option<(u32,
 
 /// The colour of each triangle before light; none where all have the same.
 fn colors(scene: &Scene, inner: &Inner, style: MeshStyle) -> Vec<Rgba8> {
-    let met = |culling| fates(scene, inner, culling).into_iter().map(met_color).collect();
     match style {
         MeshStyle::Flat => Vec::new(),
-        MeshStyle::Fate => met(inner.settings.culling),
+        MeshStyle::Fate => inner.rejections(scene, inner.settings.culling).met().map(met_color).collect(),
         // Culling back faces tells the sides apart, whatever the settings do with them.
         MeshStyle::Facing | MeshStyle::Wire => {
-            let seen = fates(scene, inner, Culling::Back).into_iter();
-            seen.map(|met| met_color(if met == super::Met::Cut { super::Met::Drawn } else { met })).collect()
+            let whole = |met| if met == Met::Cut { Met::Drawn } else { met };
+            inner.rejections(scene, Culling::Back).met().map(|met| met_color(whole(met))).collect()
         }
         MeshStyle::Object => {
             let counts = scene.instances.iter().map(|i| scene.library.mesh(i.mesh).triangles.len());
@@ -158,7 +158,7 @@ fn lit([r, g, b, a]: Rgba8, light: f32) -> Rgba8 {
 
 /// The edges of all triangles; fronts over backs.
 fn wires(geometry: &Geometry, colors: &[Rgba8], is_dim: impl Fn(TriangleId) -> bool, image: &mut Image<Rgba8>) {
-    let front = met_color(super::Met::Drawn);
+    let front = met_color(Met::Drawn);
     let color = |triangle: &ScreenTriangle| colors.get(triangle.id.0 as usize).copied().unwrap_or(FLAT);
     for fronts in [false, true] {
         for triangle in geometry.triangles.iter().filter(|triangle| (color(triangle) == front) == fronts) {

@@ -52,14 +52,14 @@ fn fates_are_those_that_the_pipeline_deals_out() {
     let inner = inner(&scene);
     let mut counters = crate::pipeline::observe::Counters::default();
     crate::pipeline::prepare(&scene, &inner.camera, &inner.settings, SIZE, &mut counters);
-    let met = fates(&scene, &inner, inner.settings.culling);
+    let met: Vec<_> = inner.rejections(&scene, inner.settings.culling).met().collect();
     for fate in crate::pipeline::observe::Fate::ALL {
         let count = met.iter().filter(|met| **met == Met::Rejected(fate)).count() as u64;
         assert_eq!(count, counters.fate(fate), "{fate:?}");
     }
     assert!(counters.fate(Fate::BackFacing) > 0);
-    let both = fates(&scene, &inner, Culling::None);
-    assert!(both.iter().all(|met| *met != Met::Rejected(Fate::BackFacing)));
+    let both = inner.rejections(&scene, Culling::None);
+    assert!(both.met().all(|met| met != Met::Rejected(Fate::BackFacing)));
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn culled_triangles_are_outlined_if_they_are_few_or_selected() {
     assert_eq!(outlines(&alone, Culling::Back, &all), 0);
     assert_eq!(outlines(&alone, Culling::Front, &Look::default()), 0);
     let many = scene("cubes");
-    let back = fates(&many, &inner(&many), Culling::Back).iter().position(|m| *m == Met::Rejected(Fate::BackFacing));
+    let back = inner(&many).rejections(&many, Culling::Back).met().position(|m| m == Met::Rejected(Fate::BackFacing));
     assert_eq!(outlines(&many, Culling::Back, &all), 0);
     let selected = back.map(|id| TriangleId(id as u32));
     assert_eq!(outlines(&many, Culling::Back, &Look { selected, ..all }), 1);

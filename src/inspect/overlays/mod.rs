@@ -14,6 +14,8 @@ mod faults;
 
 mod fragments;
 
+mod layer;
+
 pub mod sheet;
 
 mod surfaces;
@@ -25,6 +27,7 @@ pub mod watch;
 use std::sync::OnceLock;
 
 pub use edges::{EdgeMarks, edge_marks};
+pub use layer::Layer;
 pub use sheet::{Key, Kind, Scale, Sheet, Total, compose, csv};
 use watch::Watched;
 
@@ -99,6 +102,17 @@ impl Overlay {
             Self::Wireframe | Self::SnappedWireframe | Self::Faults | Self::BadNumbers | Self::ExactOwner => 1.0,
             _ => 0.7,
         }
+    }
+
+    /// Whether it may take longer than a frame should: the scene is drawn once more by slower arithmetic.
+    pub fn is_slow(self) -> bool {
+        self == Self::ExactOwner
+    }
+
+    /// What stands for it while it is being made.
+    pub fn unmade(self, context: &Context<'_>) -> Sheet {
+        let why = "not yet, as the scene is still being drawn once more with exact arithmetic";
+        Sheet::absent(self, context.frame.image().size(), why)
     }
 
     /// Makes it for a frame.

@@ -325,15 +325,18 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             }
             let shader = &frame.shaders[queue.shader];
             let rows = &queue.rows[..rows];
+            // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
             match shader.plan {
-                Plan::COMMON => rows.iter().for_each(
-                    #[inline(always)]
-                    |row| finish_row(simd, shader, Plan::COMMON, row, pixels),
-                ),
-                plan => rows.iter().for_each(
-                    #[inline(always)]
-                    |row| finish_row(simd, shader, plan, row, pixels),
-                ),
+                Plan::COMMON => {
+                    for row in rows {
+                        finish_row(simd, shader, Plan::COMMON, row, pixels);
+                    }
+                }
+                plan => {
+                    for row in rows {
+                        finish_row(simd, shader, plan, row, pixels);
+                    }
+                }
             }
         },
     );
@@ -377,21 +380,10 @@ fn code<S: Simd>(simd: S, color: [F32<S>; 3], space: ColorSpace) -> u32x8<S> {
         }
         ColorSpace::Linear => {
             let tables = Tables::get();
-            each!(c in [0, 1, 2] => encode(simd, tables, color[c]))
+            each!(c in [0, 1, 2] => tables.encode_lanes(simd, color[c]))
         }
     };
     codes[0] | codes[1] << 8 | codes[2] << 16 | 0xFF00_0000
-}
-
-/// [`Tables::encode`] for eight values.
-#[inline(always)]
-fn encode<S: Simd>(simd: S, tables: &Tables, linear: F32<S>) -> u32x8<S> {
-    let linear = linear.to_array();
-    let mut codes = [0; LANES];
-    for lane in 0..LANES {
-        codes[lane] = u32::from(tables.encode(linear[lane]));
-    }
-    u32x8::load_array(simd, codes)
 }
 
 /// Light on normals that are not of unit length; no direct light on those of none.

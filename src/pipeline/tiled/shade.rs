@@ -39,6 +39,7 @@ pub(super) struct Canvas<'a> {
 }
 
 /// Shades the samples of a tile.
+#[inline(always)]
 pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>) -> Shaded {
     let Canvas { tile, entrants, queue, place, pixels } = canvas;
     let width = frame.packed.0 as usize;
@@ -61,8 +62,10 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>
                     row += 1;
                     continue;
                 };
-                let same = |row: &usize| uniform_slot(simd, tile.slots(column, *row)) == Some(slot);
-                let next = (row + 1..end).find(|row| !same(row)).unwrap_or(end);
+                let mut next = row + 1;
+                while next < end && uniform_slot(simd, tile.slots(column, next)) == Some(slot) {
+                    next += 1;
+                }
                 job.one_triangle(simd, slot, &Patch { first: row, end: next, ..whole });
                 row = next;
             }

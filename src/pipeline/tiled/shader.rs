@@ -56,8 +56,9 @@ impl<'a> DrawShader<'a> {
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {
         let settings = shader.settings;
         let on_lanes = matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert);
-        let texture =
-            texture.filter(|_| shader.texture.is_some()).map(|texture| TextureReader::new(texture, shader.sampler()));
+        let texture = texture
+            .filter(|_| shader.texture.is_some())
+            .map(|texture| TextureReader::new(texture, shader.sampler(), settings.color_space));
         let light = match settings.shading {
             Shading::Gouraud => Light::Vertices,
             Shading::Lambert => Light::Normals,

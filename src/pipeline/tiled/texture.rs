@@ -41,6 +41,8 @@ pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
     /// Rows of texels, with one more at the end of each for pairs.
     texels: &'a [u32],
+    /// The same in linear light, if that is what is mixed.
+    linear: &'a [[f32; 4]],
     /// Numbers from one row to the next.
     stride: i32,
     size: (u32, u32),
@@ -48,7 +50,7 @@ pub(super) struct TextureReader<'a> {
 }
 
 impl<'a> TextureReader<'a> {
-    pub(super) fn new(texture: &'a Texture, sampler: Sampler) -> Self {
+    pub(super) fn new(texture: &'a Texture, sampler: Sampler, space: ColorSpace) -> Self {
         let size @ (width, height) = texture.image().size();
         let layout = match (sampler.filter, sampler.address) {
             (Filter::Point, _) => Layout::Single,
@@ -60,7 +62,8 @@ impl<'a> TextureReader<'a> {
             }
             (Filter::Bilinear | Filter::Trilinear, Address::Repeat) => Layout::Pairs,
         };
-        Self { layout, texels: texture.wrapped(), stride: width as i32 + 1, size, sampler }
+        let linear = if space == ColorSpace::Linear { texture.wrapped_linear() } else { &[] };
+        Self { layout, texels: texture.wrapped(), linear, stride: width as i32 + 1, size, sampler }
     }
 
     /// Tells textures apart.
@@ -123,18 +126,22 @@ impl<'a> TextureReader<'a> {
     /// Red, green and blue from texels, in the numbers of the colour space.
     #[inline(always)]
     pub(super) fn read<S: Simd>(&self, simd: S, layout: Layout, space: ColorSpace, taps: &Taps) -> [F32<S>; 3] {
-        let texels = match layout {
-            Layout::Single => {
-                let values = self.values(simd, space, self.fetch(simd, &taps.index[0]));
-                return each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale);
-            }
-            Layout::Four => each!(tap in [0, 1, 2, 3] => self.fetch(simd, &taps.index[tap])),
-            Layout::Pairs | Layout::PowerOfTwoPairs => self.fetch_pairs(simd, taps),
-        };
+        if layout == Layout::Single {
+            let values = self.values(simd, space, self.fetch(simd, &taps.index[0]));
+            return each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale);
+        }
         let (right, down) = (F32::load_array_ref(simd, &taps.right), F32::load_array_ref(simd, &taps.down));
         let one = F32::splat(simd, 1.0);
         let (left, up) = (one - right, one - down);
         let weights = [left * up, right * up, left * down, right * down];
+        if space == ColorSpace::Linear {
+            let sums = self.mix_linear(simd, layout, weights, &taps.index);
+            return each!(channel in [0, 1, 2] => sums[channel] * self.sampler.scale);
+        }
+        let texels = match layout {
+            Layout::Single | Layout::Four => each!(tap in [0, 1, 2, 3] => self.fetch(simd, &taps.index[tap])),
+            Layout::Pairs | Layout::PowerOfTwoPairs => self.fetch_pairs(simd, taps),
+        };
         let values = each!(tap in [0, 1, 2, 3] => self.values(simd, space, texels[tap]));
         each!(channel in [0, 1, 2] => {
             let sum = values[0][channel] * weights[0]
@@ -145,16 +152,45 @@ impl<'a> TextureReader<'a> {
         })
     }
 
+    /// Four texels of each sample in linear light, weighed and added: sample by sample with all channels at once, as looking
+    /// up twelve channels for each would take longer.
+    #[inline(always)]
+    fn mix_linear<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        weights: [F32<S>; 4],
+        index: &[[u32; LANES]; 4],
+    ) -> [F32<S>; 4] {
+        let weights = each!(tap in [0, 1, 2, 3] => weights[tap].to_array());
+        let rows = match layout {
+            Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+                let [a, b, c, d] = each!(tap in [0, 1, 2, 3] => {
+                    f32x4::load_array_ref(simd, &self.linear[index[tap][lane] as usize]) * weights[tap][lane]
+                });
+                a + b + c + d
+            }),
+            Layout::Pairs | Layout::PowerOfTwoPairs => {
+                let pairs = each!(row in [0, 1] => neighbours_at(simd, self.linear, &index[row]));
+                each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+                    let [a, b, c, d] = each!((tap, row, column) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1)] => {
+                        f32x4::load_array_ref(simd, &pairs[row][lane][column]) * weights[tap][lane]
+                    });
+                    a + b + c + d
+                })
+            }
+        };
+        transpose_quads(rows)
+    }
+
     /// Upper left, upper right, lower left and lower right texels.
     #[inline(always)]
     fn fetch_pairs<S: Simd>(&self, simd: S, taps: &Taps) -> [u32x8<S>; 4] {
         let [(a, b), (c, d)] = each!(row in [0, 1] => {
             let pairs = neighbours_at(simd, self.texels, &taps.index[row]);
-            let [first, second, third, fourth] = each!((i, j) in [(0, 1), (2, 3), (4, 5), (6, 7)] => {
-                u64x2::load_array(simd, [pairs[i], pairs[j]]).bitcast::<u32x4<S>>()
-            });
-            let ((a, b), (c, d)) = (first.deinterleave(second), third.deinterleave(fourth));
-            (a.combine(c), b.combine(d))
+            halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+                u64::from(pairs[lane][0]) | u64::from(pairs[lane][1]) << 32
+            }))
         });
         [a, b, c, d]
     }
@@ -189,7 +225,7 @@ impl<'a> TextureReader<'a> {
     }
 }
 
-/// Of a row of texels those at eight places, each with its right neighbour in the upper half.
+/// Of a row of texels those at eight places, each with its right neighbour.
 ///
 /// # Panics
 /// If one of the places, or its neighbour, lies outside of the row.
@@ -198,15 +234,14 @@ impl<'a> TextureReader<'a> {
     unsafe_code,
     reason = "one test for eight reads: a picture that is all texture is drawn an eighth faster than with a test for each"
 )]
-fn neighbours_at<S: Simd>(simd: S, texels: &[u32], index: &[u32; LANES]) -> [u64; LANES] {
+fn neighbours_at<S: Simd, T: Copy>(simd: S, texels: &[T], index: &[u32; LANES]) -> [[T; 2]; LANES] {
     // Lengths are below 2³²: texture sizes are limited.
     let last = texels.len().saturating_sub(1) as u32;
     assert!(u32x8::load_array_ref(simd, index).simd_lt(last).to_bitmask() == 0xFF, "all texels are within the texture");
     each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
         // SAFETY: `index[lane]` is less than the place of the last texel, as was just made sure, so that it and the texel
         // after it lie within the slice; an array asks for no other alignment than its items do.
-        let [here, right] = unsafe { texels.as_ptr().add(index[lane] as usize).cast::<[u32; 2]>().read() };
-        u64::from(here) | u64::from(right) << 32
+        unsafe { texels.as_ptr().add(index[lane] as usize).cast::<[T; 2]>().read() }
     })
 }
 

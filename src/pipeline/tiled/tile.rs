@@ -340,26 +340,31 @@ impl Tile {
         owner: impl Fn(Slot) -> Option<Setup>,
         mut keep: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
     ) {
-        for (bx, by) in blocks(triangle) {
-            let block = by * BLOCKS + bx;
-            if !self.may_show(triangle, block, rules) {
-                continue;
-            }
-            self.write_out(simd, block, lattice, rules, &owner);
-            for row in rows_in(triangle, by) {
-                let place = (bx * BLOCK, row);
-                let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
-                let kept = if passed == 0 { 0 } else { keep(&edges, place, passed) };
-                if kept != 0 {
-                    let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
-                    self.write(simd, triangle, e, kept, place, rules);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for (bx, by) in blocks(triangle) {
+                    let block = by * BLOCKS + bx;
+                    if !self.may_show(triangle, block, rules) {
+                        continue;
+                    }
+                    self.write_out(simd, block, lattice, rules, &owner);
+                    for row in rows_in(triangle, by) {
+                        let place = (bx * BLOCK, row);
+                        let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
+                        let kept = if passed == 0 { 0 } else { keep(&edges, place, passed) };
+                        if kept != 0 {
+                            let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
+                            self.write(simd, triangle, e, kept, place, rules);
+                        }
+                    }
+                    self.counts.visited += (BLOCK * BLOCK) as u64;
+                    if self.bounded && rules.stored {
+                        self.measure_bounds(simd, (bx, by));
+                    }
                 }
-            }
-            self.counts.visited += (BLOCK * BLOCK) as u64;
-            if self.bounded && rules.stored {
-                self.measure_bounds(simd, (bx, by));
-            }
-        }
+            },
+        );
     }
 
     /// Edge values at eight samples of a row, and bits of those that are covered and pass the depth test.

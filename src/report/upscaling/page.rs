@@ -48,7 +48,7 @@ fn section(scene: &SceneReport) -> io::Result<String> {
         "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} ways are beaten by no \
          other in both, and the dashed line joins them. Grey ones are beaten. Bars run from the 10th to the 90th percentile, thin \
          lines join one method's enlargements. Times closer than {:.1} % are the same: that far apart lay two runs of one \
-         recipe.</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
+         recipe.</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
          <p class=\"soft\">{} × {} px from column {}, row {}, as they are, enlarged without smoothing.</p>\n{}</section>\n",
         escaped(&scene.scene),
         scene.triangles,
@@ -56,6 +56,7 @@ fn section(scene: &SceneReport) -> io::Result<String> {
         scene.noise * 100.0,
         plot::tradeoff(scene),
         scene.shares.as_deref().map(shares).unwrap_or_default(),
+        native.map(|native| sixteenth(&scene.rows, native)).unwrap_or_default(),
         table(&scene.rows, native),
         scene.crop.right - scene.crop.left,
         scene.crop.bottom - scene.crop.top,
@@ -73,6 +74,43 @@ fn shares(shares: &[Share]) -> String {
          thread, by the same edge functions, depth test and shading. Passing over saves shading only: every pixel is still come \
          by, so that the dashed line stays up.</figcaption></figure>",
         plot::shares(shares)
+    )
+}
+
+/// What the fewest pixels that are offered save of a whole frame, and what they cost; nothing if none was measured.
+fn sixteenth(rows: &[Row], native: &Row) -> String {
+    /// Block sizes that do not divide the picture draw a little more.
+    const AT_MOST: f64 = 1.05 / 16.0;
+    let mut few: Vec<&Row> = rows.iter().filter(|row| row.drawn <= AT_MOST).collect();
+    if few.is_empty() {
+        return String::new();
+    }
+    few.sort_by(|a, b| a.error.flip.total_cmp(&b.error.flip));
+    let lines: String = few
+        .into_iter()
+        .map(|row| {
+            let times = |of_native: f64, own: f64| format!("{:.1}×", of_native / own.max(f64::MIN_POSITIVE));
+            let cells = [
+                format!("{:.3}", row.frame_ms.median),
+                times(native.frame_ms.median, row.frame_ms.median),
+                times(native.parts_ms.pixels, row.parts_ms.pixels),
+                format!("{:.3}", row.parts_ms.upscale),
+                format!("{:.4}", row.error.flip),
+                format!("{:.2}", row.error.codes.psnr_db),
+            ];
+            let cells = cells.map(|cell| format!("<td>{cell}</td>")).concat();
+            let dot = format!("<span class=\"dot m{}\"></span>", plot::color(row));
+            format!("<tr><td>{dot}{}</td>{cells}</tr>\n", escaped(&row.label))
+        })
+        .collect();
+    format!(
+        "<h3>A sixteenth of the pixels</h3>\n<p class=\"soft\">A whole frame against the native one of {:.3} ms. Geometry costs the \
+         same however few pixels there are, and filling in costs more: what a scene gains hangs on how much of its time goes into \
+         pixels, {:.0} % here.</p>\n<div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>upscaler</th><th>median ms</th>\
+         <th>frame, times faster</th><th>pixels alone, times faster</th><th>upscale ms</th><th>FLIP</th><th>PSNR dB</th></tr></thead>\n\
+         <tbody>\n{lines}</tbody></table></div>\n",
+        native.frame_ms.median,
+        100.0 * native.parts_ms.pixels / native.frame_ms.median.max(f64::MIN_POSITIVE)
     )
 }
 

@@ -1,40 +1,34 @@
 //! Compared pictures on the canvas: tiles with one zoom, position and pick, a wipe, a flip, or a difference.
 
+mod figures;
+
+mod header;
+
+mod layout;
+
+mod legend;
+
 use eframe::egui::{
-    self, Align2, Color32, CursorIcon, FontId, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, UiBuilder,
-    Vec2, WidgetInfo, pos2, vec2,
+    self, Align2, Color32, CursorIcon, FontId, Painter, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2,
+    WidgetInfo, pos2,
 };
+
+use figures::{figures_of, figures_of_both};
+use header::headers;
+use layout::{Place, places};
+use legend::legend;
 
 use super::compute::{Compared, Differing, Tile};
 use super::{Change, Mode, letter};
-use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
 use crate::inspect::view::Value;
-use crate::measure::against::Figures;
-use crate::measure::difference::Difference;
 use crate::measure::region::Region;
-use crate::pipeline::settings::Choice as _;
 use crate::ui::canvas::{PictureTexture, grid, marker, numbers};
 use crate::ui::command::Command;
-use crate::ui::format;
 use crate::ui::navigate::navigate;
-use crate::ui::session::{PictureSize, Session};
-use crate::ui::theme::{CONTROL_HEIGHT, MARK_EDGE, RADIUS, font_size, space, tokens};
-use crate::ui::widgets::{combo, icon_button};
+use crate::ui::session::Session;
+use crate::ui::theme::{MARK_EDGE, RADIUS, font_size, space, tokens};
 use crate::ui::zoom::{Placement, Zoom};
-use crate::upscale::Upscaling;
-
-/// Height of the row over a picture, in points.
-const HEADER: f32 = CONTROL_HEIGHT + space::XS;
-
-/// Height of a line of figures, in points.
-const LINE: f32 = 15.0;
-
-/// Room of one figure with its name, in points.
-const FIGURE: f32 = 108.0;
-
-/// Gap between tiles, in points.
-const GAP: f32 = space::XS;
 
 /// Within so many points of the wipe's line the pointer takes hold of it.
 const HOLD: f32 = 7.0;
@@ -55,82 +49,6 @@ pub struct TilesView {
     difference: PictureTexture,
     dragging: Option<Dragging>,
 }
-
-/// One tile of this frame of the window.
-#[derive(Clone, Copy)]
-struct Place {
-    header: Rect,
-    picture: Rect,
-    footer: Rect,
-}
-
-/// Where tiles lie on the canvas.
-fn places(canvas: Rect, session: &Session) -> Vec<Place> {
-    let comparison = &session.comparison;
-    let shown = if comparison.mode == Mode::Tiles { comparison.shown(&session.state.tiles) } else { 1 };
-    let aspect = match session.state.size {
-        PictureSize::Fixed(width, height) => width as f32 / height.max(1) as f32,
-        PictureSize::Canvas => 1.4,
-    };
-    // Room for them is there before the rectangle is drawn, so that the pictures do not change under it.
-    let blocks = if comparison.region.is_some() || comparison.draws_region { 2.0 } else { 1.0 };
-    let layout = |columns: usize| {
-        let rows = shown.div_ceil(columns);
-        let cell = (canvas.size() + Vec2::splat(GAP)) / vec2(columns as f32, rows as f32) - Vec2::splat(GAP);
-        let lines = if comparison.mode == Mode::Tiles { figure_lines(cell.x) } else { figure_lines(cell.x / 2.0) };
-        let footer = blocks * lines as f32 * LINE + space::XS;
-        let picture = vec2(cell.x, (cell.y - HEADER - footer).max(1.0));
-        (cell.floor(), picture.floor(), footer)
-    };
-    let area = |columns: &usize| {
-        let (_, picture, _) = layout(*columns);
-        let height = picture.y.min(picture.x / aspect);
-        // Of two ways that show much the same, the one without gaps.
-        height * height * aspect * shown as f32 / (*columns * shown.div_ceil(*columns)) as f32
-    };
-    let columns = (1..=shown.max(1)).max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or(1);
-    let (cell, picture, footer) = layout(columns);
-    let place = |index: usize| {
-        let step = (cell + Vec2::splat(GAP)) * vec2((index % columns) as f32, (index / columns) as f32);
-        let min = canvas.min + step;
-        let top = min + vec2(0.0, HEADER);
-        Place {
-            header: Rect::from_min_size(min, vec2(cell.x, HEADER)),
-            picture: Rect::from_min_size(top, picture),
-            footer: Rect::from_min_size(top + vec2(0.0, picture.y), vec2(cell.x, footer)),
-        }
-    };
-    (0..shown).map(place).collect()
-}
-
-/// Lines that the figures of a picture take in a column of this width, in points.
-fn figure_lines(width: f32) -> usize {
-    if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len().div_ceil((width / FIGURE) as usize) }
-}
-
-/// How many figures of a picture are shown in a column of this width, in points: the most telling ones.
-fn figure_count(width: f32) -> usize {
-    if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len() }
-}
-
-/// A figure's name, and how it is written.
-type Named = (&'static str, fn(&Figures) -> String);
-
-/// The figures with their names, the most telling first.
-const NAMED: [Named; 6] = [
-    ("PSNR", |f| {
-        if f.codes.mse == 0.0 { "identical".to_owned() } else { format!("{} dB", format::fixed(f.codes.psnr_db, 2)) }
-    }),
-    ("SSIM", |f| format::fixed(f.codes.ssim, 4)),
-    ("FLIP", |f| format::fixed(f.flip, 4)),
-    ("MSE", |f| format::fixed(f.codes.mse, 2)),
-    ("max", |f| f.codes.max_abs.to_string()),
-    ("differ", |f| format!("{} px", format::count(f.codes.differing_pixels))),
-];
-
-/// What figures mean, for those who ask.
-const FIGURES_HELP: &str = "Against the reference named above. PSNR and MSE of sRGB codes; SSIM: 1 is equal; FLIP: 0 is \
-    equal, 1 black against white; max: the largest difference of a code; differ: how many pixels are not the same";
 
 impl TilesView {
     /// Size of a tile's picture in points, on a canvas of which `canvas` is left.
@@ -434,144 +352,4 @@ fn badge(ui: &Ui, picture: Rect, tile: usize, words: &str) {
         tokens(ui).panel.gamma_multiply(0.92),
     );
     painter.galley(at, text, color(ui, tile));
-}
-
-/// What stands over a picture: one row, or one half of it for each of A and B.
-fn headers(ui: &mut Ui, index: usize, place: Place, session: &Session, commands: &mut Vec<Command>) {
-    if session.comparison.mode == Mode::Tiles {
-        header(ui, index, place.header, session, commands);
-    } else {
-        let (left, right) = place.header.split_left_right_at_fraction(0.5);
-        header(ui, 0, left, session, commands);
-        header(ui, 1, right, session, commands);
-    }
-}
-
-/// Letter and upscaler of a tile, to be changed there.
-fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mut Vec<Command>) {
-    let recipe = session.state.tiles.recipe(tile, session.state.recipe);
-    let builder = UiBuilder::new()
-        .id_salt(("tile header", tile))
-        .max_rect(rect.shrink2(vec2(space::XS, 1.0)))
-        .layout(egui::Layout::left_to_right(egui::Align::Center));
-    let mut row = ui.new_child(builder);
-    let removable = session.comparison.mode == Mode::Tiles && session.state.tiles.count() > 2;
-    let name = letter(tile);
-    let text = egui::RichText::new(name).strong().color(color(ui, tile));
-    let active = tile == session.state.tiles.active;
-    let label = row.selectable_label(active, text);
-    label.widget_info(|| WidgetInfo::selected(Role::Button, true, active, format!("Tile {name}")));
-    if label.on_hover_text("Edit this one at the left and question it at the right").clicked() {
-        commands.push(Command::Compare(Change::Activate(tile)));
-    }
-    let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
-    let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe));
-    if let Some(upscaler) = chosen {
-        commands.push(Command::Compare(Change::Recipe(tile, Recipe { upscaler, ..recipe })));
-    }
-    if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Take {name} away")).clicked() {
-        commands.push(Command::Compare(Change::Remove(tile)));
-    }
-}
-
-/// All upscalers to choose from; the one that was chosen anew.
-fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe) -> Option<Upscaling> {
-    let mut chosen = recipe.upscaler;
-    combo("tile upscaler", &recipe.upscaler.label(), width).height(480.0).show_ui(ui, |ui| {
-        for upscaling in Upscaling::every() {
-            ui.selectable_value(&mut chosen, upscaling, upscaling.label()).on_hover_text(upscaling.upscaler().help());
-        }
-    });
-    (chosen != recipe.upscaler).then_some(chosen)
-}
-
-fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, session: &Session) {
-    let (left, right) = footer.split_left_right_at_fraction(0.5);
-    figures_of(ui, 0, left, compared, session);
-    figures_of(ui, 1, right, compared, session);
-}
-
-/// The figures of a tile, and below those of the rectangle.
-fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
-    let Some(tile) = compared.tiles.get(index) else { return };
-    let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
-    let drawn = format!(
-        "{} of the pixels drawn; this one frame took {}",
-        format::percent(tile.drawn_share),
-        format::ms(tile.frame_ms)
-    );
-    let lines = figure_lines(footer.width()) as f32 * LINE;
-    let words = match &tile.measured {
-        None => "measuring …".to_owned(),
-        Some(measured) => match &measured.figures {
-            None => "no figures: this picture and the reference have other sizes".to_owned(),
-            Some(figures) => draw_figures(ui, footer, figures, tokens(ui).text),
-        },
-    };
-    if tile.measured.as_ref().is_none_or(|measured| measured.figures.is_none()) {
-        let at = footer.min + vec2(space::XS, 2.0);
-        ui.painter().with_clip_rect(footer).text(at, Align2::LEFT_TOP, &words, small(), tokens(ui).text_weak);
-    }
-    if let Some(figures) = &tile.within {
-        draw_figures(ui, footer.translate(vec2(0.0, lines)), figures, tokens(ui).accent);
-    }
-    let name = format!("Figures of {}: {words}", letter(index));
-    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &name));
-    response.on_hover_ui(|ui| {
-        ui.label(egui::RichText::new(tile.recipe.upscaler.label()).strong());
-        ui.label(&drawn);
-        for (figures, of) in
-            [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.within, "Region")]
-        {
-            if let Some(figures) = figures {
-                ui.label(format!("{of}: {}", words_of(&figures, NAMED.len())));
-            }
-        }
-        ui.label(format!("{FIGURES_HELP}: {}", session.comparison.reference.name()));
-    });
-}
-
-fn words_of(figures: &Figures, count: usize) -> String {
-    let words = NAMED[..count].iter().map(|(name, value)| format!("{name} {}", value(figures)));
-    words.collect::<Vec<_>>().join(" · ")
-}
-
-/// Figures in columns from the top of a rectangle on; also as words.
-fn draw_figures(ui: &Ui, rect: Rect, figures: &Figures, color: Color32) -> String {
-    let painter = ui.painter();
-    let count = figure_count(rect.width());
-    let columns = count.div_ceil(figure_lines(rect.width()));
-    let step = rect.width() / columns as f32;
-    for (place, (name, value)) in NAMED[..count].iter().enumerate() {
-        let at = rect.min + vec2((place % columns) as f32 * step + space::XS, (place / columns) as f32 * LINE + 2.0);
-        let name = painter.text(at, Align2::LEFT_TOP, name, small(), tokens(ui).text_weak);
-        let font = FontId::monospace(font_size::SMALL);
-        painter.text(pos2(name.right() + space::XS, at.y), Align2::LEFT_TOP, value(figures), font, color);
-    }
-    words_of(figures, count)
-}
-
-/// What the colours of the difference stand for, in the lower left corner.
-fn legend(ui: &Ui, picture: Rect, (kind, gain): (Difference, u32)) {
-    const WIDTH: f32 = 220.0;
-    const BAR: f32 = 8.0;
-    let painter = ui.painter().with_clip_rect(picture);
-    let text = format!("{} difference ×{gain}: {}", kind.name(), kind.help());
-    let text = painter.layout(text, small(), tokens(ui).text, WIDTH);
-    let size = vec2(WIDTH, text.size().y + BAR + 20.0) + Vec2::splat(2.0 * space::S);
-    let frame = Rect::from_min_size(picture.left_bottom() + vec2(space::S, -space::S - size.y), size);
-    painter.rect_filled(frame, RADIUS, tokens(ui).panel.gamma_multiply(0.92));
-    let inner = frame.shrink(space::S);
-    let bar = Rect::from_min_size(inner.min + vec2(0.0, text.size().y + 4.0), vec2(WIDTH, BAR));
-    painter.galley(inner.min, text, tokens(ui).text);
-    for step in 0..WIDTH as u32 {
-        let [r, g, b, _] = kind.color(f64::from(step) / f64::from(WIDTH - 1.0));
-        let column = Rect::from_min_size(bar.min + vec2(step as f32, 0.0), vec2(1.0, BAR));
-        painter.rect_filled(column, 0.0, Color32::from_rgb(r, g, b));
-    }
-    let (low, high) = kind.range(gain);
-    let mono = FontId::monospace(font_size::SMALL);
-    let number = |value: f64| format::fixed(value, if high >= 10.0 { 0 } else { 3 });
-    painter.text(bar.left_bottom() + vec2(0.0, 2.0), Align2::LEFT_TOP, number(low), mono.clone(), tokens(ui).text);
-    painter.text(bar.right_bottom() + vec2(0.0, 2.0), Align2::RIGHT_TOP, number(high), mono, tokens(ui).text);
 }

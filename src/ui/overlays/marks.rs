@@ -1,7 +1,10 @@
 //! Lines and marks between large pixels: edges as they are, sample points, and which side owns an edge.
 
-use eframe::egui::{Color32, Painter, Pos2, Stroke, pos2, vec2};
+use std::sync::{Arc, Weak};
 
+use eframe::egui::{Color32, Id, Painter, Pos2, Stroke, pos2, vec2};
+
+use crate::chain::{Frame, Recipe};
 use crate::inspect::overlays::{EdgeMarks, edge_marks};
 use crate::ui::engine::View;
 use crate::ui::session::Session;
@@ -36,8 +39,8 @@ pub fn paint(painter: &Painter, placement: Placement, session: &Session, view: &
         }
     }
     if session.overlays.marks && placement.points_per_px >= MARKS_FROM {
-        for edge in marks(placement, view) {
-            owner(painter, &edge, at);
+        for edge in marks(painter, placement, view).iter() {
+            owner(painter, edge, at);
         }
         samples(painter, placement, view);
     }
@@ -54,9 +57,34 @@ fn two_tone(painter: &Painter, ends: [Pos2; 2], color: Color32, opacity: f32) {
     painter.line_segment(ends, Stroke::new(1.0, color.gamma_multiply(opacity)));
 }
 
-fn marks(placement: Placement, view: &View) -> Vec<EdgeMarks> {
+/// The edges that were found last, and where: finding them asks every triangle.
+#[derive(Clone)]
+struct Known {
+    /// Not held: a frame that nobody shows is drawn over.
+    frame: Weak<Frame>,
+    recipe: Recipe,
+    /// Left, top, right and bottom of what is seen of the picture, px.
+    seen_px: [f32; 4],
+    edges: Arc<Vec<EdgeMarks>>,
+}
+
+/// The edges in the part of the picture that is seen: those of the last time as long as that is the same.
+fn marks(painter: &Painter, placement: Placement, view: &View) -> Arc<Vec<EdgeMarks>> {
     let (min, max) = (placement.to_picture(placement.canvas.min), placement.to_picture(placement.canvas.max));
-    edge_marks(&view.frame, &view.request.recipe, [min.x, min.y, max.x, max.y], MOST_LINES)
+    let (seen_px, recipe) = ([min.x, min.y, max.x, max.y], view.request.recipe);
+    let id = Id::unique("marked edges");
+    let is_same = |known: &Known| {
+        std::ptr::eq(known.frame.as_ptr(), Arc::as_ptr(&view.frame))
+            && (known.recipe, known.seen_px) == (recipe, seen_px)
+    };
+    let known: Option<Known> = painter.ctx().data(|data| data.get_temp(id));
+    if let Some(known) = known.filter(is_same) {
+        return known.edges;
+    }
+    let edges = Arc::new(edge_marks(&view.frame, &recipe, seen_px, MOST_LINES));
+    let known = Known { frame: Arc::downgrade(&view.frame), recipe, seen_px, edges: edges.clone() };
+    painter.ctx().data_mut(|data| data.insert_temp(id, known));
+    edges
 }
 
 /// An edge with ticks into its triangle if it owns what lies on it; dull and without ticks if it does not.

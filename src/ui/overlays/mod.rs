@@ -14,14 +14,7 @@ pub mod save;
 use super::engine::View;
 use crate::inspect::overlays::Overlay;
 
-/// An overlay of the stack.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layer {
-    /// Which.
-    pub overlay: Overlay,
-    /// How strong, in [0, 1].
-    pub opacity: f32,
-}
+pub use crate::inspect::overlays::Layer;
 
 /// What is laid over the picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -76,7 +69,7 @@ impl Overlays {
             Change::Open(open) => self.open = open,
             Change::ToggleOpen => self.open ^= true,
             Change::Toggle(overlay) if self.layer(overlay).is_some() => self.layers.retain(|l| l.overlay != overlay),
-            Change::Toggle(overlay) => self.layers.push(Layer { overlay, opacity: overlay.first_opacity() }),
+            Change::Toggle(overlay) => self.layers.push(overlay.into()),
             Change::Opacity(overlay, opacity) => {
                 if let Some(layer) = self.layers.iter_mut().find(|layer| layer.overlay == overlay) {
                     layer.opacity = opacity.clamp(0.0, 1.0);

@@ -2,6 +2,7 @@
 //! upscalers, bookmarks and recent files, each from the table that the rest of the window has it from.
 
 use crate::chain::Recipe;
+use crate::inspect::find::Wanted;
 use crate::inspect::outline::OutlineKind;
 use crate::inspect::{Buffer, Intermediate, Stage, fields};
 use crate::pipeline::settings::Choice as _;
@@ -219,11 +220,19 @@ pub fn assignment(session: &Session, typed: &str) -> Option<Entry> {
     Some(entry(Kind::Setting, title, Command::SetRecipe(recipe)).with("", recipe == session.state.recipe))
 }
 
+/// What is typed as a place to go to: a pixel, a triangle or a vertex. Names of objects are no numbers: much else is called so.
+pub fn destination(session: &Session, typed: &str) -> Option<Entry> {
+    let wanted = session.wanted(typed).ok().filter(|wanted| !matches!(wanted, Wanted::Object(..)))?;
+    let title = format!("Go to {}", wanted.words().to_lowercase());
+    Some(entry(Kind::Command, title, place::go_to(wanted)))
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::scene::TriangleId;
 
     fn session() -> Session {
         let source = SceneSource::named("triangle".into());
@@ -274,6 +283,19 @@ mod tests {
         assert_eq!(recipe.pipeline.light.ambient, 0.5);
         assert_eq!(assignment(&session, "light.ambient=7"), None);
         assert_eq!(assignment(&session, "light"), None);
+    }
+
+    #[test]
+    fn a_pixel_a_triangle_and_a_vertex_are_gone_to_as_they_are_typed() {
+        let mut session = session();
+        session.canvas_px = (320, 200);
+        let go = |typed: &str| destination(&session, typed).map(|entry| entry.action);
+        assert_eq!(go("12,34"), Some(Action::Run(Command::Pick(Some((12, 34))))));
+        for (typed, wanted) in [("tri 0", Wanted::Triangle(TriangleId(0))), ("v 2", Wanted::Vertex(0, 2))] {
+            assert_eq!(go(typed), Some(Action::Run(Command::Place(place::Change::Find(wanted)))), "{typed}");
+        }
+        assert_eq!(go("320,0"), None);
+        assert_eq!(go(&session.scene.instances[0].name.clone()), None);
     }
 
     #[test]

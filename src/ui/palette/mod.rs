@@ -13,7 +13,7 @@ use eframe::egui::{Align2, Role};
 use super::command::Command;
 use super::session::Session;
 use super::theme::{self, ROW_HEIGHT, font_size, space, tokens};
-use entries::{Action, Entry, all, assignment};
+use entries::{Action, Entry, all, assignment, destination};
 
 /// Size of the palette, in points.
 const WIDTH: f32 = 620.0;
@@ -72,7 +72,8 @@ impl Palette {
             let page = (LIST_HEIGHT / ROW_HEIGHT) as i64 - 1;
             pressed(Key::ArrowDown) - pressed(Key::ArrowUp) + page * (pressed(Key::PageDown) - pressed(Key::PageUp))
         });
-        let hint = "Find a command, setting, scene, buffer, stage, tab, upscaler … or type key=value";
+        let hint =
+            "Find a command, setting, scene, buffer, stage, tab, upscaler … or type key=value, x,y, tri 12, v 12";
         let field = ui.add(TextEdit::singleline(&mut self.query).hint_text(hint).desired_width(f32::INFINITY));
         field.widget_info(|| WidgetInfo::labeled(Role::TextInput, true, "Find anything"));
         if !field.has_focus() {
@@ -123,7 +124,7 @@ impl Palette {
         found.sort_by_key(|(score, place, _)| (std::cmp::Reverse(*score), *place));
         found.truncate(MOST_SHOWN);
         self.found = found.into_iter().map(|(_, place, letters)| (place, letters)).collect();
-        self.typed = assignment(session, &self.query);
+        self.typed = assignment(session, &self.query).or_else(|| destination(session, &self.query));
         self.found_for = Some(self.query.clone());
         self.chosen = 0;
     }

@@ -6,11 +6,10 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{Frame, Id, Key, Modal, RichText, TextEdit, Ui};
 
-use crate::inspect::find::Wanted;
 use crate::ui::command::Command;
 use crate::ui::key_sheet;
 use crate::ui::palette::Palette;
-use crate::ui::place::{Change, bookmarks};
+use crate::ui::place::{bookmarks, go_to as go_to_wanted};
 use crate::ui::session::Session;
 use crate::ui::theme::tokens;
 
@@ -177,14 +176,16 @@ fn recent(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
 }
 
 fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<Command>) -> bool {
-    modal(ui, "Go to a pixel", |ui| {
+    modal(ui, "Go to", |ui| {
         let viewport = session.viewport();
         ui.label(format!("Column and row, from 0,0 to {},{}.", viewport.width - 1, viewport.height - 1));
         ui.label("Or a triangle (tri 12) or the name of an object: a pixel that shows it is picked.");
         ui.label("Or an enlargement with the pixel in the middle (800% 12,34): the same crop again.");
-        let field = ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  a name").desired_width(240.0));
+        ui.label("Or a vertex (v 12, of the picked object; vertex 12 of a name): it is followed in the picture.");
+        let field =
+            ui.add(TextEdit::singleline(text).hint_text("x,y  or  tri 12  or  v 12  or  a name").desired_width(240.0));
         field.request_focus();
-        let wanted = Wanted::parse(text, &session.scene, viewport);
+        let wanted = session.wanted(text);
         let entered = ui.input(|i| i.key_pressed(Key::Enter));
         let go = ui.add_enabled(wanted.is_ok(), eframe::egui::Button::new("Go"));
         // Always there, so that nothing jumps while one types.
@@ -192,10 +193,7 @@ fn go_to(ui: &mut Ui, text: &mut String, session: &Session, commands: &mut Vec<C
         ui.label(RichText::new(complaint).color(tokens(ui).warning));
         match wanted {
             Ok(wanted) if go.clicked() || entered => {
-                commands.push(match wanted {
-                    Wanted::Pixel(x, y) => Command::Pick(Some((x, y))),
-                    wanted => Command::Place(Change::Find(wanted)),
-                });
+                commands.push(go_to_wanted(wanted));
                 true
             }
             _ => false,

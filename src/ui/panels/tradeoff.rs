@@ -5,6 +5,8 @@ use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollAre
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 
 use crate::chain::Recipe;
+use crate::measure::reference::Reference;
+use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::format;
@@ -12,7 +14,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::timings::TradeOff;
-use crate::ui::widgets::{empty_state, figure};
+use crate::ui::widgets::{combo, empty_state, figure};
 use crate::upscale::{self, Upscaling};
 
 /// Width of the table, in points.
@@ -36,23 +38,42 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure error and time"));
-        let help =
-            "Draws every upscaler in interleaved rounds and measures its picture against native; takes some seconds";
+        let help = "Draws every upscaler in interleaved rounds and measures its picture against the reference; takes some seconds";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
+        commands.extend(reference(ui, session.comparison.reference));
     }
     let viewport = session.viewport();
     let fits = session.timings.measurement_fits(&session.request());
-    let text = match (session.timings.has_measurement(), fits) {
-        (false, _) => "Click a point: it becomes B; with Shift it becomes A".to_owned(),
-        (true, true) => format!(
-            "against native, 1 sample · {} · {} × {} px · click a point: B; Shift: A",
-            session.scene.name, viewport.width, viewport.height
+    let text = match (session.timings.measured_against(), fits) {
+        (None, _) => "Click a point: it becomes B; with Shift it becomes A".to_owned(),
+        (Some(reference), true) => format!(
+            "Errors are against: {} · {} · {} × {} px · click a point: B; Shift: A",
+            reference.name(),
+            session.scene.name,
+            viewport.width,
+            viewport.height
         ),
-        (true, false) => "Measured on another scene, view, size or setting than the one on screen".to_owned(),
+        (Some(_), false) => "Measured on another scene, view, size or setting than the one on screen".to_owned(),
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
+}
+
+/// Offers what the next measurement is against: the reference of comparisons.
+fn reference(ui: &mut Ui, present: Reference) -> Option<Command> {
+    let mut reference = present;
+    ui.name_inputs("Measure against", |ui| {
+        combo("measure against", reference.name(), 150.0)
+            .show_ui(ui, |ui| {
+                for option in Reference::ALL {
+                    ui.selectable_value(&mut reference, *option, option.name()).on_hover_text(option.help());
+                }
+            })
+            .response
+            .on_hover_text(format!("What errors are against, here and in comparisons. {}", present.help()));
+    });
+    (reference != present).then_some(Command::Compare(Change::Reference(reference)))
 }
 
 /// Draws plot and table.
@@ -144,6 +165,10 @@ fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling>
                 draw(plot, point, lane, if point.dominated_by.is_some() { weak } else { *color });
             }
         });
+    name_points(ui, points, |point| {
+        let [x, y] = place(point, lane);
+        response.transform.position_from_point(&PlotPoint::new(x, y))
+    });
     let clicked = response.response.clicked().then(|| response.response.interact_pointer_pos()).flatten()?;
     let distance = |point: &TradeOff| {
         let [x, y] = place(point, lane);
@@ -151,6 +176,18 @@ fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling>
     };
     let nearest = points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
     (distance(nearest) <= NEAR_POINTS).then_some(nearest.upscaling)
+}
+
+/// Tells those who cannot see the plot what stands where.
+fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egui::Pos2) {
+    for point in points {
+        let rect = egui::Rect::from_center_size(position(point), egui::Vec2::splat(NEAR_POINTS));
+        let label = point.upscaling.label();
+        let node = ui.interact(rect, ui.scope_id().with(&label), egui::Sense::hover());
+        let words =
+            format!("Point: {label}, {}, FLIP {}", format::ms(point.ms.median), format::fixed(point.error.flip, 4));
+        node.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &words));
+    }
 }
 
 /// The staircase of those that nobody beats, step by step: a single line would be filled where it turns.

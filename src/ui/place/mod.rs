@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::command::Command;
 use super::engine::Shown;
 use super::session::{Level, PictureSize, Session};
+use super::vertices;
 use crate::inspect::find::{Found, Wanted};
 use crate::inspect::scrub::Moment;
 use crate::inspect::{Buffer, Place};
@@ -66,14 +67,26 @@ pub enum Change {
     Find(Wanted),
 }
 
+/// What goes to something.
+pub fn go_to(wanted: Wanted) -> Command {
+    match wanted {
+        Wanted::Pixel(x, y) => Command::Pick(Some((x, y))),
+        wanted => Command::Place(Change::Find(wanted)),
+    }
+}
+
 impl Session {
+    /// What a person who types this wants to go to; the error says what could not be found.
+    pub fn wanted(&self, text: &str) -> Result<Wanted, String> {
+        Wanted::parse(text, &self.scene, self.viewport(), vertices::picked_object(self))
+    }
+
     /// Where the window is.
     pub fn place(&self) -> Place {
-        let (buffer, stage) = match self.shown {
-            Shown::Buffer(buffer) => (buffer, None),
-            Shown::Stage(stage) => (Buffer::Color, Some(stage)),
-            // Numbers on the way are looked at in passing; no place leads back to them.
-            Shown::Intermediate(_) => (Buffer::Color, None),
+        let (buffer, stage, number) = match self.shown {
+            Shown::Buffer(buffer) => (buffer, None, None),
+            Shown::Stage(stage) => (Buffer::Color, Some(stage), None),
+            Shown::Intermediate(number) => (Buffer::Color, None, Some(number)),
         };
         Place {
             scene: match &self.source {
@@ -89,6 +102,9 @@ impl Session {
             },
             buffer,
             stage,
+            number,
+            display: self.range.setting(self.shown).display,
+            overlays: self.overlays.layers.clone(),
             triangles: self.triangle_limit,
             fragments: self.scrub.fragment_limit(self.triangle_limit),
             pixel: self.pick,
@@ -121,7 +137,9 @@ impl Session {
                 if let Some(visit) = self.places.visits.travel(change == Change::Back) {
                     // The way back is one of looking: settings have an undo of their own.
                     let here = self.place();
-                    return self.go(Place { recipe: here.recipe, picture: here.picture, ..visit });
+                    let display = self.range.setting(shown_at(&visit)).display;
+                    let Place { recipe, picture, overlays, .. } = here;
+                    return self.go(Place { recipe, picture, overlays, display, ..visit });
                 }
             }
             Change::Copy | Change::Manage | Change::Find(_) => return Some(Command::Place(change)),
@@ -140,10 +158,14 @@ impl Session {
             Found::Hidden(pixel, count) => {
                 (Level::Error, format!("{words} is hidden: it covers {count} drawn pixels and wins none"), Some(*pixel))
             }
+            Found::At(pixel, told) => (Level::Info, told.clone(), Some(*pixel)),
             Found::Nowhere(reason) => (Level::Error, reason.clone(), None),
         };
         self.report(level, text);
         self.pick = pixel.or(self.pick);
+        if let Wanted::Vertex(object, number) = wanted {
+            self.vertices.apply(vertices::Change::Select(Some((*object as usize, *number))));
+        }
         pixel
     }
 
@@ -206,7 +228,9 @@ impl Session {
         self.state.recipe = place.recipe;
         self.state.size =
             place.picture.map_or(PictureSize::Canvas, |(width, height)| PictureSize::Fixed(width, height));
-        self.shown = place.stage.map_or(Shown::Buffer(place.buffer), Shown::Stage);
+        self.shown = shown_at(place);
+        self.range.show_by(place.display, self.shown);
+        self.overlays.layers.clone_from(&place.overlays);
         self.triangle_limit = None;
         if let Some(triangles) = place.triangles {
             self.begin_at(Moment { triangles, fragments: place.fragments });
@@ -215,6 +239,12 @@ impl Session {
         let here = self.place();
         self.places.visits.arrived(here);
     }
+}
+
+/// What the canvas shows at a place.
+fn shown_at(place: &Place) -> Shown {
+    let number = || place.number.map(Shown::Intermediate);
+    place.stage.map(Shown::Stage).or_else(number).unwrap_or(Shown::Buffer(place.buffer))
 }
 
 #[cfg(test)]

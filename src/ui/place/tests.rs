@@ -2,6 +2,8 @@ use std::sync::Arc;
 
 use super::*;
 use crate::chain::Recipe;
+use crate::inspect::Intermediate;
+use crate::inspect::display::Display;
 
 fn session(scene: &str) -> Session {
     let source = SceneSource::named(scene.into());
@@ -16,6 +18,54 @@ fn wander(session: &mut Session) {
     session.state.size = PictureSize::Fixed(320, 200);
     session.shown = Shown::Buffer(Buffer::Depth);
     (session.pick, session.triangle_limit) = (Some((10, 20)), Some(5));
+    session.range.show_by("range=0.25..0.5,map=magma,reversed".parse().unwrap(), session.shown);
+    session.overlays.layers = ["facing=0.3", "wireframe"].map(|text| text.parse().unwrap()).to_vec();
+}
+
+#[test]
+fn a_number_on_the_way_its_colours_and_overlays_are_part_of_a_place() {
+    let mut session = session("triangle");
+    wander(&mut session);
+    session.shown = Shown::Intermediate(Intermediate::Cosine);
+    session.range.show_by("range=most,map=diverging".parse().unwrap(), session.shown);
+    let there = session.place();
+    let look = session.request().look;
+    session.apply(Command::Place(Change::Bookmark));
+    session.apply(Command::Show(Shown::Buffer(Buffer::Color)));
+    session.range.show_by(Display::default(), Shown::Intermediate(Intermediate::Cosine));
+    session.overlays.layers.clear();
+    assert_eq!(session.apply(Command::Place(Change::Jump(0))), None);
+    assert_eq!(session.place(), there);
+    assert_eq!((session.shown, session.request().look), (Shown::Intermediate(Intermediate::Cosine), look));
+    // The same from a file of preferences, and one that knows nothing of all that.
+    let kept = serde_json::to_value(session.preferences(false, 1.0)).unwrap();
+    let again: crate::ui::session::Preferences = serde_json::from_value(kept.clone()).unwrap();
+    assert_eq!(again.bookmarks[0].place, there);
+    let mut old = kept;
+    let place = old.pointer_mut("/bookmarks/0/place").unwrap().as_object_mut().unwrap();
+    for key in ["number", "display", "overlays"] {
+        assert!(place.remove(key).is_some(), "{key}");
+    }
+    let old: crate::ui::session::Preferences = serde_json::from_value(old).unwrap();
+    assert_eq!((old.bookmarks[0].place.number, &old.bookmarks[0].place.overlays), (None, &Vec::new()));
+}
+
+#[test]
+fn going_back_looks_at_what_was_seen_and_leaves_colours_and_overlays() {
+    let mut session = session("triangle");
+    session.canvas_px = (64, 48);
+    session.view = Some(crate::ui::engine::Engine::default().answer(session.request()));
+    session.note_visit(0.0);
+    session.shown = Shown::Intermediate(Intermediate::Cosine);
+    session.note_visit(10.0);
+    session.overlays.layers = vec!["facing".parse().unwrap()];
+    session.range.show_by("map=grey".parse().unwrap(), session.shown);
+    session.note_visit(20.0);
+    session.apply(Command::Place(Change::Back));
+    assert_eq!(session.shown, Shown::Buffer(Buffer::Color), "colours and overlays are no visit");
+    assert_eq!(session.overlays.layers.len(), 1);
+    session.apply(Command::Place(Change::Forward));
+    assert_eq!(session.place().display, "map=grey".parse().unwrap());
 }
 
 #[test]

@@ -78,7 +78,7 @@ impl Visits {
 
 /// Whether the same is looked at, however it is drawn.
 fn same_sight(a: &Place, b: &Place) -> bool {
-    Place { recipe: b.recipe, picture: b.picture, ..a.clone() } == *b
+    Place { recipe: b.recipe, picture: b.picture, display: b.display, overlays: b.overlays.clone(), ..a.clone() } == *b
 }
 
 #[cfg(test)]
@@ -97,6 +97,9 @@ mod tests {
             picture: None,
             buffer: Buffer::Color,
             stage: None,
+            number: None,
+            display: Default::default(),
+            overlays: Vec::new(),
             triangles: None,
             fragments: None,
             pixel: Some((pixel, 0)),

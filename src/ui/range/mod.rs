@@ -141,6 +141,12 @@ impl RangeControl {
         self.store(shown, setting);
     }
 
+    /// Shows something by these colours from now on.
+    pub fn show_by(&mut self, display: Display, shown: Shown) {
+        let setting = Setting { display, ..self.setting(shown) };
+        self.store(shown, setting);
+    }
+
     fn store(&mut self, shown: Shown, setting: Setting) {
         self.settings.retain(|(of, _)| *of != shown);
         if setting != Setting::default() {

@@ -32,6 +32,7 @@ fn controls(ui: &mut Ui, trace: &Trace, session: &Session, commands: &mut Vec<Co
         (None, "Next notable"),
         (Some(Notable::NotFinite), "NaN"),
         (Some(Notable::Tie), "Tie"),
+        (Some(Notable::DepthEqual), "Equal depth"),
         (Some(Notable::Cancellation), "Cancellation"),
     ] {
         let place = trace.next(session.trace.line, kind, Direction::Forward);

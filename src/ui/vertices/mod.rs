@@ -48,6 +48,12 @@ pub fn picked_triangle(session: &Session) -> Option<TriangleId> {
     Some(session.view.as_ref()?.report.as_ref()?.visible()?.triangle)
 }
 
+/// The number of the object that the picked triangle belongs to.
+pub fn picked_object(session: &Session) -> Option<u32> {
+    let (_, instance, _) = picked(session)?;
+    u32::try_from(instance).ok()
+}
+
 /// The vertices of an object as the frame on screen has them.
 fn object(session: &Session, instance: usize) -> Option<ObjectVertices<'_>> {
     let view = session.view.as_ref()?;

@@ -10,9 +10,13 @@
 //!                    3. the weighted mean, kept within the range of f, g, j, k
 //! ```
 //!
-//! Channels are codes / 255. Slopes belong to samples, so they are found once for each. Alpha is weighed like a colour.
+//! The publication writes the weight at a squared distance s from the pixel, measured along the edge and across it and cut
+//! off at 1/λ for a lobe λ, as (25/16 (2/5 s − 1)² − 9/16) (λ s − 1)². That is λ²/4 · (s − 1) (s − 4) (s − 1/λ)², and as the
+//! weights of a pixel are divided by their sum, λ²/4 is left out. The squared distance is a quadratic form in x and y.
+//!
+//! Channels are codes. Slopes belong to samples, so they are found once for each. Alpha is weighed like a colour.
 
-use rayon::prelude::*;
+use std::ops::Range;
 
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -24,8 +28,9 @@ const MARGIN: usize = 3;
 /// Samples across that a run of [`LANES`] pixels of one phase looks at.
 const RUN: usize = LANES + 3;
 
-/// Below this a slope has no direction: (1/181)², less than a code over the width of the kernel.
-const LEAST_SLOPE: f32 = 1.0 / 32768.0;
+/// Below this a squared slope has no direction: (1/181)² of the range of codes, less than a code over the width of the
+/// kernel.
+const LEAST_SLOPE: f32 = 255.0 * 255.0 / 32768.0;
 
 /// What a clear edge takes off the lobe.
 const LOBE_OF_EDGE: f32 = 0.25 - 0.04 - 0.5;
@@ -37,51 +42,80 @@ const PLACES: [(i32, i32); 12] =
 /// The four nearest, as places in [`PLACES`].
 const NEAREST: [usize; 4] = [3, 4, 7, 8];
 
-/// What is known about a sample: four channels, slope across and down, straightness.
-const PLANES: usize = 7;
+/// What is known about a sample: four channels, slope across and down, straightness, luma.
+const PLANES: usize = 8;
 
-/// Samples, channel by channel, with a margin, and the slopes there.
-pub(super) struct Source {
+/// Rows of samples, channel by channel, with a margin, and the slopes there.
+struct Source {
     stride: usize,
+    /// The sample row that the planes begin with; rows beyond the picture repeat its outermost.
+    first_row: i32,
     planes: [Vec<f32>; PLANES],
+    /// Whether alpha is full everywhere, so that nobody need weigh it.
+    opaque: bool,
 }
 
 impl Source {
-    /// From samples, at least one.
-    pub(super) fn new(drawn: &Image<Rgba8>) -> Self {
-        let (width, height) = (drawn.width() as usize, drawn.height() as usize);
-        let (stride, rows) = (width + 2 * MARGIN + 2 * LANES, height + 2 * MARGIN + 1);
-        let mut source = Self { stride, planes: std::array::from_fn(|_| vec![0.0; stride * rows]) };
-        for row in 0..rows {
-            for column in 0..stride {
-                let code = drawn.at_clamped(column as i64 - MARGIN as i64, row as i64 - MARGIN as i64);
-                for (plane, code) in source.planes.iter_mut().zip(code) {
-                    plane[row * stride + column] = f32::from(code) / 255.0;
-                }
-            }
+    /// These rows of samples, of a picture of at least one: from the one before the first cells to the third after the last, as
+    /// rows are handed out in fours. Slopes are found in all of them but the first and the last.
+    fn new(lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) -> Self {
+        let stride = drawn.width() as usize + 2 * MARGIN + 2 * LANES;
+        let planes = std::array::from_fn(|_| vec![0.0; stride * rows.len()]);
+        let mut source = Self { stride, first_row: rows.start, planes, opaque: true };
+        let last = drawn.height() as i32 - 1;
+        for (at, row) in rows.clone().enumerate() {
+            let samples = drawn.row(row.clamp(0, last) as u32);
+            source.opaque &= samples.iter().all(|sample| sample[3] == 255);
+            on_lanes!(lanes, simd => source.spread(simd, samples, at));
         }
-        source.find_slopes(rows);
+        for row in 1..rows.len() - 1 {
+            on_lanes!(lanes, simd => source.find_slopes(simd, row));
+        }
         source
     }
 
-    fn find_slopes(&mut self, rows: usize) {
-        let stride = self.stride;
-        let [red, green, blue, _, across, down, straightness] = &mut self.planes;
-        let luma: Vec<f32> =
-            red.iter().zip(blue.iter()).zip(green.iter()).map(|((r, b), g)| 0.5 * (r + b) + g).collect();
-        for row in 1..rows - 1 {
-            for at in row * stride + 1..(row + 1) * stride - 1 {
-                let (dx, along_x) = slope(luma[at - 1], luma[at], luma[at + 1]);
-                let (dy, along_y) = slope(luma[at - stride], luma[at], luma[at + stride]);
-                (across[at], down[at], straightness[at]) = (dx, dy, along_x + along_y);
+    /// Puts a row of samples into the planes.
+    #[inline(always)]
+    fn spread<S: Simd>(&mut self, _simd: S, samples: &[Rgba8], row: usize) {
+        for channel in 0..4 {
+            let plane = &mut self.planes[channel][row * self.stride..][..self.stride];
+            let (left, rest) = plane.split_at_mut(MARGIN);
+            let (middle, right) = rest.split_at_mut(samples.len());
+            left.fill(f32::from(samples[0][channel]));
+            for (value, sample) in middle.iter_mut().zip(samples) {
+                *value = f32::from(sample[channel]);
             }
+            right.fill(f32::from(samples[samples.len() - 1][channel]));
+        }
+        let of_row = row * self.stride..(row + 1) * self.stride;
+        let [red, green, blue, .., luma] = &mut self.planes;
+        let [red, green, blue] = [red, green, blue].map(|plane| &plane[of_row.clone()]);
+        for (((luma, r), g), b) in luma[of_row.clone()].iter_mut().zip(red).zip(green).zip(blue) {
+            *luma = 0.5 * (r + b) + g;
+        }
+    }
+
+    /// Finds the slopes of a row of the planes that has one above and one below.
+    #[inline(always)]
+    fn find_slopes<S: Simd>(&mut self, _simd: S, row: usize) {
+        let (stride, inner) = (self.stride, self.stride - 2);
+        let [.., across, down, straightness, luma] = &mut self.planes;
+        let from = |row: usize, column: usize| &luma[row * stride + column..][..inner];
+        let (left, own, right) = (from(row, 0), from(row, 1), from(row, 2));
+        let (above, below) = (from(row - 1, 1), from(row + 1, 1));
+        let [across, down, straightness] =
+            [across, down, straightness].map(|plane| &mut plane[row * stride + 1..][..inner]);
+        for at in 0..inner {
+            let (dx, along_x) = slope(left[at], own[at], right[at]);
+            let (dy, along_y) = slope(above[at], own[at], below[at]);
+            (across[at], down[at], straightness[at]) = (dx, dy, along_x + along_y);
         }
     }
 
     /// Four rows of a plane, `before` rows before the cells' own and on, from the sample before a group of cells on.
     #[inline(always)]
     fn rows(&self, plane: usize, column: i32, row: i32, before: i32) -> Rows<'_> {
-        let [column, row] = [column - 1, row - before].map(|at| (at + MARGIN as i32) as usize);
+        let (column, row) = ((column - 1 + MARGIN as i32) as usize, (row - before - self.first_row) as usize);
         let rows = &self.planes[plane][row * self.stride + column..];
         [0, 1, 2, 3].map(|below| window(rows, below * self.stride))
     }
@@ -94,6 +128,7 @@ fn window(values: &[f32], at: usize) -> &[f32; RUN] {
 }
 
 /// The slope at a value between two, and how straight it runs: 1 where both sides share it, 0 at a ridge.
+#[inline(always)]
 fn slope(before: f32, at: f32, after: f32) -> (f32, f32) {
     let slope = after - before;
     let steepest = (after - at).abs().max((at - before).abs());
@@ -116,13 +151,14 @@ impl Spot {
     }
 }
 
-/// The kernel at a pixel, turned along the edge and scaled along both of its axes: distances along and across the edge are
-/// sums of multiples of the distances in x and y.
+/// The kernel at a pixel, turned along the edge and scaled along both of its axes.
 #[derive(Clone, Copy)]
 struct Shape {
-    along: (f32, f32),
-    across: (f32, f32),
-    lobe: f32,
+    /// Factors of x², xy and y² in the squared distance.
+    xx: f32,
+    xy: f32,
+    yy: f32,
+    /// The squared distance at which the kernel ends.
     cut: f32,
 }
 
@@ -133,47 +169,47 @@ impl Shape {
         let (x, y) = if squared < LEAST_SLOPE {
             (1.0, 0.0)
         } else {
-            let length = squared.sqrt();
-            (across / length, down / length)
+            let inverse = 1.0 / squared.sqrt();
+            (across * inverse, down * inverse)
         };
         let half = straightness * 0.5;
         let edge = half * half;
-        let stretch = (x * x + y * y) / x.abs().max(y.abs());
-        let (scale_along, scale_across) = ((stretch - 1.0) * edge + 1.0, 1.0 - edge * 0.5);
+        let stretch = 1.0 / x.abs().max(y.abs());
+        let (along, across) = ((stretch - 1.0) * edge + 1.0, 1.0 - edge * 0.5);
+        let (along, across) = (along * along, across * across);
         // A lobe of ½ is a plain blob; near ¼ the kernel resembles Lanczos with two lobes.
         let lobe = edge * LOBE_OF_EDGE + 0.5;
+        let (x_squared, y_squared) = (x * x, y * y);
         Self {
-            along: (x * scale_along, y * scale_along),
-            across: (x * scale_across, y * scale_across),
-            lobe,
+            xx: along * x_squared + across * y_squared,
+            xy: (along - across) * (x * y) * 2.0,
+            yy: along * y_squared + across * x_squared,
             cut: 1.0 / lobe,
         }
     }
 
-    /// Weight of a sample at a distance from the pixel.
+    /// Weight of a sample at a distance from the pixel, but for a factor that all have.
     fn weight(&self, dx: f32, dy: f32) -> f32 {
-        let along = self.along.0 * dx + self.along.1 * dy;
-        let across = self.across.0 * dy - self.across.1 * dx;
-        let squared = (along * along + across * across).min(self.cut);
-        let base = squared * 0.4 - 1.0;
-        let window = self.lobe * squared - 1.0;
-        (base * base * (25.0 / 16.0) - 9.0 / 16.0) * (window * window)
+        let squared = self.xx * (dx * dx) + self.yy * (dy * dy) + self.xy * (dx * dy);
+        let squared = squared.min(self.cut);
+        let window = squared - self.cut;
+        (squared - 1.0) * (squared - 4.0) * (window * window)
     }
 }
 
 /// One channel of a pixel from weights and the twelve samples, within the range of the four nearest, as a code.
 #[inline(always)]
-fn code(weights: &[f32; 12], total: f32, samples: &[f32; 12]) -> f32 {
+fn code(weights: &[f32; 12], share: f32, samples: &[f32; 12]) -> f32 {
     let mut sum = weights[0] * samples[0];
     for (weight, sample) in weights.iter().zip(samples).skip(1) {
         sum += weight * sample;
     }
     let [f, g, j, k] = NEAREST.map(|place| samples[place]);
     let (least, greatest) = (f.min(g).min(j.min(k)), f.max(g).max(j.max(k)));
-    255.0 * (sum / total).max(least).min(greatest)
+    (sum * share).max(least).min(greatest)
 }
 
-/// Weights of the twelve samples, and their sum.
+/// Weights of the twelve samples, and the share of a weight of one.
 #[inline(always)]
 fn weights(spot: Spot, slopes: [[f32; 4]; 3]) -> ([f32; 12], f32) {
     let [across, down, straightness] = slopes.map(|of| {
@@ -187,14 +223,14 @@ fn weights(spot: Spot, slopes: [[f32; 4]; 3]) -> ([f32; 12], f32) {
         *weight = shape.weight(column as f32 - spot.x, row as f32 - spot.y);
         total += *weight;
     }
-    (weights, total)
+    (weights, 1.0 / total)
 }
 
 /// Weights at one pixel, by the cell that it lies in.
 fn weights_at(drawn: &Image<Rgba8>, lattice: Lattice, (x, y): (u32, u32)) -> (Place, Place, [f32; 12], f32) {
     let (column, row) = (lattice.place(x), lattice.place(y));
     let luma = |x: i32, y: i32| {
-        let [r, g, b, _] = drawn.at_clamped(x.into(), y.into()).map(|code| f32::from(code) / 255.0);
+        let [r, g, b, _] = drawn.at_clamped(x.into(), y.into()).map(f32::from);
         0.5 * (r + b) + g
     };
     let mut slopes = [[0.0; 4]; 3];
@@ -204,41 +240,49 @@ fn weights_at(drawn: &Image<Rgba8>, lattice: Lattice, (x, y): (u32, u32)) -> (Pl
         let (dy, along_y) = slope(luma(x, y - 1), luma(x, y), luma(x, y + 1));
         (slopes[0][index], slopes[1][index], slopes[2][index]) = (dx, dy, along_x + along_y);
     }
-    let (weights, total) = weights(Spot::new(lattice, column.phase, row.phase), slopes);
-    (column, row, weights, total)
+    let (weights, share) = weights(Spot::new(lattice, column.phase, row.phase), slopes);
+    (column, row, weights, share)
 }
 
 /// One pixel, by the arithmetic that fills the whole picture.
 pub(super) fn pixel(drawn: &Image<Rgba8>, lattice: Lattice, at: (u32, u32)) -> Rgba8 {
-    let (column, row, weights, total) = weights_at(drawn, lattice, at);
+    let (column, row, weights, share) = weights_at(drawn, lattice, at);
     let samples = PLACES.map(|(x, y)| drawn.at_clamped((column.cell + x).into(), (row.cell + y).into()));
     std::array::from_fn(|channel| {
-        (code(&weights, total, &samples.map(|sample| f32::from(sample[channel]) / 255.0)) + 0.5) as u8
+        (code(&weights, share, &samples.map(|sample| f32::from(sample[channel]))) + 0.5) as u8
     })
 }
 
 /// The samples of one pixel, each once: row, column and weight.
 pub(super) fn taps(drawn: &Image<Rgba8>, lattice: Lattice, at: (u32, u32)) -> Vec<(u32, u32, f32)> {
-    let (column, row, weights, total) = weights_at(drawn, lattice, at);
+    let (column, row, weights, share) = weights_at(drawn, lattice, at);
     let inside = |at: i32, length: u32| at.clamp(0, length as i32 - 1) as u32;
     let mut taps: Vec<(u32, u32, f32)> = Vec::with_capacity(PLACES.len());
     for ((x, y), weight) in PLACES.into_iter().zip(weights) {
         let (x, y) = (inside(column.cell + x, drawn.width()), inside(row.cell + y, drawn.height()));
         match taps.iter_mut().find(|tap| (tap.0, tap.1) == (y, x)) {
-            Some(tap) => tap.2 += weight / total,
-            None => taps.push((y, x, weight / total)),
+            Some(tap) => tap.2 += weight * share,
+            None => taps.push((y, x, weight * share)),
         }
     }
     taps
 }
 
-/// Fills a picture of at least one pixel.
-pub(super) fn fill(lanes: Lanes, source: &Source, lattice: Lattice, full: &mut Image<Rgba8>) {
-    let width = full.width() as usize;
-    full.pixels_mut().par_chunks_mut(width).enumerate().for_each(|(y, row)| {
-        let phases = Phases { lattice, row: lattice.place(y as u32) };
-        on_lanes!(lanes, simd => fill_lanes(simd, source, phases, row));
-    });
+/// Fills rows of `width` px, the first of which is row `first` of the picture, from samples, at least one.
+pub(super) fn fill(
+    lanes: Lanes,
+    drawn: &Image<Rgba8>,
+    lattice: Lattice,
+    (first, width): (u32, usize),
+    rows: &mut [Rgba8],
+) {
+    let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
+    let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
+    let source = Source::new(lanes, drawn, top.cell - 1..bottom.cell + 4);
+    for (row, place) in rows.chunks_exact_mut(width).zip(places) {
+        let phases = Phases { lattice, row: place };
+        on_lanes!(lanes, simd => fill_lanes(simd, &source, phases, row));
+    }
 }
 
 /// Where the pixels of a row lie.
@@ -259,12 +303,10 @@ fn fill_lanes<S: Simd>(simd: S, source: &Source, Phases { lattice, row: place }:
         let (mut cell, mut at) = (column.cell, first);
         while at < row.len() {
             let codes: [u32; LANES] = lanes(simd, source, (cell, place.cell), spot).into();
-            for color in codes.iter().step_by(samples) {
-                if let Some(pixel) = row.get_mut(at) {
-                    *pixel = color.to_le_bytes();
-                }
-                at += pixels;
+            for (pixel, color) in row[at..].iter_mut().step_by(pixels).zip(codes.iter().step_by(samples)) {
+                *pixel = color.to_le_bytes();
             }
+            at += pixels * LANES / samples;
             cell += LANES as i32;
         }
     }
@@ -278,12 +320,14 @@ fn lanes<S: Simd>(simd: S, source: &Source, (column, row): (i32, i32), spot: Spo
     let across = mixed(simd, source.rows(4, column, row, 0), spot);
     let down = mixed(simd, source.rows(5, column, row, 0), spot);
     let shape = Shape8::new(simd, across, down, mixed(simd, source.rows(6, column, row, 0), spot));
-    let (weights, total) = shape.weights(spot);
-    let mut codes = u32x8::splat(simd, 0);
-    codes |= channel(simd, &weights, total, source.rows(0, column, row, 1));
-    codes |= channel(simd, &weights, total, source.rows(1, column, row, 1)) << 8;
-    codes |= channel(simd, &weights, total, source.rows(2, column, row, 1)) << 16;
-    codes | channel(simd, &weights, total, source.rows(3, column, row, 1)) << 24
+    let (weights, share) = shape.weights(simd, spot);
+    let mut codes = channel(simd, &weights, share, source.rows(0, column, row, 1));
+    codes |= channel(simd, &weights, share, source.rows(1, column, row, 1)) << 8;
+    codes |= channel(simd, &weights, share, source.rows(2, column, row, 1)) << 16;
+    if source.opaque {
+        return codes | 0xff00_0000;
+    }
+    codes | channel(simd, &weights, share, source.rows(3, column, row, 1)) << 24
 }
 
 /// Neighbouring rows of a plane, from the sample before a group of cells on.
@@ -305,7 +349,7 @@ fn mixed<S: Simd>(simd: S, rows: Rows<'_>, spot: Spot) -> f32x8<S> {
 
 /// [`code`] in lanes, of one channel; rows from the one before the cells' own on.
 #[inline(always)]
-fn channel<S: Simd>(simd: S, weights: &[f32x8<S>; 12], total: f32x8<S>, rows: Rows<'_>) -> u32x8<S> {
+fn channel<S: Simd>(simd: S, weights: &[f32x8<S>; 12], share: f32x8<S>, rows: Rows<'_>) -> u32x8<S> {
     let (f, g) = (run(simd, rows[1], 1), run(simd, rows[1], 2));
     let (j, k) = (run(simd, rows[2], 1), run(simd, rows[2], 2));
     let mut sum = weights[0] * run(simd, rows[0], 1);
@@ -321,14 +365,14 @@ fn channel<S: Simd>(simd: S, weights: &[f32x8<S>; 12], total: f32x8<S>, rows: Ro
     sum += weights[10] * run(simd, rows[3], 1);
     sum += weights[11] * run(simd, rows[3], 2);
     let (least, greatest) = (f.min(g).min(j.min(k)), f.max(g).max(j.max(k)));
-    u32x8::truncate_from((sum / total).max(least).min(greatest) * 255.0 + 0.5)
+    u32x8::truncate_from((sum * share).max(least).min(greatest) + 0.5)
 }
 
 /// [`Shape`] in lanes.
 struct Shape8<S: Simd> {
-    along: (f32x8<S>, f32x8<S>),
-    across: (f32x8<S>, f32x8<S>),
-    lobe: f32x8<S>,
+    xx: f32x8<S>,
+    xy: f32x8<S>,
+    yy: f32x8<S>,
     cut: f32x8<S>,
 }
 
@@ -338,24 +382,26 @@ impl<S: Simd> Shape8<S> {
         let (zero, one) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 1.0));
         let squared = across * across + down * down;
         let flat = squared.simd_lt(f32x8::splat(simd, LEAST_SLOPE));
-        let length = squared.sqrt();
-        let (x, y) = (flat.select(one, across / length), flat.select(zero, down / length));
+        let inverse = one / squared.sqrt();
+        let (x, y) = (flat.select(one, across * inverse), flat.select(zero, down * inverse));
         let half = straightness * 0.5;
         let edge = half * half;
-        let stretch = (x * x + y * y) / x.abs().max(y.abs());
-        let (scale_along, scale_across) = ((stretch - 1.0) * edge + 1.0, one - edge * 0.5);
+        let stretch = one / x.abs().max(y.abs());
+        let (along, across) = ((stretch - 1.0) * edge + 1.0, one - edge * 0.5);
+        let (along, across) = (along * along, across * across);
         let lobe = edge * LOBE_OF_EDGE + 0.5;
+        let (x_squared, y_squared) = (x * x, y * y);
         Self {
-            along: (x * scale_along, y * scale_along),
-            across: (x * scale_across, y * scale_across),
-            lobe,
+            xx: along * x_squared + across * y_squared,
+            xy: (along - across) * (x * y) * 2.0,
+            yy: along * y_squared + across * x_squared,
             cut: one / lobe,
         }
     }
 
-    /// Weights of the twelve samples, and their sum.
+    /// Weights of the twelve samples, and the share of a weight of one.
     #[inline(always)]
-    fn weights(&self, Spot { x, y, .. }: Spot) -> ([f32x8<S>; 12], f32x8<S>) {
+    fn weights(&self, simd: S, Spot { x, y, .. }: Spot) -> ([f32x8<S>; 12], f32x8<S>) {
         let weights = [
             self.weight(-x, -1.0 - y),
             self.weight(1.0 - x, -1.0 - y),
@@ -371,16 +417,15 @@ impl<S: Simd> Shape8<S> {
             self.weight(1.0 - x, 2.0 - y),
         ];
         let [b, c, e, f, g, h, i, j, k, l, n, o] = weights;
-        (weights, b + c + e + f + g + h + i + j + k + l + n + o)
+        let total = b + c + e + f + g + h + i + j + k + l + n + o;
+        (weights, f32x8::splat(simd, 1.0) / total)
     }
 
     #[inline(always)]
     fn weight(&self, dx: f32, dy: f32) -> f32x8<S> {
-        let along = self.along.0 * dx + self.along.1 * dy;
-        let across = self.across.0 * dy - self.across.1 * dx;
-        let squared = (along * along + across * across).min(self.cut);
-        let base = squared * 0.4 - 1.0;
-        let window = self.lobe * squared - 1.0;
-        (base * base * (25.0 / 16.0) - 9.0 / 16.0) * (window * window)
+        let squared = self.xx * (dx * dx) + self.yy * (dy * dy) + self.xy * (dx * dy);
+        let squared = squared.min(self.cut);
+        let window = squared - self.cut;
+        (squared - 1.0) * (squared - 4.0) * (window * window)
     }
 }

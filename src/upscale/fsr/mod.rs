@@ -8,11 +8,12 @@ mod rcas;
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use super::choice::MOST_SHARPENING;
 use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
-use easu::Source;
 
 /// Edge-adaptive enlargement, and sharpening.
 pub static FSR1: Fsr1 = Fsr1;
@@ -104,17 +105,26 @@ impl Upscaler for Fsr1 {
     }
 }
 
+/// Rows that are made at a time: what is found about their samples, and the rows before they are sharpened, stay in the
+/// second cache.
+const STRIP: usize = 64;
+
 fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
-    if full.pixels().is_empty() {
+    let (width, height) = (full.width() as usize, full.height() as usize);
+    if width == 0 || height == 0 {
         return;
     }
-    let source = Source::new(drawn);
-    if how.sharpening() == 0 {
-        return easu::fill(lanes, &source, how.lattice(), full);
-    }
-    let mut enlarged = Image::filled(full.width(), full.height(), [0; 4]);
-    easu::fill(lanes, &source, how.lattice(), &mut enlarged);
-    rcas::fill(lanes, &enlarged, strength(how), full);
+    full.pixels_mut().par_chunks_mut(STRIP * width).enumerate().for_each(|(strip, rows)| {
+        let (first, count) = (strip * STRIP, rows.len() / width);
+        if how.sharpening() == 0 {
+            return easu::fill(lanes, drawn, how.lattice(), (first as u32, width), rows);
+        }
+        // Sharpening looks at the rows beside these, too.
+        let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
+        let mut enlarged = Image::filled(width as u32, (above + count + below) as u32, [0; 4]);
+        easu::fill(lanes, drawn, how.lattice(), ((first - above) as u32, width), enlarged.pixels_mut());
+        rcas::fill(lanes, &enlarged, above as u32, strength(how), rows);
+    });
 }
 
 #[cfg(test)]

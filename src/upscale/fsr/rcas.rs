@@ -4,8 +4,6 @@
 //! With the least and the greatest of the four around, mn and mx, a channel of the middle e stays within bounds for lobes
 //! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4); the weakest of the three channels decides. Alpha stays.
 
-use rayon::prelude::*;
-
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
@@ -36,10 +34,11 @@ fn colors([r, g, b, _]: Rgba8) -> [f32; 3] {
 pub(super) fn pixel(cross: [Rgba8; 5], strength: f32) -> Rgba8 {
     let values = cross.map(colors);
     let lobe = lobe(values, strength);
+    let share = 1.0 / (lobe * 4.0 + 1.0);
     let mut sharpened = cross[2];
     for (channel, code) in sharpened.iter_mut().enumerate().take(3) {
         let around = (values[0][channel] + values[1][channel]) + (values[3][channel] + values[4][channel]);
-        let value = (lobe * around + values[2][channel]) / (lobe * 4.0 + 1.0);
+        let value = (lobe * around + values[2][channel]) * share;
         *code = (value.clamp(0.0, 255.0) + 0.5) as u8;
     }
     sharpened
@@ -52,15 +51,13 @@ pub(super) fn shares(cross: [Rgba8; 5], strength: f32) -> [f32; 5] {
     [lobe / total, lobe / total, 1.0 / total, lobe / total, lobe / total]
 }
 
-/// Sharpens a picture of at least one pixel into another of its size; the outermost pixels repeat.
-pub(super) fn fill(lanes: Lanes, picture: &Image<Rgba8>, strength: f32, sharpened: &mut Image<Rgba8>) {
+/// Sharpens the rows of a picture from row `above` on into others; where the picture ends its outermost pixels repeat.
+pub(super) fn fill(lanes: Lanes, picture: &Image<Rgba8>, above: u32, strength: f32, sharpened: &mut [Rgba8]) {
     let last = picture.height() - 1;
-    let rows = sharpened.pixels_mut().par_chunks_mut(picture.width() as usize);
-    rows.enumerate().for_each(|(y, row)| {
-        let y = y as u32;
+    for (row, y) in sharpened.chunks_exact_mut(picture.width() as usize).zip(above..) {
         let around = [y.saturating_sub(1), y, (y + 1).min(last)].map(|y| picture.row(y));
         on_lanes!(lanes, simd => fill_row(simd, around, strength, row));
-    });
+    }
 }
 
 /// Eight pixels at a time where all around them lie within the row, the others one by one.
@@ -127,11 +124,11 @@ fn lanes<S: Simd>(
     let limits = limit(simd, cross, 0).max(limit(simd, cross, 1)).max(limit(simd, cross, 2));
     let lobe = f32x8::splat(simd, MOST).max(limits);
     let lobe = lobe.min(zero) * strength;
-    let total = lobe * 4.0 + 1.0;
+    let share = f32x8::splat(simd, 1.0) / (lobe * 4.0 + 1.0);
     let mut codes = own & 0xff00_0000;
     for index in 0..3 {
         let around = (channel(above, index) + channel(left, index)) + (channel(right, index) + channel(below, index));
-        let value = (lobe * around + channel(own, index)) / total;
+        let value = (lobe * around + channel(own, index)) * share;
         codes |= u32x8::truncate_from(value.max(zero).min(full) + 0.5) << (8 * index);
     }
     codes

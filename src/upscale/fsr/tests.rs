@@ -86,8 +86,12 @@ fn enlarging_agrees_with_the_published_steps() {
 
 #[test]
 fn wide_lanes_agree_with_plain_code_bit_for_bit() {
-    for (width, height) in [(1, 1), (2, 3), (9, 5), (23, 7)] {
-        let drawn = noise(width, height);
+    // The last is made in more than one strip, and hides nothing.
+    for (width, height) in [(1, 1), (2, 3), (9, 5), (23, 7), (11, 70)] {
+        let mut drawn = noise(width, height);
+        if height == 70 {
+            drawn.pixels_mut().iter_mut().for_each(|pixel| pixel[3] = 255);
+        }
         for anchor in Anchor::ALL {
             for (scale, sharpening) in [(Scale::ONE_AND_A_HALF, 0), (Scale::TWO, 0), (Scale::TWO, 80)] {
                 let how = how(scale, *anchor, sharpening);

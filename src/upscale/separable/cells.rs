@@ -6,19 +6,12 @@
 
 use std::array;
 
-use rayon::prelude::*;
-
 use crate::image::{Image, Rgba8};
+use crate::upscale::bands;
 use crate::upscale::lattice::Lattice;
 
 /// Most samples along an axis that a pixel is made of.
 pub(in crate::upscale) const MAX_TAPS: usize = 6;
-
-/// Fewest rows of a band: enough to make good the few rows of samples that neighbouring bands both widen.
-const LEAST_ROWS_PER_BAND: usize = 48;
-
-/// Bands per thread, so that a thread that was held up does not hold up all.
-const BANDS_PER_THREAD: usize = 2;
 
 /// The arithmetic of the two passes.
 pub(super) trait Pass: Sync {
@@ -38,20 +31,7 @@ pub(super) trait Pass: Sync {
 
 /// Fills a picture from samples, which are at least one in each direction unless the picture is empty.
 pub(super) fn fill<P: Pass>(pass: &P, drawn: &Image<Rgba8>, lattice: Lattice, full: &mut Image<Rgba8>) {
-    let (width, height) = (full.width() as usize, full.height() as usize);
-    if width == 0 || height == 0 {
-        return;
-    }
-    let bands = match rayon::current_num_threads() {
-        1 => 1,
-        threads => threads * BANDS_PER_THREAD,
-    };
-    // Whole cells, as a cell that is cut is swept twice.
-    let (pixels, _) = lattice.scale.ratio();
-    let rows = height.div_ceil(bands).max(LEAST_ROWS_PER_BAND).next_multiple_of(pixels as usize);
-    full.pixels_mut().par_chunks_mut(rows * width).enumerate().for_each(|(band, pixels)| {
-        fill_band(pass, drawn, lattice, (band * rows) as u32, pixels.chunks_exact_mut(width).len(), pixels);
-    });
+    bands::fill(full, lattice.scale, |first, count, band| fill_band(pass, drawn, lattice, first, count, band));
 }
 
 /// Fills the `count` rows from row `first` on.
@@ -66,7 +46,7 @@ fn fill_band<P: Pass>(
     let (before, taps) = (P::TAPS as i32 / 2 - 1, P::TAPS as i32);
     let last_sample = drawn.height() as i32 - 1;
     let width = band.len() / count;
-    let places: Vec<_> = (first..first + count as u32).map(|at| lattice.place(at)).collect();
+    let places: Vec<_> = lattice.places_from(first).take(count).collect();
     let phases: Vec<_> = places.iter().map(|place| place.phase).collect();
     let mut ring: [P::Row; MAX_TAPS] = array::from_fn(|_| P::Row::default());
     let mut next = places[0].cell - before;

@@ -15,8 +15,8 @@ use std::array;
 use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
-use super::lanes::{load, load_bytes, load_codes, store, store_codes, window};
 use crate::image::Rgba8;
+use crate::upscale::lanes::{load, load_bytes, load_codes, store, store_codes, window};
 use crate::upscale::lattice::{Lattice, Place};
 
 /// Pixels of a block.
@@ -33,6 +33,10 @@ pub(super) struct ExactAvx2 {
     avx2: Avx2,
     steps: u32,
     width: usize,
+    /// Pixels of the first block that lie left of the picture, so that the others are stored at even addresses.
+    skipped: usize,
+    /// Samples left of the first one that blocks look at.
+    before: usize,
     /// How each block of a period is gathered.
     period: Vec<Gather>,
     /// Samples from one period to the next.
@@ -41,7 +45,7 @@ pub(super) struct ExactAvx2 {
 
 /// How a block is gathered from two runs of four samples.
 struct Gather {
-    /// The first sample of each, counted from the one before the first.
+    /// The first sample of each, counted from the first that any block looks at.
     starts: [usize; 2],
     /// For every value its two bytes: of red and blue, of green and alpha.
     bytes: [[u8; 32]; 2],
@@ -50,12 +54,13 @@ struct Gather {
 }
 
 impl Gather {
-    /// Of the block of pixels from `first` on.
-    fn new(lattice: Lattice, first: u32) -> Self {
-        let starts = [first, first + 4].map(|at| lattice.place(at).cell);
-        let mut gather = Self { starts: starts.map(|cell| (cell + 1) as usize), bytes: [[0; 32]; 2], weights: [0; 32] };
+    /// Of the block of pixels from `first` on, where samples count from `before` samples left of the picture.
+    fn new(lattice: Lattice, first: i64, before: usize) -> Self {
+        let starts = [first, first + 4].map(|at| lattice.place_beyond(at).cell);
+        let counted = starts.map(|cell| (cell + before as i32) as usize);
+        let mut gather = Self { starts: counted, bytes: [[0; 32]; 2], weights: [0; 32] };
         for at in 0..8 {
-            let Place { cell, phase } = lattice.place(first + at);
+            let Place { cell, phase } = lattice.place_beyond(first + at);
             // A sample beyond the run weighs nothing, so any will do.
             let from = (cell - starts[at as usize / 4]) as u8;
             let [one, next] = [from, (from + 1).min(3)];
@@ -79,14 +84,17 @@ pub(super) struct Row {
 }
 
 impl ExactAvx2 {
-    /// For pictures of `width` px.
-    pub(super) fn new(avx2: Avx2, lattice: Lattice, width: u32) -> Self {
+    /// For pictures of `width` px in whose rows so many pixels lie before the first at an even address.
+    pub(super) fn new(avx2: Avx2, lattice: Lattice, width: u32, pixels_to_alignment: usize) -> Self {
         let (pixels, samples) = lattice.scale.ratio();
+        let skipped = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
+        let before = (-lattice.place_beyond(-(skipped as i64)).cell).max(0) as usize;
         // Blocks until the pattern repeats: a cell of three pixels fits no block.
-        let blocks = if pixels.is_multiple_of(3) { 3 } else { 1 };
-        let period = (0..blocks).map(|block| Gather::new(lattice, block * BLOCK as u32)).collect();
-        let samples_per_period = (blocks * BLOCK as u32 * samples / pixels) as usize;
-        Self { avx2, steps: lattice.phases(), width: width as usize, period, samples_per_period }
+        let blocks: usize = if pixels.is_multiple_of(3) { 3 } else { 1 };
+        let first = |block: usize| (block * BLOCK) as i64 - skipped as i64;
+        let period = (0..blocks).map(|block| Gather::new(lattice, first(block), before)).collect();
+        let samples_per_period = blocks * BLOCK * samples as usize / pixels as usize;
+        Self { avx2, steps: lattice.phases(), width: width as usize, skipped, before, period, samples_per_period }
     }
 
     /// How far widened values are shifted up; none where codes come from a division.
@@ -101,10 +109,10 @@ impl Pass for ExactAvx2 {
     const TAPS: usize = 2;
 
     fn widen(&self, samples: &[Rgba8], row: &mut Row) {
-        let periods = self.width.div_ceil(BLOCK * self.period.len());
+        let periods = (self.skipped + self.width).div_ceil(BLOCK * self.period.len());
         let padded = &mut row.padded;
         padded.clear();
-        padded.push(samples[0]);
+        padded.resize(self.before, samples[0]);
         padded.extend_from_slice(samples);
         // A run of four samples may begin past the last one, in the block that the picture cuts.
         let length = padded.len().max((periods + 1) * self.samples_per_period) + 8;
@@ -184,24 +192,31 @@ kernel! {
         let rounding = Rounding { half: _mm256_set1_epi16((one / 2) as i16), shift: (one / 9).trailing_zeros() as i32 };
         let each = phases.get(1).map_or(0, |second| second - phases[0]);
         let steps = Steps { of_cell: pass.steps, first: phases[0], each };
-        let blocks = pass.width / BLOCK;
+        let head = ((BLOCK - pass.skipped) % BLOCK).min(pass.width);
+        let (first, blocks) = (usize::from(head > 0), (pass.width - head) / BLOCK);
         let mut rest = rows;
+        let mut heads: [&mut [u8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
         let mut middles: [&mut [[u8; 32]]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
         let mut tails: [&mut [u8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
         for row in 0..count {
             let (own, others) = rest.split_at_mut(pass.width);
-            (middles[row], tails[row]) = own.as_flattened_mut().as_chunks_mut::<32>();
+            let (own_head, own) = own.as_flattened_mut().split_at_mut(4 * head);
+            (middles[row], tails[row]) = own.as_chunks_mut::<32>();
+            heads[row] = own_head;
             rest = others;
         }
         let [above, below] = around;
-        with_rows!(count, divide, (avx2, above, below, steps, rounding, middles));
-        if !tails[0].is_empty() {
+        with_rows!(count, divide, (avx2, &above[first..], &below[first..], steps, rounding, middles));
+        for (block, skipped, ends) in [(0, pass.skipped, heads), (first + blocks, 0, tails)] {
+            if ends[0].is_empty() {
+                continue;
+            }
             let mut aside = [[[0; 32]; 1]; MAX_ROWS];
             let into = aside.each_mut().map(<[_; 1]>::as_mut_slice);
-            with_rows!(count, divide, (avx2, &above[blocks..], &below[blocks..], steps, rounding, into));
-            for (row, codes) in tails.into_iter().zip(&aside) {
+            with_rows!(count, divide, (avx2, &above[block..], &below[block..], steps, rounding, into));
+            for (row, codes) in ends.into_iter().zip(&aside) {
                 let length = row.len();
-                row.copy_from_slice(&codes[0][..length]);
+                row.copy_from_slice(&codes[0][4 * skipped..][..length]);
             }
         }
     }

@@ -18,9 +18,9 @@ use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
 use super::fixed::{BIAS, POINT, Phase, value_of};
-use super::lanes::{load, load_bytes, store, store_codes, window};
 use crate::image::Rgba8;
 use crate::upscale::Upscaling;
+use crate::upscale::lanes::{load, load_bytes, store, store_codes, window};
 use crate::upscale::lattice::Lattice;
 
 /// Pixels of a block.
@@ -60,12 +60,25 @@ pub(super) struct Row {
 }
 
 impl<'a, const H: usize> FixedAvx2<'a, H> {
-    /// For pictures of `width` px, at least one.
-    pub(super) fn new(avx2: Avx2, phases: &'a [Phase<H>], how: Upscaling, width: u32) -> Self {
+    /// For pictures of `width` px, at least one, in whose rows so many pixels lie before the first at an even address.
+    pub(super) fn new(
+        avx2: Avx2,
+        phases: &'a [Phase<H>],
+        how: Upscaling,
+        width: u32,
+        pixels_to_alignment: usize,
+    ) -> Self {
         let lattice = how.lattice();
-        let first_cell = lattice.place(0).cell;
-        let skipped = (1_i64..).take_while(|back| lattice.place_beyond(-back).cell == first_cell).count();
-        let (pixels, _) = lattice.scale.ratio();
+        let (pixels, samples) = lattice.scale.ratio();
+        let mut first_cell = lattice.place(0).cell;
+        let mut skipped = (1_i64..).take_while(|back| lattice.place_beyond(-back).cell == first_cell).count();
+        // As many cells left of the picture as bring the other blocks to even addresses, if any do.
+        let wanted = (BLOCK - pixels_to_alignment % BLOCK) % BLOCK;
+        let cells = wanted.checked_sub(skipped).filter(|px| samples == 1 && px.is_multiple_of(pixels as usize));
+        if let Some(px) = cells {
+            first_cell -= (px / pixels as usize) as i32;
+            skipped = wanted;
+        }
         let places = (0..i64::from(pixels)).map(|at| lattice.place_beyond(at - skipped as i64));
         let period = places.map(|place| ((place.cell - first_cell) as usize, place.phase)).collect();
         let (deringing, width) = (how.deringing(), width as usize);

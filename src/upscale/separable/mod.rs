@@ -10,8 +10,6 @@ mod exact_avx2;
 mod fixed;
 #[cfg(target_arch = "x86_64")]
 mod fixed_avx2;
-#[cfg(target_arch = "x86_64")]
-mod lanes;
 mod light;
 #[cfg(test)]
 mod tests;
@@ -22,6 +20,8 @@ use fearless_simd::Level;
 use fixed::{Fixed, Phase};
 use light::Linear;
 
+#[cfg(target_arch = "x86_64")]
+use super::lanes::pixels_to_alignment;
 use super::lattice::{Anchor, Lattice, Place};
 use super::{Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
@@ -60,7 +60,7 @@ fn table<const N: usize>(weights: fn(f64) -> [f64; N], lattice: Lattice) -> Vec<
 
 /// Where the columns of a picture lie.
 fn columns(lattice: Lattice, width: u32) -> Vec<Place> {
-    (0..width).map(|at| lattice.place(at)).collect()
+    lattice.places_from(0).take(width as usize).collect()
 }
 
 /// Weights in fixed point.
@@ -80,7 +80,13 @@ impl Separable {
                 let phases = phases::<4, 2>(weights, how.lattice());
                 #[cfg(target_arch = "x86_64")]
                 if let Some(avx2) = level.as_avx2() {
-                    let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, full.width());
+                    let pass = fixed_avx2::FixedAvx2::new(
+                        avx2,
+                        &phases,
+                        how,
+                        full.width(),
+                        pixels_to_alignment(full.pixels()),
+                    );
                     return fill(&pass, drawn, how.lattice(), full);
                 }
                 fill_fixed(&phases, how, drawn, full);
@@ -89,7 +95,13 @@ impl Separable {
                 let phases = phases::<6, 3>(weights, how.lattice());
                 #[cfg(target_arch = "x86_64")]
                 if let Some(avx2) = level.as_avx2() {
-                    let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, full.width());
+                    let pass = fixed_avx2::FixedAvx2::new(
+                        avx2,
+                        &phases,
+                        how,
+                        full.width(),
+                        pixels_to_alignment(full.pixels()),
+                    );
                     return fill(&pass, drawn, how.lattice(), full);
                 }
                 fill_fixed(&phases, how, drawn, full);
@@ -113,7 +125,8 @@ fn fill_linear<const N: usize>(
 fn fill_exact(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = level.as_avx2() {
-        return fill(&exact_avx2::ExactAvx2::new(avx2, lattice, full.width()), drawn, lattice, full);
+        let pass = exact_avx2::ExactAvx2::new(avx2, lattice, full.width(), pixels_to_alignment(full.pixels()));
+        return fill(&pass, drawn, lattice, full);
     }
     fill(&Exact { steps: lattice.phases() as u16, columns: columns(lattice, full.width()) }, drawn, lattice, full);
 }

@@ -195,6 +195,35 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
     });
 }
 
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn where_rows_lie_in_memory_changes_nothing() {
+    let Some(avx2) = Level::new().as_avx2() else { return };
+    for_all(|method, _, how, drawn, size| {
+        let plain = filled(method, Level::fallback(), how, drawn, size);
+        for before in 0..8 {
+            let mut wide = Image::filled(size.0, size.1, [77, 1, 2, 3]);
+            let lattice = how.lattice();
+            match method.weights {
+                Weights::Two(_) => {
+                    fill(&exact_avx2::ExactAvx2::new(avx2, lattice, size.0, before), drawn, lattice, &mut wide);
+                }
+                Weights::Four(weights) => {
+                    let phases = phases::<4, 2>(weights, lattice);
+                    let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, size.0, before);
+                    fill(&pass, drawn, lattice, &mut wide);
+                }
+                Weights::Six(weights) => {
+                    let phases = phases::<6, 3>(weights, lattice);
+                    let pass = fixed_avx2::FixedAvx2::new(avx2, &phases, how, size.0, before);
+                    fill(&pass, drawn, lattice, &mut wide);
+                }
+            }
+            assert!(wide == plain, "{} {size:?} {before}", how.label());
+        }
+    });
+}
+
 #[test]
 fn without_ringing_a_pixel_stays_between_the_four_samples_around_it() {
     for_all(|method, _, how, drawn, size| {

@@ -65,13 +65,13 @@ fn what_is_kept_is_what_the_frame_rasterizes_to_the_bit() {
         let scene = builtin::by_id(id).unwrap().build();
         for recipe in recipes.iter().chain(&others) {
             let mut frame = frame(&scene, recipe, &scene.home);
-            assert!(Survey::of(&scene, recipe, &frame).dropped.iter().all(|d| d.cause != Cause::NotDrawnYet), "{id}");
+            let whole = Survey::of(&scene, recipe, &frame);
+            assert!(whole.found.dropped.iter().all(|d| d.cause != Cause::NotDrawnYet), "{id}");
             let bits = |corners: [[f32; 2]; 3]| corners.map(|corner| corner.map(f32::to_bits));
             let mut drawn: Vec<_> = frame.geometry.triangles.iter().map(|t| (t.id, bits(t.corners_px()))).collect();
             frame.geometry.triangles.clear();
             let survey = Survey::of(&scene, recipe, &frame);
-            let kept = survey.dropped.iter().filter(|d| d.cause == Cause::NotDrawnYet);
-            let mut kept: Vec<_> = kept.map(|d| (d.id, bits(d.corners_px))).collect();
+            let mut kept: Vec<_> = survey.found.rasterized.iter().map(|d| (d.id, bits(d.corners_px))).collect();
             drawn.sort_unstable();
             kept.sort_unstable();
             count += kept.len();
@@ -79,6 +79,29 @@ fn what_is_kept_is_what_the_frame_rasterizes_to_the_bit() {
         }
     }
     assert!(count > 10_000, "{count}");
+}
+
+#[test]
+fn the_survey_of_a_frame_serves_its_moments_and_its_pixels_and_no_other_view() {
+    let scene = soup(60);
+    let recipe = Recipe::default();
+    let mut frame = frame(&scene, &recipe, &scene.home);
+    let survey = Survey::of(&scene, &recipe, &frame);
+    let half = frame.geometry.triangles.len() / 2;
+    frame.geometry.triangles.truncate(half);
+    assert!(survey.fits(&recipe, &frame));
+    let anew = Survey::of(&scene, &recipe, &frame);
+    let mut later = 0;
+    for pixel in (0..VIEW.height).flat_map(|y| (0..VIEW.width).map(move |x| (x, y))) {
+        let [kept, anew] = [&survey, &anew].map(|survey| explain(&scene, &recipe, &frame, survey, pixel).unwrap());
+        later += absent(&kept, Cause::NotDrawnYet).len();
+        assert!(absent(&kept, Cause::NotDrawnYet).is_disjoint(&there(&kept)));
+        assert_eq!(kept, anew);
+    }
+    assert!(later > 100, "{later}");
+    let mut camera = scene.home;
+    camera.orbit(0.1, 0.0);
+    assert!(!survey.fits(&recipe, &run(&scene, &camera, &recipe, VIEW, &mut ())));
 }
 
 #[test]

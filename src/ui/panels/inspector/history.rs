@@ -66,13 +66,18 @@ impl History {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing = egui::Vec2::splat(2.0);
             ui.spacing_mut().button_padding.x = theme::space::XS;
+            let words = words_fit(ui, report);
             for (kind, listed) in Kind::ALL.iter().zip(&mut self.listed) {
                 let count = kind.count(report);
-                let text = RichText::new(format!("{} {count}", kind.name())).small();
-                let button = Button::selectable(*listed && count > 0, (theme::icon(icon(*kind)), text));
-                let response = ui.add_enabled(count > 0, button);
+                let text = RichText::new(chip_text(*kind, count, words)).small();
+                let is_on = *listed && count > 0;
+                let response = ui.add_enabled(count > 0, Button::selectable(is_on, (theme::icon(icon(*kind)), text)));
+                let name = format!("{} {count}", kind.name());
+                response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, count > 0, is_on, &name));
                 let listing = if *listed { "listed" } else { "not listed" };
-                if response.on_hover_text(format!("{} Now {listing}.", kind.help())).clicked() {
+                let help = format!("{}: {} Now {listing}.", kind.name(), kind.help());
+                let none = format!("{}: none at this pixel. {}", kind.name(), kind.help());
+                if response.on_hover_text(help).on_disabled_hover_text(none).clicked() {
                     *listed ^= true;
                 }
             }
@@ -118,6 +123,24 @@ impl History {
             ui.weak(format!("… {} more, all in the copied JSON …", format::count(more as u64)));
         }
     }
+}
+
+/// What stands on a filter: the word, where there is room for it and something to list, and how much that is.
+fn chip_text(kind: Kind, count: usize, words: bool) -> String {
+    let number = format::count(count as u64);
+    if words && count > 0 { format!("{} {number}", kind.name()) } else { number }
+}
+
+/// Whether all filters stand in one row with their words; else the words are in their tooltips only.
+fn words_fit(ui: &Ui, report: &PixelReport) -> bool {
+    let font = egui::FontId::proportional(theme::font_size::SMALL);
+    let spacing = ui.spacing();
+    let width = |kind: &Kind| {
+        let text = chip_text(*kind, kind.count(report), true);
+        let text = ui.painter().layout_no_wrap(text, font.clone(), Color32::WHITE).size().x;
+        theme::ICON_SIZE + spacing.icon_spacing + text + 2.0 * spacing.button_padding.x + spacing.item_spacing.x
+    };
+    Kind::ALL.iter().map(width).sum::<f32>() <= ui.available_width()
 }
 
 fn icon(kind: Kind) -> Icon {

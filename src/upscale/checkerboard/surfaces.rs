@@ -4,12 +4,10 @@
 //! the mean of those of the four drawn pixels around it, two in its row and two in its column, that show its object at about
 //! its distance, each counting the more the nearer it is. If none does, the published mean stands.
 
-use rayon::prelude::*;
-
-use super::checkerboard::{self, BEHIND, TOUCHING};
-use super::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
+use super::{At, BEHIND, OFFERS, TOUCHING, neighbours};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
+use crate::upscale::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling, bands};
 
 /// Missing squares of a checkerboard, filled from the same surface.
 pub static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
@@ -34,7 +32,7 @@ impl Upscaler for CheckerboardSurfaces {
     }
 
     fn offers(&self) -> Offers {
-        checkerboard::OFFERS
+        OFFERS
     }
 
     fn reads(&self) -> Reads {
@@ -46,13 +44,8 @@ impl Upscaler for CheckerboardSurfaces {
     }
 
     fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let (width, height) = full.size();
-        let rows = full.pixels_mut().par_chunks_mut((width as usize).max(1));
-        rows.zip(0..height).for_each(|(row, y)| {
-            for (pixel, x) in row.iter_mut().zip(0..) {
-                *pixel = filled(SampleGrid::Checkerboard, drawn, (width, height), (x, y));
-            }
-        });
+        let size = full.size();
+        bands::fill_pixels(full, |at| filled(SampleGrid::Checkerboard, drawn, size, at));
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -78,19 +71,18 @@ pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: 
 }
 
 /// The drawn pixels that a pixel is made of.
-pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Vec<Tap> {
+pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y): At) -> Vec<Tap> {
     /// What a pixel that touches the missing one counts for, and one behind it.
     const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
     if grid.sample_at(x, y).is_some() {
         return vec![Tap { x, y, weight: 1.0 }];
     }
-    let around = [(TOUCHING, NEAR_AND_FAR[0]), (BEHIND, NEAR_AND_FAR[1])].into_iter().flat_map(|(by, weight)| {
-        let beside = checkerboard::step(x, by, width).map(|x| (x, y));
-        let across = checkerboard::step(y, by, height).map(|y| (x, y));
-        [beside, across].into_iter().flatten().map(move |at| (at, weight))
-    });
-    let all: Vec<((u32, u32), f32)> = around.collect();
-    let same = |at: (u32, u32)| drawn.seen.is_some_and(|seen| seen.surfaces.are_one(at, (x, y)));
+    let around = [TOUCHING, BEHIND]
+        .into_iter()
+        .zip(NEAR_AND_FAR)
+        .flat_map(|(by, weight)| neighbours(by, size, (x, y)).into_iter().flatten().map(move |at| (at, weight)));
+    let all: Vec<(At, f32)> = around.collect();
+    let same = |at: At| drawn.seen.is_some_and(|seen| seen.surfaces.are_one(at, (x, y)));
     let mut used: Vec<_> = all.iter().copied().filter(|(at, _)| same(*at)).collect();
     if used.is_empty() {
         let nearest = all.iter().map(|(_, weight)| *weight).fold(0.0, f32::max);
@@ -99,7 +91,7 @@ pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, (width, height): (u32, u
     let sum: f32 = used.iter().map(|(_, weight)| weight).sum();
     if used.is_empty() {
         // A picture so small that nothing near the pixel was drawn.
-        return drawn_nearest(grid, (width, height), (x, y)).into_iter().collect();
+        return drawn_nearest(grid, size, (x, y)).into_iter().collect();
     }
     used.into_iter().map(|((x, y), weight)| Tap { x, y, weight: weight / sum }).collect()
 }

@@ -5,12 +5,11 @@
 //! differs in luma: with the squared differences dh² and dv² the row's counts for (1 + dv²) / (2 + dh² + dv²). Where a pair
 //! is not complete, at borders, the plain mean of the published method stands.
 
-use rayon::prelude::*;
-
-use super::checkerboard::{self, BEHIND, TOUCHING};
-use super::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
+use super::published::{CHECKERBOARD, mean_of_sources};
+use super::{At, BEHIND, OFFERS, TOUCHING, neighbours, packed_column};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
+use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling, bands};
 
 /// Missing squares of a checkerboard, filled along edges.
 pub static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
@@ -35,7 +34,7 @@ impl Upscaler for CheckerboardEdges {
     }
 
     fn offers(&self) -> Offers {
-        checkerboard::OFFERS
+        OFFERS
     }
 
     fn sampling(&self, _how: Upscaling) -> Sampling {
@@ -43,13 +42,8 @@ impl Upscaler for CheckerboardEdges {
     }
 
     fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let (width, height) = full.size();
-        let rows = full.pixels_mut().par_chunks_mut((width as usize).max(1));
-        rows.zip(0..height).for_each(|(row, y)| {
-            for (pixel, x) in row.iter_mut().zip(0..) {
-                *pixel = mixed(drawn.color, (width, height), (x, y));
-            }
-        });
+        let size = full.size();
+        bands::fill_pixels(full, |at| mixed(drawn.color, size, at));
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -58,22 +52,21 @@ impl Upscaler for CheckerboardEdges {
 
     fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         let Some(pairs) = pairs(size, at) else {
-            return checkerboard::CHECKERBOARD.taps(how, drawn, size, at);
+            return CHECKERBOARD.taps(how, drawn, size, at);
         };
-        let shares = shares(pairs.map(|(x, y)| drawn.color.at(checkerboard::packed_column(x), y)));
+        let shares = shares(pairs.map(|(x, y)| drawn.color.at(packed_column(x), y)));
         let taps = pairs.into_iter().zip(shares);
         taps.map(|((x, y), weight)| Tap { x, y, weight }).filter(|tap| tap.weight != 0.0).collect()
     }
 }
 
 /// The drawn pixels in the row, near and far, and in the column, near and far, of a missing pixel that has them all.
-fn pairs((width, height): (u32, u32), (x, y): (u32, u32)) -> Option<[(u32, u32); 4]> {
-    if SampleGrid::Checkerboard.sample_at(x, y).is_some() {
+fn pairs(size: (u32, u32), at: At) -> Option<[At; 4]> {
+    if SampleGrid::Checkerboard.sample_at(at.0, at.1).is_some() {
         return None;
     }
-    let column = |by| checkerboard::step(x, by, width).map(|x| (x, y));
-    let row = |by| checkerboard::step(y, by, height).map(|y| (x, y));
-    Some([column(TOUCHING)?, column(BEHIND)?, row(TOUCHING)?, row(BEHIND)?])
+    let [[beside, across], [far_beside, far_across]] = [TOUCHING, BEHIND].map(|by| neighbours(by, size, at));
+    Some([beside?, far_beside?, across?, far_across?])
 }
 
 /// What the four count for.
@@ -90,9 +83,9 @@ fn shares(colors: [Rgba8; 4]) -> [f32; 4] {
 
 fn mixed(drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     let Some(pairs) = pairs(size, at) else {
-        return checkerboard::mean_of_sources(drawn, size, at);
+        return mean_of_sources(drawn, size, at);
     };
-    let colors = pairs.map(|(x, y)| drawn.at(checkerboard::packed_column(x), y));
+    let colors = pairs.map(|(x, y)| drawn.at(packed_column(x), y));
     let shares = shares(colors);
     std::array::from_fn(|channel| {
         let mut sum = 0.5;

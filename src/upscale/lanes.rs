@@ -3,7 +3,9 @@
 use std::arch::x86_64::{__m128i, __m256i};
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Avx2, i16x16, u8x16, u8x32};
+use fearless_simd::{Avx2, i16x16, u8x16, u8x32, u32x8};
+
+use crate::image::Rgba8;
 
 /// Sixteen values.
 #[target_feature(enable = "avx2")]
@@ -26,6 +28,13 @@ pub(super) fn load_codes(avx2: Avx2, bytes: &[u8; 32]) -> __m256i {
     u8x32::load_array_ref(avx2, bytes).into()
 }
 
+/// Eight words.
+#[target_feature(enable = "avx2")]
+#[inline]
+pub(super) fn load_words(avx2: Avx2, words: &[u32; 8]) -> __m256i {
+    u32x8::load_array_ref(avx2, words).into()
+}
+
 /// Writes sixteen values.
 #[target_feature(enable = "avx2")]
 #[inline]
@@ -44,4 +53,10 @@ pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
 #[inline(always)]
 pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
     values[at..].first_chunk().unwrap_or_else(|| panic!("{N} values from {at} on of {}", values.len()))
+}
+
+/// How many pixels of a row lie before the first whose address is a multiple of 32 bytes; all if it has none. Stores that
+/// cross from one cache line into the next take half as long again.
+pub(super) fn pixels_to_alignment(row: &[Rgba8]) -> usize {
+    row.as_ptr().align_offset(32).min(row.len())
 }

@@ -5,13 +5,10 @@
 //! is found by its distance; if that showed the same surface, its colour there, kept between the least and the greatest of
 //! the drawn pixels around, is taken; else the pixel is filled from the same surface of this frame.
 
-use rayon::prelude::*;
-
-use super::checkerboard::{self, BEHIND, TOUCHING};
-use super::checkerboard_surfaces;
-use super::{Before, Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
+use super::{OFFERS, around, surfaces};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
+use crate::upscale::{Before, CENTRE, Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling, bands};
 
 /// Missing squares of a checkerboard, taken from the frame before.
 pub static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
@@ -36,7 +33,7 @@ impl Upscaler for CheckerboardTemporal {
     }
 
     fn offers(&self) -> Offers {
-        checkerboard::OFFERS
+        OFFERS
     }
 
     fn reads(&self) -> Reads {
@@ -52,17 +49,12 @@ impl Upscaler for CheckerboardTemporal {
     }
 
     fn sampling_of(&self, _how: Upscaling, frames: u32) -> (Sampling, [f64; 2]) {
-        (Sampling::Grid(grid(frames)), super::CENTRE)
+        (Sampling::Grid(grid(frames)), CENTRE)
     }
 
     fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let (width, height) = full.size();
-        let rows = full.pixels_mut().par_chunks_mut((width as usize).max(1));
-        rows.zip(0..height).for_each(|(row, y)| {
-            for (pixel, x) in row.iter_mut().zip(0..) {
-                *pixel = filled(drawn, (width, height), (x, y));
-            }
-        });
+        let size = full.size();
+        bands::fill_pixels(full, |at| filled(drawn, size, at));
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -71,7 +63,7 @@ impl Upscaler for CheckerboardTemporal {
 
     /// The samples of this frame; what the frame before adds is no sample.
     fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
-        let mut taps = checkerboard_surfaces::taps(grid_of(drawn), drawn, size, at);
+        let mut taps = surfaces::taps(grid_of(drawn), drawn, size, at);
         // They bound what comes from the frame before.
         for (x, y) in around(size, at).filter(|_| grid_of(drawn).sample_at(at.0, at.1).is_none()) {
             if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
@@ -96,21 +88,12 @@ fn grid_of(drawn: &Drawn<'_>) -> SampleGrid {
     grid(drawn.seen.map_or(0, |seen| seen.frames()))
 }
 
-/// The drawn pixels in the row and the column of a missing one, as many as the picture has.
-fn around((width, height): (u32, u32), (x, y): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
-    [TOUCHING, BEHIND].into_iter().flat_map(move |by| {
-        let beside = checkerboard::step(x, by, width).map(|x| (x, y));
-        let across = checkerboard::step(y, by, height).map(|y| (x, y));
-        beside.into_iter().chain(across)
-    })
-}
-
 fn filled(drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     let grid = grid_of(drawn);
     if let Some((column, row)) = grid.sample_at(at.0, at.1) {
         return drawn.color.at(column, row);
     }
-    remembered(drawn, size, at).unwrap_or_else(|| checkerboard_surfaces::filled(grid, drawn, size, at))
+    remembered(drawn, size, at).unwrap_or_else(|| surfaces::filled(grid, drawn, size, at))
 }
 
 /// What the frame before tells of a missing pixel, if it showed the same surface.

@@ -15,24 +15,16 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
+use super::{BEHIND, OFFERS, TOUCHING, neighbours, packed_column, step};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
+use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
 
 /// Missing squares of a checkerboard as means of their neighbours.
 pub static CHECKERBOARD: Checkerboard = Checkerboard;
 
 /// See [`CHECKERBOARD`].
 pub struct Checkerboard;
-
-/// Nothing is to be chosen about a checkerboard.
-pub(super) const OFFERS: Offers = Offers {
-    scales: &[Scale::ONE],
-    anchors: &[Anchor::Corner],
-    lights: &[Light::Bytes],
-    deringing: false,
-    sharpening: false,
-};
 
 impl Upscaler for Checkerboard {
     fn id(&self) -> &'static str {
@@ -79,12 +71,6 @@ impl Upscaler for Checkerboard {
     }
 }
 
-/// Step from a pixel of a missing square to the drawn square that it touches; see [`step`].
-pub(super) const TOUCHING: i32 = -1;
-
-/// Step from a pixel of a missing square to the drawn square at its back; see [`step`].
-pub(super) const BEHIND: i32 = 2;
-
 /// One pixel, by the arithmetic that fills the whole picture.
 pub(super) fn mean_of_sources(drawn: &Image<Rgba8>, (width, height): (u32, u32), (x, y): (u32, u32)) -> Rgba8 {
     let [a, b] = sources(x, y, width, height).map(|(x, y)| drawn.at(packed_column(x), y));
@@ -98,19 +84,11 @@ fn sources(x: u32, y: u32, width: u32, height: u32) -> [(u32, u32); 2] {
         return drawn;
     }
     let pair = |by| {
-        let beside = step(x, by, width).map(|x| (x, y));
-        let across = step(y, by, height).map(|y| (x, y));
+        let [beside, across] = neighbours(by, (width, height), (x, y));
         Some([beside.or(across)?, across.or(beside)?])
     };
     // Left of or above a missing square lies a drawn one, so a pixel that touches none has one at its back.
     pair(TOUCHING).or_else(|| pair(BEHIND)).unwrap_or(drawn)
-}
-
-/// The place `by` pixels from `at` along one axis, positive across its 2×2 square and negative straight out of it.
-/// `None` outside the picture.
-pub(super) fn step(at: u32, by: i32, length: u32) -> Option<u32> {
-    let by = if at.is_multiple_of(2) { by } else { -by };
-    at.checked_add_signed(by).filter(|place| *place < length)
 }
 
 /// Fills row `y`: most of it in blocks of four pixels, what is left at the borders pixel by pixel.
@@ -138,11 +116,6 @@ fn fill_blocks(own: &[Rgba8], across: &[Rgba8], drawn_first: bool, row: &mut [Rg
         });
     }
     4 * blocks.start as u32..4 * blocks.end as u32
-}
-
-/// Packed column of the drawn pixel in column `x`, the same in rows of either kind.
-pub(super) fn packed_column(x: u32) -> u32 {
-    x / 4 * 2 + x % 2
 }
 
 /// Mean of all four channels, halves up: a + b = 2 (a | b) − (a ^ b), and the mask keeps each channel's shift its own.

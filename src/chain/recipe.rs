@@ -1,0 +1,298 @@
+//! Everything that decides how a scene is drawn, and its settings by name.
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use thiserror::Error;
+
+use crate::antialias::settings::{Antialiasing, MOST_STRENGTH, PostFilter, widened};
+use crate::pipeline::settings::{Choice as _, Execution, Settings};
+use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
+
+/// Everything that decides how a scene is drawn: plain data, edited by panels, parsed from the command line, swept by
+/// reports. Equal recipe and equal scene give an equal frame, bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Recipe {
+    /// How it is executed: the picture is the same.
+    pub execution: Execution,
+    /// The pipeline's decisions.
+    #[serde(flatten)]
+    pub pipeline: Settings,
+    /// How the pixels that are drawn are sampled.
+    pub antialias: Antialiasing,
+    /// Which pixels are drawn, and how the others are filled in.
+    pub upscaler: Upscaling,
+    /// What is done with the finished picture.
+    pub post: PostFilter,
+    /// Whether the edges of all drawn triangles are laid over the picture.
+    pub wireframe: bool,
+}
+
+impl Default for Recipe {
+    fn default() -> Self {
+        Self {
+            execution: Execution::Tiled,
+            pipeline: Settings::default(),
+            antialias: Antialiasing::default(),
+            upscaler: Upscaling::NATIVE,
+            post: PostFilter::default(),
+            wireframe: false,
+        }
+    }
+}
+
+/// What settings of the upscaler begin with.
+const UPSCALER_KEYS: &str = "upscaler.";
+
+/// The one that decides what the others may be.
+const METHOD_KEY: &str = "upscaler.method";
+
+/// Why a `key=value` does not change a recipe.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum SetError {
+    /// There is no `=`.
+    #[error("`{0}` is not of the form key=value")]
+    NotAPair(String),
+    /// No such key.
+    #[error("`{key}` is no setting; the settings are {known}")]
+    UnknownKey {
+        /// What was asked for.
+        key: String,
+        /// What there is.
+        known: String,
+    },
+    /// The key does not take this value.
+    #[error("{key}: {reason}")]
+    BadValue {
+        /// The setting.
+        key: String,
+        /// What it takes.
+        reason: String,
+    },
+}
+
+impl Recipe {
+    /// Changes one setting by its dotted key, as in `light.direction=0.4,0.7,0.6`. Keys and values may be written with
+    /// `-` or `_`. On error nothing changes.
+    pub fn set(&mut self, assignment: &str) -> Result<(), SetError> {
+        let (_, value) = assignment.split_once('=').ok_or_else(|| SetError::NotAPair(assignment.to_owned()))?;
+        let key = key_of(assignment);
+        let mut tree = json(self);
+        let pointer = format!("/{}", key.replace('.', "/"));
+        let leaf = tree.pointer_mut(&pointer).filter(|leaf| !leaf.is_object()).ok_or_else(|| {
+            let known: Vec<_> = Self::keys().into_iter().map(|(key, _)| key).collect();
+            SetError::UnknownKey { key: key.clone(), known: known.join(", ") }
+        })?;
+        let bad = |reason: String| SetError::BadValue { key: key.clone(), reason };
+        let wanted = parse_like(leaf, value.trim()).map_err(bad)?;
+        *leaf = wanted.clone();
+        let changed: Self = serde_json::from_value(tree).map_err(|e| bad(e.to_string()))?;
+        changed.check().map_err(bad)?;
+        if json(&changed).pointer(&pointer) != Some(&wanted) {
+            let method = changed.upscaler.method();
+            return Err(bad(format!("`{method}` offers {}", offered(&key, &[changed.upscaler.upscaler()]))));
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// Changes several settings, in any order: methods come before what they may offer.
+    /// On error nothing changes.
+    pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), SetError> {
+        let mut changed = *self;
+        let depends = |assignment: &&str| {
+            let key = key_of(assignment);
+            key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY
+        };
+        let all = || assignments.iter().map(AsRef::as_ref);
+        for assignment in all().filter(|a| !depends(a)).chain(all().filter(depends)) {
+            changed.set(assignment)?;
+        }
+        *self = changed;
+        Ok(())
+    }
+
+    /// All dotted keys, each with the values that it takes, in words.
+    pub fn keys() -> Vec<(String, String)> {
+        let mut keys = Vec::new();
+        collect_keys(&json(&Self::default()), "", &mut keys);
+        keys
+    }
+
+    /// Why these numbers cannot be drawn with: ranges that types do not express.
+    pub fn check(&self) -> Result<(), String> {
+        let light = &self.pipeline.light;
+        if !light.direction.is_finite() || light.direction == glam::Vec3::ZERO {
+            return Err("the direction must be finite and not zero".to_owned());
+        }
+        if !(0.0..=1.0).contains(&light.ambient) {
+            return Err(format!("the ambient share must lie in 0…1, not {}", light.ambient));
+        }
+        let checker = &self.pipeline.checker;
+        if !checker.squares.is_finite() || !checker.even.is_finite() || !checker.odd.is_finite() {
+            return Err("numbers must be finite".to_owned());
+        }
+        self.post.check()
+    }
+}
+
+/// The dotted key of an assignment.
+fn key_of(assignment: &str) -> String {
+    assignment.split('=').next().unwrap_or_default().trim().replace('-', "_")
+}
+
+fn json(recipe: &Recipe) -> Value {
+    // A recipe holds nothing that JSON cannot: string keys, finite or null numbers, words.
+    serde_json::to_value(recipe).unwrap_or(Value::Null)
+}
+
+/// `text` as a JSON value of the same kind as `like`.
+fn parse_like(like: &Value, text: &str) -> Result<Value, String> {
+    let number = |t: &str| {
+        t.trim().parse::<f32>().ok().filter(|n| n.is_finite()).ok_or_else(|| format!("`{t}` is not a number"))
+    };
+    match like {
+        Value::Bool(_) => match text {
+            "true" | "on" | "yes" => Ok(true.into()),
+            "false" | "off" | "no" => Ok(false.into()),
+            _ => Err(format!("`{text}` is neither true nor false")),
+        },
+        Value::Number(n) if n.is_u64() => {
+            text.parse::<u32>().map(Value::from).map_err(|_| format!("`{text}` is not a whole number"))
+        }
+        Value::Number(_) => number(text).map(Value::from),
+        Value::Array(items) => {
+            let numbers = text.split(',').map(number).collect::<Result<Vec<_>, _>>()?;
+            let inner: Result<[f32; 9], _> = numbers.as_slice().try_into();
+            match inner {
+                _ if numbers.len() == items.len() => Ok(numbers.into()),
+                Ok(inner) if items.len() == widened(inner).len() => Ok(widened(inner).to_vec().into()),
+                _ => Err(format!("{} numbers with commas between are needed, not `{text}`", items.len())),
+            }
+        }
+        _ => Ok(text.replace('_', "-").into()),
+    }
+}
+
+fn collect_keys(tree: &Value, prefix: &str, keys: &mut Vec<(String, String)>) {
+    let Value::Object(fields) = tree else {
+        keys.push((prefix.to_owned(), describe_values(prefix, tree)));
+        return;
+    };
+    for (name, value) in fields {
+        let key = if prefix.is_empty() { name.clone() } else { format!("{prefix}.{name}") };
+        collect_keys(value, &key, keys);
+    }
+}
+
+/// What a key takes: ranges as [`Recipe::check`] has them; words asked of the parser itself by giving it one that cannot exist.
+fn describe_values(key: &str, value: &Value) -> String {
+    match value {
+        _ if key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY => {
+            format!("{}, where the method offers a choice", offered(key, upscale::ALL))
+        }
+        Value::Bool(_) => "true, false".to_owned(),
+        Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),
+        Value::Number(_) if key == "post.strength" => format!("number, 0…{MOST_STRENGTH}"),
+        Value::Number(number) if number.is_u64() => "whole number".to_owned(),
+        Value::Number(_) => "number".to_owned(),
+        Value::Array(_) if key == "post.mask" => "9 or 25 numbers with commas between, row by row".to_owned(),
+        Value::Array(_) if key == "light.direction" => "3 numbers with commas between, not all of them 0".to_owned(),
+        Value::Array(items) => format!("{} numbers with commas between", items.len()),
+        _ => {
+            let complaint = Recipe::default().set(&format!("{key}=?")).err().map(|e| e.to_string()).unwrap_or_default();
+            let words: Vec<_> = complaint.split('`').skip(1).step_by(2).filter(|w| *w != "?").collect();
+            words.join(", ")
+        }
+    }
+}
+
+/// What some methods offer for a setting of the upscaler. Those without a choice count only if none has one.
+fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
+    let words = |offers: Offers| -> Vec<String> {
+        match key.trim_start_matches(UPSCALER_KEYS) {
+            "scale" => offers.scales.iter().map(Scale::to_string).collect(),
+            "anchor" => offers.anchors.iter().map(|anchor| anchor.id().to_owned()).collect(),
+            "light" => offers.lights.iter().map(|light| light.id().to_owned()).collect(),
+            "deringing" if offers.deringing => vec!["false".to_owned(), "true".to_owned()],
+            "sharpening" if offers.sharpening => vec!["0…100 %".to_owned()],
+            "sharpening" => vec!["0".to_owned()],
+            _ => vec!["false".to_owned()],
+        }
+    };
+    let all: Vec<_> = methods.iter().map(|method| words(method.offers())).collect();
+    let choices = all.iter().filter(|words| words.len() > 1 || methods.len() == 1);
+    let mut known: Vec<String> = Vec::new();
+    for word in choices.flatten() {
+        if !known.contains(word) {
+            known.push(word.clone());
+        }
+    }
+    known.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::{Culling, Shading};
+
+    #[test]
+    fn settings_are_reached_by_dotted_keys_in_either_case() {
+        let mut recipe = Recipe::default();
+        for assignment in [
+            "shading=gouraud",
+            "culling=none",
+            "color-space=bytes",
+            "light.direction=1,2,3",
+            "light.ambient=0.5",
+            "fill_rule=top_left",
+        ] {
+            recipe.set(assignment).unwrap();
+        }
+        assert_eq!(recipe.pipeline.shading, Shading::Gouraud);
+        assert_eq!(recipe.pipeline.culling, Culling::None);
+        assert_eq!(recipe.pipeline.light.direction, glam::Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(recipe.pipeline.light.ambient, 0.5);
+    }
+
+    #[test]
+    fn wrong_settings_are_named_and_change_nothing() {
+        let mut recipe = Recipe::default();
+        for (assignment, word) in [
+            ("shading", "key=value"),
+            ("shadign=gouraud", "fill_rule"),
+            ("shading=phong", "lambert"),
+            ("light=1", "light.direction"),
+            ("light.direction=1,2", "3 numbers"),
+            ("light.direction=0,0,0", "zero"),
+            ("light.ambient=2", "0…1"),
+            ("wireframe=maybe", "true"),
+            ("upscaler.method=dlss", "native"),
+            ("upscaler.scale=3", "offers"),
+        ] {
+            let message = recipe.set(assignment).unwrap_err().to_string();
+            assert!(message.contains(word), "{assignment}: {message}");
+        }
+        assert_eq!(recipe, Recipe::default());
+    }
+
+    #[test]
+    fn an_enlargement_may_stand_before_its_method() {
+        let mut recipe = Recipe::default();
+        recipe.set_all(&["upscaler.scale=4", "upscaler.method=bicubic"]).unwrap();
+        assert_eq!((recipe.upscaler.method(), recipe.upscaler.scale()), ("bicubic", Scale::FOUR));
+        let before = recipe;
+        assert!(recipe.set_all(&["wireframe=true", "Upscaler.scale=2"]).is_err(), "keys are in lower case");
+        assert!(recipe.set_all(&["wireframe=true", "upscaler.scale=5"]).is_err());
+        assert_eq!(recipe, before);
+    }
+
+    #[test]
+    fn every_key_tells_its_values_and_recipes_survive_json() {
+        for (key, values) in Recipe::keys() {
+            assert!(!values.is_empty(), "{key}");
+        }
+        let text = serde_json::to_string(&Recipe::default()).unwrap();
+        assert_eq!(serde_json::from_str::<Recipe>(&text).unwrap(), Recipe::default());
+    }
+}

@@ -1,0 +1,241 @@
+//! Frame after frame, on all threads.
+
+use std::sync::{Arc, OnceLock};
+use std::time::Instant;
+
+use super::finish::{Finished, finish};
+use super::frame::LazyGeometry;
+use super::run::{mean_of_passes, run_after};
+use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
+use super::{Frame, FrameTimes, Recipe};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::Lanes;
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::prepare;
+use crate::pipeline::settings::{Execution, Settings};
+use crate::pipeline::tiled::{self, TiledReport};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene};
+use crate::upscale::{Drawn, History};
+
+/// Draws frames as recipes say, on all threads where they allow it, and keeps memory from frame to frame.
+#[derive(Debug)]
+pub struct Renderer {
+    memory: tiled::Memory,
+    lanes: Lanes,
+    /// Colours as they were drawn, that are no longer needed.
+    spare: Option<Image<Rgba8>>,
+    /// A full picture that is no longer needed, of frames that are not drawn in full.
+    spare_full: Option<Image<Rgba8>>,
+    /// Depths that are no longer needed.
+    spare_depth: Option<Image<f32>>,
+    /// The last frame, if its upscaler reads the past.
+    past: Option<Past>,
+}
+
+/// A frame that the next one may read, and what that must have in common with it.
+#[derive(Debug)]
+struct Past {
+    scene: Arc<Scene>,
+    recipe: Recipe,
+    viewport: Viewport,
+    history: Arc<History>,
+}
+
+impl Default for Renderer {
+    fn default() -> Self {
+        Self {
+            memory: tiled::Memory::default(),
+            lanes: Lanes::best(),
+            spare: None,
+            spare_full: None,
+            spare_depth: None,
+            past: None,
+        }
+    }
+}
+
+/// Whether a frame keeps its depths for others to read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeepDepth {
+    /// It does.
+    Yes,
+    /// They are used and forgotten.
+    No,
+}
+
+impl Renderer {
+    /// One that computes on these lanes.
+    pub fn on(lanes: Lanes) -> Self {
+        Self { lanes, ..Self::default() }
+    }
+
+    /// Draws one frame of `viewport`'s size, on the threads of the present rayon pool.
+    pub fn render(
+        &mut self,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        viewport: Viewport,
+        keep_depth: KeepDepth,
+    ) -> Frame {
+        let same = |past: &Past| Arc::ptr_eq(&past.scene, scene) && past.recipe == *recipe && past.viewport == viewport;
+        let past = self.past.take().filter(same).map(|past| past.history);
+        let mut frame = if execution(scene, recipe).0 == Execution::Classic {
+            run_after((past, self.spare_full.take()), scene, camera, recipe, viewport, &mut ())
+        } else {
+            self.render_tiled(past, scene, camera, recipe, viewport, keep_depth)
+        };
+        let finished = Instant::now();
+        self.past = frame.history(recipe).map(|history| Past {
+            scene: Arc::clone(scene),
+            recipe: *recipe,
+            viewport,
+            history: Arc::new(history),
+        });
+        let remembering = finished.elapsed();
+        frame.times.upscale += remembering;
+        frame.times.total += remembering;
+        frame
+    }
+
+    /// Draws a view until further frames of it would be the same: one frame, unless the upscaler reads the past.
+    pub fn render_settled(
+        &mut self,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        viewport: Viewport,
+    ) -> Frame {
+        let mut frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
+        while frame.wants_another(recipe) {
+            frame = self.render(scene, camera, recipe, viewport, KeepDepth::Yes);
+        }
+        frame
+    }
+
+    fn render_tiled(
+        &mut self,
+        past: Option<Arc<History>>,
+        scene: &Arc<Scene>,
+        camera: &Camera,
+        recipe: &Recipe,
+        viewport: Viewport,
+        keep_depth: KeepDepth,
+    ) -> Frame {
+        let start = Instant::now();
+        let settings = &recipe.pipeline;
+        let (sampling, place) = sampling_after(past.as_deref(), recipe);
+        let raster = raster_of(sampling, viewport);
+        let seen_by = camera_of(camera, sampling, viewport, place);
+        let grid = sampling.grid();
+        let geometry = {
+            let (scene, settings) = (Arc::clone(scene), *settings);
+            let make = Arc::new(move || prepare(&scene, &seen_by, &settings, raster, &mut ()));
+            LazyGeometry { made: OnceLock::new(), make }
+        };
+        // The centres of pixels are drawn for their colours, or for their depths, or not at all.
+        let mut centres = (recipe.antialias.is_off() || keep_depth == KeepDepth::Yes).then(|| {
+            let memory = (self.spare.take(), self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes));
+            self.draw_tiled(scene, &seen_by, settings, (grid, raster), memory, keep_depth)
+        });
+        let smooth = mean_of_passes(recipe, (grid, raster), |place, spare| {
+            let seen = camera_of(camera, sampling, viewport, place);
+            let memory = (spare.or_else(|| self.spare.take()), None);
+            let (mut drawn, report) = self.draw_tiled(scene, &seen, settings, (grid, raster), memory, KeepDepth::No);
+            let color = std::mem::replace(&mut drawn.color, Image::filled(0, 0, [0; 4]));
+            centres.get_or_insert((drawn, report));
+            color
+        });
+        let (mut drawn, report) = centres
+            .unwrap_or_else(|| self.draw_tiled(scene, &seen_by, settings, (grid, raster), (None, None), keep_depth));
+        if let Some(smooth) = smooth {
+            self.spare = Some(std::mem::replace(&mut drawn.color, smooth));
+        }
+        let surfaces = shown_in_full(recipe).and_then(|shown| {
+            let area = (SampleGrid::FULL, viewport);
+            let (shown, _) = self.draw_tiled(scene, camera, &shown.pipeline, area, (None, None), KeepDepth::Yes);
+            surfaces(shown)
+        });
+        let drawn_at = Instant::now();
+        let outlines = outlines(scene, camera, recipe, viewport);
+        let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
+        let Finished { picture, unfiltered } = finish(recipe, &known, viewport, self.spare_full.take(), || {
+            outlines.as_ref().unwrap_or_else(|| &geometry.triangles)
+        });
+        let front = report.times.transform + report.times.cull;
+        let times = FrameTimes {
+            geometry: front,
+            pixels: (drawn_at - start).saturating_sub(front),
+            upscale: drawn_at.elapsed(),
+            total: start.elapsed(),
+        };
+        Frame {
+            finished: picture,
+            unfiltered,
+            drawn,
+            antialias: recipe.antialias,
+            camera: *camera,
+            surfaces,
+            past,
+            geometry,
+            plans: report.plans.clone(),
+            viewport,
+            raster,
+            sampling,
+            outlines,
+            execution: Execution::Tiled,
+            times,
+            tiled: Some(report),
+        }
+    }
+
+    /// Draws one sample for each pixel tile by tile, into memory that is no longer needed.
+    fn draw_tiled(
+        &mut self,
+        scene: &Scene,
+        seen: &Camera,
+        settings: &Settings,
+        (grid, raster): (SampleGrid, Viewport),
+        memory: (Option<Image<Rgba8>>, Option<Image<f32>>),
+        keep_depth: KeepDepth,
+    ) -> (Framebuffer, TiledReport) {
+        let keep = keep_depth == KeepDepth::Yes;
+        let mut drawn = Framebuffer::reusing(grid, raster, memory, settings, keep);
+        drawn.depth_scale = DepthScale::new(settings.depth_format, seen);
+        let report = tiled::draw(scene, seen, settings, raster, &mut drawn, &mut self.memory, self.lanes);
+        (drawn, report)
+    }
+
+    /// Takes the memory of a frame that nobody looks at any more.
+    pub fn recycle(&mut self, frame: Frame) {
+        let (drawn, full) = frame.into_memory();
+        self.spare = Some(drawn.color);
+        self.spare_depth = drawn.depth.or(self.spare_depth.take());
+        self.spare_full = full.or(self.spare_full.take());
+    }
+
+    /// Bytes held from frame to frame.
+    pub fn bytes(&self) -> usize {
+        self.memory.bytes()
+            + self.spare.as_ref().map_or(0, Image::bytes)
+            + self.spare_full.as_ref().map_or(0, Image::bytes)
+            + self.spare_depth.as_ref().map_or(0, Image::bytes)
+    }
+}
+
+/// How a recipe is executed on a scene, and why not otherwise where it asks for otherwise.
+pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
+    match recipe.execution {
+        Execution::Classic => (Execution::Classic, None),
+        Execution::Tiled if recipe.antialias.is_per_pixel() => {
+            (Execution::Classic, Some("this anti-aliasing draws its samples one triangle after the other"))
+        }
+        Execution::Tiled => match tiled::obstacle(scene, &recipe.pipeline) {
+            None => (Execution::Tiled, None),
+            why => (Execution::Classic, why),
+        },
+    }
+}

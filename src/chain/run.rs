@@ -1,0 +1,149 @@
+//! The classic way: one triangle after the other, with everyone watching who wants to.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::finish::{Finished, finish};
+use super::frame::LazyGeometry;
+use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
+use super::{Frame, FrameTimes, Recipe, samples};
+use crate::antialias::resolve::Mean;
+use crate::image::{Image, Rgba8};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::observe::Observer;
+use crate::pipeline::settings::Execution;
+use crate::pipeline::viewport::Viewport;
+use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
+use crate::scene::{Camera, Scene};
+use crate::upscale::{Drawn, History};
+
+/// Draws one frame of `viewport`'s size the classic way, watched by `observer`; of several samples for each pixel only that
+/// of its centre is. Cannot fail: a scene is always renderable.
+pub fn run<O: Observer>(
+    scene: &Scene,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    observer: &mut O,
+) -> Frame {
+    run_after((None, None), scene, camera, recipe, viewport, observer)
+}
+
+/// [`run`] after another frame of the same scene and recipe, the full picture in memory that is no longer needed.
+pub(super) fn run_after<O: Observer>(
+    (past, memory): (Option<Arc<History>>, Option<Image<Rgba8>>),
+    scene: &Scene,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    observer: &mut O,
+) -> Frame {
+    let start = Instant::now();
+    let (sampling, place) = sampling_after(past.as_deref(), recipe);
+    let raster = raster_of(sampling, viewport);
+    let seen_by = camera_of(camera, sampling, viewport, place);
+    let geometry = prepare(scene, &seen_by, &recipe.pipeline, raster, observer);
+    let geometry_done = Instant::now();
+
+    let grid = sampling.grid();
+    let mut drawn = draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, observer);
+    let smooth = if recipe.antialias.is_per_pixel() {
+        Some(samples::per_pixel(scene, &geometry, recipe, (grid, raster)))
+    } else {
+        mean_of_passes(recipe, (grid, raster), |place, _| {
+            let seen = camera_of(camera, sampling, viewport, place);
+            let geometry = prepare(scene, &seen, &recipe.pipeline, raster, &mut ());
+            draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, &mut ()).color
+        })
+    };
+    drawn.color = smooth.unwrap_or(drawn.color);
+    let surfaces = shown_in_full(recipe).and_then(|shown| {
+        let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
+        surfaces(draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), Until::Shade, &mut ()))
+    });
+    let drawn_at = Instant::now();
+
+    let outlines = outlines(scene, camera, recipe, viewport);
+    let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
+    let Finished { picture, unfiltered } =
+        finish(recipe, &known, viewport, memory, || outlines.as_ref().unwrap_or(&geometry.triangles));
+    let times = FrameTimes {
+        geometry: geometry_done - start,
+        pixels: drawn_at - geometry_done,
+        upscale: drawn_at.elapsed(),
+        total: start.elapsed(),
+    };
+    Frame {
+        finished: picture,
+        unfiltered,
+        drawn,
+        antialias: recipe.antialias,
+        camera: *camera,
+        surfaces,
+        past,
+        plans: geometry.plans.clone(),
+        geometry: LazyGeometry::made(geometry),
+        viewport,
+        raster,
+        sampling,
+        outlines,
+        execution: Execution::Classic,
+        times,
+        tiled: None,
+    }
+}
+
+/// The mean of the passes of a recipe that `pass` draws, in memory that is no longer needed; nothing without
+/// passes.
+pub(super) fn mean_of_passes(
+    recipe: &Recipe,
+    (grid, raster): (SampleGrid, Viewport),
+    mut pass: impl FnMut([f64; 2], Option<Image<Rgba8>>) -> Image<Rgba8>,
+) -> Option<Image<Rgba8>> {
+    let (width, height) = grid.packed_size(raster.width, raster.height);
+    let (mut mean, mut spare) = (None, None);
+    for place in samples::passes(recipe.antialias) {
+        let picture = pass(place, spare.take());
+        mean.get_or_insert_with(|| Mean::new(width, height, recipe.antialias.light)).add(&picture);
+        spare = Some(picture);
+    }
+    mean.map(|mean| mean.picture())
+}
+
+/// Draws the triangles of a frame once more into a framebuffer of their own, as far as `until` says. `recipe` may differ
+/// from the frame's own in what concerns samples only: depth test and shading, not geometry. What the frame cuts out
+/// stays cut out, and what it blends comes last and leaves no depth.
+pub fn redraw<O: Observer>(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    until: Until,
+    observer: &mut O,
+) -> Framebuffer {
+    let area = (frame.sampling.grid(), frame.raster);
+    draw_pixels(scene, recipe, &frame.geometry, area, until, observer)
+}
+
+/// The geometry stages of a frame once more, watched: all triangles, even if the frame's own list was cut short. `recipe`
+/// may differ from the frame's own in anything but the upscaler.
+pub fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
+    let (_, place) = sampling_after(frame.past.as_deref(), recipe);
+    let seen_by = camera_of(&frame.camera, frame.sampling, frame.viewport, place);
+    prepare(scene, &seen_by, &recipe.pipeline, frame.raster, observer)
+}
+
+pub(super) fn draw_pixels<O: Observer>(
+    scene: &Scene,
+    recipe: &Recipe,
+    geometry: &Geometry,
+    (grid, viewport): (SampleGrid, Viewport),
+    until: Until,
+    observer: &mut O,
+) -> Framebuffer {
+    let (Viewport { width, height }, settings) = (viewport, &recipe.pipeline);
+    let mut drawn = Framebuffer::new(grid, width, height, scene.background, settings);
+    draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut drawn, observer);
+    drawn.depth_scale = geometry.depth_scale;
+    drawn
+}

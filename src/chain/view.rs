@@ -1,0 +1,56 @@
+//! What is drawn for a view: how large a picture, seen by which camera, and what the upscaler reads besides.
+
+use super::{Recipe, samples};
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::prepare;
+use crate::pipeline::settings::{DepthTest, Settings, Shading};
+use crate::pipeline::triangle_list::TriangleList;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene};
+use crate::upscale::{History, Sampling, Seen, Surfaces};
+
+/// What is drawn after another frame, and where in their pixels the samples lie.
+pub(super) fn sampling_after(past: Option<&History>, recipe: &Recipe) -> (Sampling, [f64; 2]) {
+    let frames = past.map_or(0, |past| past.frames.wrapping_add(1));
+    recipe.upscaler.upscaler().sampling_of(recipe.upscaler, frames)
+}
+
+/// The recipe that finds which object every pixel shows, if the upscaler reads that and depths are kept.
+pub(super) fn shown_in_full(recipe: &Recipe) -> Option<Recipe> {
+    let reads = recipe.upscaler.upscaler().reads().surfaces && recipe.pipeline.depth_test != DepthTest::Off;
+    let pipeline = Settings { shading: Shading::ObjectId, ..recipe.pipeline };
+    reads.then_some(Recipe { pipeline, ..Recipe::default() })
+}
+
+/// What a picture of objects with its depths shows.
+pub(super) fn surfaces(shown: Framebuffer) -> Option<Surfaces> {
+    let scale = shown.depth_scale;
+    let distance = shown.depth?.map(|stored| scale.distance_of(stored) as f32);
+    Some(Surfaces { object: shown.color, distance })
+}
+
+/// What the upscaler may read besides colours.
+pub(super) fn seen<'a>(
+    surfaces: Option<&'a Surfaces>,
+    camera: &'a Camera,
+    past: Option<&'a History>,
+) -> Option<Seen<'a>> {
+    surfaces.map(|surfaces| Seen { surfaces, camera, past })
+}
+
+/// Size of the picture that is really drawn.
+pub(super) fn raster_of(sampling: Sampling, Viewport { width, height }: Viewport) -> Viewport {
+    let (width, height) = sampling.raster_size(width, height);
+    Viewport { width, height }
+}
+
+/// The camera that sees the picture that is really drawn, with samples at `place` in its pixels.
+pub(super) fn camera_of(camera: &Camera, sampling: Sampling, viewport: Viewport, place: [f64; 2]) -> Camera {
+    samples::moved_window(camera, sampling, viewport, place).unwrap_or(*camera)
+}
+
+/// The triangles of the full picture, where lines over it need them and what is drawn is a smaller one.
+pub(super) fn outlines(scene: &Scene, camera: &Camera, recipe: &Recipe, viewport: Viewport) -> Option<TriangleList> {
+    let drawn_smaller = matches!(recipe.upscaler.sampling(), Sampling::Lattice(_));
+    (recipe.wireframe && drawn_smaller).then(|| prepare(scene, camera, &recipe.pipeline, viewport, &mut ()).triangles)
+}

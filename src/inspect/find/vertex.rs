@@ -1,0 +1,138 @@
+//! Going to a vertex: which one is meant, and where it lies in the picture.
+
+use super::{Found, named};
+use crate::chain::{Frame, Recipe};
+use crate::inspect::vertices::{ObjectVertices, plane_name};
+use crate::scene::Scene;
+
+/// Reads "vertex 12 of knot", "v12 of knot" or "v12". Without a name it is a vertex of the object with the number `near`, or of
+/// the only one. `None` if the text is about no vertex; the error says what could not be found.
+pub(super) fn parse(text: &str, scene: &Scene, near: Option<u32>) -> Option<Result<(u32, u32), String>> {
+    let text = text.trim().to_lowercase();
+    let (number, name) = text.split_once(" of ").map_or((text.as_str(), None), |(number, name)| (number, Some(name)));
+    let number = ["vertex", "v"].iter().find_map(|word| number.strip_prefix(word))?;
+    let number: u32 = number.trim().parse().ok()?;
+    Some(object(scene, name, near).and_then(|object| checked(scene, object, number)))
+}
+
+/// The object that is meant.
+fn object(scene: &Scene, name: Option<&str>, near: Option<u32>) -> Result<u32, String> {
+    let Some(name) = name.map(str::trim) else {
+        let only = (scene.instances.len() == 1).then_some(0);
+        let which = || "Of which object? Pick a pixel of it, or say: vertex 12 of its name".to_owned();
+        return near.or(only).ok_or_else(which);
+    };
+    let exact = named(scene, |instance| instance.to_lowercase() == name);
+    let all = || named(scene, |instance| instance.to_lowercase().contains(name));
+    exact.first().copied().or_else(|| all().first().copied()).ok_or_else(|| format!("No object is called “{name}”"))
+}
+
+fn checked(scene: &Scene, object: u32, number: u32) -> Result<(u32, u32), String> {
+    let instance = scene.instances.get(object as usize).ok_or("There is no such object")?;
+    let count = scene.library.mesh(instance.mesh).positions.len();
+    if (number as usize) < count {
+        Ok((object, number))
+    } else {
+        Err(format!("“{}” has {count} vertices, numbered from 0", instance.name))
+    }
+}
+
+/// As a person calls it.
+pub(super) fn words(scene: &Scene, object: u32, number: u32) -> String {
+    let name = scene.instances.get(object as usize).map_or("", |instance| instance.name.as_str());
+    format!("Vertex {number} of “{name}”")
+}
+
+/// Where a vertex lies in a frame.
+pub(super) fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, (object, number): (u32, u32)) -> Found {
+    let words = words(scene, object, number);
+    let size = frame.viewport;
+    let vertices = ObjectVertices::new(scene, &frame.camera, &recipe.pipeline, size, object as usize);
+    let Some(vertex) = vertices.and_then(|vertices| vertices.stages(number)) else {
+        return Found::Nowhere(format!("{words} is not there"));
+    };
+    let beyond: Vec<_> = vertex.outcode.planes().map(plane_name).collect();
+    let Some(screen) = vertex.screen.filter(|_| beyond.is_empty()) else {
+        let sides = if beyond.is_empty() { "not finite".to_owned() } else { format!("beyond: {}", beyond.join(", ")) };
+        return Found::Nowhere(format!("{words} lies outside of the view, {sides}"));
+    };
+    // On the right and the lower border of the view it lies on no pixel any more.
+    let [x, y] = screen.px;
+    let pixel = ((x as u32).min(size.width - 1), (y as u32).min(size.height - 1));
+    let mut told = format!("{words} lies at {x:.3}, {y:.3} px, {:.4} from the eye", -vertex.view.z);
+    if let Some(shown) = shown_distance(frame, pixel) {
+        told += &format!("; what the pixel shows is {shown:.4} from the eye");
+    }
+    Found::At(pixel, told)
+}
+
+/// How far from the eye, along the line of sight, what a pixel shows is, as far as that left a depth.
+fn shown_distance(frame: &Frame, (x, y): (u32, u32)) -> Option<f64> {
+    let (column, row) = frame.sample_at(x, y)?;
+    let depth = frame.drawn.depth.as_ref()?.at(column, row);
+    (depth != frame.drawn.clear_depth).then(|| frame.depth_scale().distance_of(depth))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::run;
+    use crate::inspect::find::Wanted;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+
+    const SIZE: Viewport = Viewport { width: 64, height: 48 };
+
+    #[test]
+    fn vertices_are_read_by_number_and_object() {
+        let scene = builtin::by_id("cubes").unwrap().build();
+        let name = scene.instances[3].name.to_lowercase();
+        for text in [format!("vertex 7 of {name}"), format!("V7 of {}", name.to_uppercase())] {
+            let Some(Ok((object, 7))) = parse(&text, &scene, None) else { panic!("{text}") };
+            assert_eq!(scene.instances[object as usize].name.to_lowercase(), name);
+        }
+        assert_eq!(parse("v 7", &scene, Some(5)), Some(Ok((5, 7))));
+        assert!(parse("v7", &scene, None).unwrap().unwrap_err().contains("Of which object"));
+        assert!(parse("v999999", &scene, Some(5)).unwrap().unwrap_err().contains("vertices, numbered from 0"));
+        assert!(parse("v7 of nothing", &scene, None).unwrap().unwrap_err().contains("nothing"));
+        assert_eq!(parse("12,3", &scene, None), None);
+        assert_eq!(parse("vase", &scene, None), None, "an object may be called so");
+    }
+
+    #[test]
+    fn a_vertex_is_found_in_the_pixel_that_it_lies_in_and_what_is_outside_is_said() {
+        let recipe = Recipe::default();
+        let (mut inside, mut outside) = (0, 0);
+        for id in ["cubes", "near-plane"] {
+            let scene = builtin::by_id(id).unwrap().build();
+            let frame = run(&scene, &scene.home, &recipe, SIZE, &mut ());
+            let clip_from_world =
+                scene.home.clip_from_view(SIZE.aspect(), crate::scene::DepthMapping::Standard).as_dmat4()
+                    * scene.home.view_from_world_f64();
+            for object in 0..scene.instances.len() as u32 {
+                let instance = &scene.instances[object as usize];
+                for number in 0..scene.library.mesh(instance.mesh).positions.len() as u32 {
+                    let model = scene.library.mesh(instance.mesh).positions[number as usize];
+                    let clip = clip_from_world * instance.world_from_model.as_dmat4() * model.as_dvec3().extend(1.0);
+                    let ndc = clip.truncate() / clip.w;
+                    let found = super::super::find(&scene, &recipe, &frame, &Wanted::Vertex(object, number));
+                    match found {
+                        Found::At((x, y), told) => {
+                            let place = [(ndc.x * 0.5 + 0.5) * 64.0, (0.5 - ndc.y * 0.5) * 48.0];
+                            let off = (place[0] - f64::from(x) - 0.5).abs().max((place[1] - f64::from(y) - 0.5).abs());
+                            assert!(clip.w > 0.0 && off < 0.501, "{told}: {place:?}");
+                            inside += 1;
+                        }
+                        Found::Nowhere(told) => {
+                            let is_out = clip.w <= 0.0 || ndc.abs().max_element() > 0.999 || ndc.z < 0.001;
+                            assert!(is_out && told.contains("outside of the view"), "{told}: {ndc}");
+                            outside += 1;
+                        }
+                        other => panic!("{other:?}"),
+                    }
+                }
+            }
+        }
+        assert!(inside > 100 && outside > 2, "{inside} {outside}");
+    }
+}

@@ -1,0 +1,163 @@
+//! The talk with the renderer: what is asked when something changed, and what becomes of the answers.
+
+use std::sync::mpsc::TryRecvError;
+use std::time::Instant;
+
+use eframe::egui::Ui;
+
+use super::Workbench;
+use crate::inspect::find::{self, Found, Wanted};
+use crate::ui::engine::Request;
+use crate::ui::panels::bottom::Tab;
+use crate::ui::session::{Level, Measuring};
+use crate::ui::task::Task;
+use crate::ui::worker::{Answer, Job};
+
+impl Workbench {
+    /// Takes what the renderer and the loader have ready.
+    pub(super) fn listen(&mut self) {
+        while let Some(answer) = self.worker.poll() {
+            self.hear(answer);
+        }
+        self.hear_tasks();
+        if let Some(outcome) = self.saving.as_ref().and_then(|saving| saving.try_recv().ok()) {
+            self.saving = None;
+            self.saved(outcome);
+        }
+        if let Some(loading) = &self.loading {
+            let source = loading.source.clone();
+            match loading.result.try_recv() {
+                Ok(result) => {
+                    self.loading = None;
+                    self.loaded(source, result);
+                }
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => {
+                    self.loading = None;
+                    let text = format!("Loading {} stopped by an error of the program", source.title());
+                    self.session.report(Level::Error, text);
+                }
+            }
+        }
+    }
+
+    pub(super) fn hear(&mut self, answer: Answer) {
+        match answer {
+            Answer::View(view) => {
+                if view.fresh && view.request.triangle_limit.is_none() {
+                    let ms = view.frame.times.total.as_secs_f64() * 1e3;
+                    self.session.timings.record_recent(&view.request, ms);
+                }
+                self.session.view = Some(*view);
+                self.asked_at = None;
+            }
+            Answer::Compared(compared) => self.session.compared = Some(*compared),
+            Answer::Watched(rows) => self.session.watch.hear(rows),
+            Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
+            Answer::Stages(figures) => self.session.stages = Some(*figures),
+            Answer::Sample { upscaling, milliseconds, progress } => {
+                self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
+                self.session.timings.record_measured(upscaling, milliseconds);
+            }
+            Answer::Judged { upscaling, error } => self.session.timings.record_error(upscaling, *error),
+            Answer::Measured => self.session.measuring = None,
+            Answer::Panicked(text) => {
+                let text = format!("Drawing stopped by an error of the program: {text}. The last good picture stays.");
+                self.session.report(Level::Error, text);
+            }
+        }
+    }
+
+    /// Sends a request if something has changed that it depends on.
+    pub(super) fn ask(&mut self, ui: &Ui) {
+        self.session.pick_by_itself();
+        let request = self.session.request();
+        let same = self.asked.as_ref().is_some_and(|asked| asked.same_view(&request));
+        if !same && self.session.canvas_px != (0, 0) {
+            self.asked = Some(request.clone());
+            self.asked_at.get_or_insert_with(Instant::now);
+            self.worker.send(Job::Show(Box::new(request)));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
+    /// Sends what is to be compared if that has changed.
+    pub(super) fn ask_to_compare(&mut self, ui: &Ui) {
+        let request = self.session.compare_request().filter(|_| self.session.canvas_px != (0, 0));
+        let same = match (&self.asked_to_compare, &request) {
+            (Some(asked), Some(request)) => asked.same_as(request),
+            (asked, request) => asked.is_none() && request.is_none(),
+        };
+        if same {
+            return;
+        }
+        if request.is_none() {
+            self.session.compared = None;
+        }
+        self.asked_to_compare = request.clone();
+        self.worker.send(Job::Compare(request.map(Box::new)));
+        if self.waits {
+            self.listen();
+            ui.request_repaint();
+        }
+    }
+
+    /// Says which pixels are watched if that has changed.
+    pub(super) fn ask_to_watch(&mut self, ui: &Ui) {
+        if self.asked_to_watch != self.session.watch.pixels {
+            self.asked_to_watch.clone_from(&self.session.watch.pixels);
+            self.worker.send(Job::Watch(self.asked_to_watch.clone()));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
+    /// Asks what a change did if that is looked at and something is new.
+    pub(super) fn ask_what_if(&mut self, ui: &Ui) {
+        let request = self.session.what_if_request().filter(|_| self.session.canvas_px != (0, 0));
+        if self.session.what_if.asks_anew(request.as_ref()) {
+            self.worker.send(Job::WhatIf(request.map(Box::new)));
+            if self.waits {
+                self.listen();
+                ui.request_repaint();
+            }
+        }
+    }
+
+    /// Starts timing all upscalers on what is shown.
+    pub fn measure(&mut self) {
+        let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
+        let reference = self.session.comparison.reference;
+        self.session.timings.begin_measurement(request.clone(), reference);
+        self.session.measuring = Some(Measuring { progress: 0.0 });
+        if self.tab != Tab::ErrorTime {
+            self.tab = Tab::FrameTime;
+        }
+        self.worker.send(Job::Measure(Box::new(request), reference));
+    }
+
+    /// Looks for something in the frame on screen, on a thread of its own.
+    pub(super) fn find(&mut self, ui: &Ui, wanted: Wanted) {
+        let Some(view) = self.session.view.clone() else { return };
+        let look = move || {
+            let found = find::find(&view.request.scene, &view.request.recipe, &view.frame, &wanted);
+            (wanted, found)
+        };
+        if self.waits {
+            self.found(&look());
+        } else {
+            self.finding = Some(Task::start(ui.ctx().clone(), move |_, _| Some(look())));
+        }
+    }
+
+    pub(super) fn found(&mut self, (wanted, found): &(Wanted, Found)) {
+        if let Some(pixel) = self.session.take_found(wanted, found) {
+            self.canvas.bring_into_view(pixel, self.session.canvas_px);
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! Opening scenes and cases: models are loaded on a thread of their own.
+
+use std::path::Path;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use eframe::egui::Ui;
+
+use super::Workbench;
+use crate::case::Case;
+use crate::scene::obj::Loaded;
+use crate::scene::{SceneError, SceneSource};
+use crate::ui::panels::bottom::Tab;
+use crate::ui::session::Level;
+use crate::ui::worker::Job;
+
+/// A model is called slow, and its progress shown, after this time.
+pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
+
+/// A model that is being loaded on a thread of its own.
+pub(super) struct Loading {
+    pub(super) source: SceneSource,
+    pub(super) result: Receiver<Result<Loaded, SceneError>>,
+    pub(super) since: Instant,
+}
+
+impl Workbench {
+    pub(super) fn open(&mut self, ui: &Ui, source: SceneSource) {
+        if let SceneSource::File(path) = &source
+            && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+        {
+            match Case::read(path) {
+                Ok(case) => self.session.show_case(case),
+                Err(error) => self.session.report(Level::Error, error.to_string()),
+            }
+            return;
+        }
+        if self.waits {
+            let result = source.load();
+            self.loaded(source, result);
+            return;
+        }
+        let (sender, result) = channel();
+        let (context, wanted) = (ui.ctx().clone(), source.clone());
+        std::thread::spawn(move || {
+            // Nobody listens any more if loading was cancelled.
+            drop(sender.send(wanted.load()));
+            context.request_repaint();
+        });
+        self.loading = Some(Loading { source, result, since: Instant::now() });
+        ui.request_repaint_after(SLOW_LOAD);
+    }
+
+    pub(super) fn loaded(&mut self, source: SceneSource, result: Result<Loaded, SceneError>) {
+        match result {
+            Ok(Loaded { scene, warnings }) => {
+                self.session.show_scene(scene, source);
+                self.worker.send(Job::CancelMeasure);
+                self.canvas.fit();
+                self.warn(&warnings);
+            }
+            Err(error) => {
+                self.session.places.pending = None;
+                self.session.report(Level::Error, error.to_string());
+            }
+        }
+    }
+
+    /// Writes the loader's warnings into the log.
+    pub fn warn(&mut self, warnings: &[crate::scene::Warning]) {
+        for warning in warnings {
+            self.session.report(Level::Warning, warning.to_string());
+        }
+        if !warnings.is_empty() {
+            self.tab = Tab::Log;
+        }
+    }
+
+    pub(super) fn slow_load(&self) -> Option<&Path> {
+        let loading = self.loading.as_ref()?;
+        match &loading.source {
+            SceneSource::File(path) if loading.since.elapsed() >= SLOW_LOAD => Some(path),
+            _ => None,
+        }
+    }
+}

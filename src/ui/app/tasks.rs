@@ -1,0 +1,107 @@
+//! Long measurements on threads of their own: their start, and what they tell.
+
+use std::sync::Arc;
+
+use eframe::egui::Ui;
+
+use super::Workbench;
+use crate::measure::leaving_out::savings;
+use crate::measure::scaling::{self, Quantity};
+use crate::report::stability::sweep::{self, Plan, Progress, Stage};
+use crate::ui::engine::Request;
+use crate::ui::panels::bottom::Tab;
+use crate::ui::probe;
+use crate::ui::session::Level;
+use crate::ui::task::{Listening, Task};
+
+impl Workbench {
+    /// Makes the stability report on a thread of its own.
+    pub(super) fn judge(&mut self, ui: &Ui) {
+        self.tab = Tab::Stability;
+        self.session.stability.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
+        let plan = Plan::default();
+        self.judging = Some(Task::start(ui.ctx().clone(), move |tell, stop| sweep::run(&plan, tell, stop)));
+    }
+
+    /// Measures what the plan of the present view saves.
+    pub(super) fn measure_plan(&mut self, ui: &Ui) {
+        /// Rounds that count.
+        const ROUNDS: usize = 21;
+        let request = self.session.request();
+        self.session.savings.progress = Some(0.0);
+        self.measuring_savings = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
+            let Request { scene, camera, recipe, viewport, .. } = &request;
+            savings(scene, camera, recipe, *viewport, ROUNDS, tell, stop)
+        }));
+    }
+
+    /// Measures how cost grows, with the present recipe.
+    pub(super) fn measure_growth(&mut self, ui: &Ui) {
+        /// Triangles at most, and rounds that count: it shall take seconds, not minutes.
+        const MOST: (usize, usize) = (1_000_000, 7);
+        let recipe = self.session.state.recipe;
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        self.session.growth.progress = Some((Quantity::Triangles, 0.0));
+        self.measuring_growth = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
+            let plan = scaling::Plan::new(recipe, MOST.0, threads, MOST.1);
+            scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok()
+        }));
+    }
+
+    /// Takes what long measurements have said.
+    pub(super) fn hear_tasks(&mut self) {
+        probe::listen(&mut self.session);
+        let session = &mut self.session;
+        let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
+            session.stability.report = Some(Arc::from(report));
+        });
+        let name = &session.scene.name;
+        let broke_off = broke_off
+            | hear(&mut self.measuring_savings, &mut session.savings.progress, |found| {
+                session.savings.found = Some((Arc::from(found), name.clone()));
+            })
+            | hear(&mut self.measuring_growth, &mut session.growth.progress, |found| {
+                session.growth.found = Some(Arc::from(found));
+            });
+        let mut found = None;
+        let broke_off = broke_off | hear(&mut self.finding, &mut None, |what| found = Some(what));
+        if broke_off {
+            session.report(Level::Error, "A measurement stopped by an error of the program");
+        }
+        if let Some(what) = found {
+            self.found(&what);
+        }
+    }
+
+    /// Changes what is known of how firmly the picture stands.
+    pub(super) fn probe(&mut self, ui: &Ui, change: probe::Change) {
+        match probe::apply(&mut self.session, ui.ctx(), change) {
+            probe::Rest::Nothing => {}
+            probe::Rest::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
+            probe::Rest::Write(case) => self.write_case(&case),
+        }
+    }
+}
+
+/// Takes what a task has said; whether it broke off.
+fn hear<P: Send + 'static, T: Send + 'static>(
+    task: &mut Option<Task<P, T>>,
+    progress: &mut Option<P>,
+    done: impl FnOnce(Box<T>),
+) -> bool {
+    let Some(running) = task else { return false };
+    let listening = running.listen(progress);
+    if !matches!(listening, Listening::GoesOn) {
+        *task = None;
+    }
+    match listening {
+        Listening::GoesOn => false,
+        Listening::Ended(result) => {
+            if let Some(result) = result {
+                done(result);
+            }
+            false
+        }
+        Listening::BrokeOff => true,
+    }
+}

@@ -1,0 +1,113 @@
+//! The figures under a picture, and under its rectangle.
+
+use eframe::egui::{self, Align2, Color32, FontId, Rect, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+
+use super::small;
+use crate::measure::against::Figures;
+use crate::pipeline::settings::Choice as _;
+use crate::ui::compare::compute::Compared;
+use crate::ui::compare::letter;
+use crate::ui::format;
+use crate::ui::session::Session;
+use crate::ui::theme::{font_size, space, tokens};
+
+/// Height of a line of figures, in points.
+pub(super) const LINE: f32 = 15.0;
+
+/// Room of one figure with its name, in points.
+const FIGURE: f32 = 108.0;
+
+/// Lines that the figures of a picture take in a column of this width, in points.
+pub(super) fn figure_lines(width: f32) -> usize {
+    if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len().div_ceil((width / FIGURE) as usize) }
+}
+
+/// How many figures of a picture are shown in a column of this width, in points: the most telling ones.
+fn figure_count(width: f32) -> usize {
+    if width < 2.0 * FIGURE { NAMED.len().div_ceil(2) } else { NAMED.len() }
+}
+
+/// A figure's name, and how it is written.
+type Named = (&'static str, fn(&Figures) -> String);
+
+/// The figures with their names, the most telling first.
+const NAMED: [Named; 6] = [
+    ("PSNR", |f| {
+        if f.codes.mse == 0.0 { "identical".to_owned() } else { format!("{} dB", format::fixed(f.codes.psnr_db, 2)) }
+    }),
+    ("SSIM", |f| format::fixed(f.codes.ssim, 4)),
+    ("FLIP", |f| format::fixed(f.flip, 4)),
+    ("MSE", |f| format::fixed(f.codes.mse, 2)),
+    ("max", |f| f.codes.max_abs.to_string()),
+    ("differ", |f| format!("{} px", format::count(f.codes.differing_pixels))),
+];
+
+/// What figures mean, for those who ask.
+const FIGURES_HELP: &str = "Against the reference named above. PSNR and MSE of sRGB codes; SSIM: 1 is equal; FLIP: 0 is \
+    equal, 1 black against white; max: the largest difference of a code; differ: how many pixels are not the same";
+
+pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, session: &Session) {
+    let (left, right) = footer.split_left_right_at_fraction(0.5);
+    figures_of(ui, 0, left, compared, session);
+    figures_of(ui, 1, right, compared, session);
+}
+
+/// The figures of a tile, and below those of the rectangle.
+pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
+    let Some(tile) = compared.tiles.get(index) else { return };
+    let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
+    let drawn = format!(
+        "{} of the pixels drawn; this one frame took {}",
+        format::percent(tile.drawn_share),
+        format::ms(tile.frame_ms)
+    );
+    let lines = figure_lines(footer.width()) as f32 * LINE;
+    let words = match &tile.measured {
+        None => "measuring …".to_owned(),
+        Some(measured) => match &measured.figures {
+            None => "no figures: this picture and the reference have other sizes".to_owned(),
+            Some(figures) => draw_figures(ui, footer, figures, tokens(ui).text),
+        },
+    };
+    if tile.measured.as_ref().is_none_or(|measured| measured.figures.is_none()) {
+        let at = footer.min + vec2(space::XS, 2.0);
+        ui.painter().with_clip_rect(footer).text(at, Align2::LEFT_TOP, &words, small(), tokens(ui).text_weak);
+    }
+    if let Some(figures) = &tile.within {
+        draw_figures(ui, footer.translate(vec2(0.0, lines)), figures, tokens(ui).accent);
+    }
+    let name = format!("Figures of {}: {words}", letter(index));
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &name));
+    response.on_hover_ui(|ui| {
+        ui.label(egui::RichText::new(tile.recipe.upscaler.label()).strong());
+        ui.label(&drawn);
+        for (figures, of) in
+            [(tile.measured.as_ref().and_then(|m| m.figures), "Whole picture"), (tile.within, "Region")]
+        {
+            if let Some(figures) = figures {
+                ui.label(format!("{of}: {}", words_of(&figures, NAMED.len())));
+            }
+        }
+        ui.label(format!("{FIGURES_HELP}: {}", session.comparison.reference.name()));
+    });
+}
+
+fn words_of(figures: &Figures, count: usize) -> String {
+    let words = NAMED[..count].iter().map(|(name, value)| format!("{name} {}", value(figures)));
+    words.collect::<Vec<_>>().join(" · ")
+}
+
+/// Figures in columns from the top of a rectangle on; also as words.
+fn draw_figures(ui: &Ui, rect: Rect, figures: &Figures, color: Color32) -> String {
+    let painter = ui.painter();
+    let count = figure_count(rect.width());
+    let columns = count.div_ceil(figure_lines(rect.width()));
+    let step = rect.width() / columns as f32;
+    for (place, (name, value)) in NAMED[..count].iter().enumerate() {
+        let at = rect.min + vec2((place % columns) as f32 * step + space::XS, (place / columns) as f32 * LINE + 2.0);
+        let name = painter.text(at, Align2::LEFT_TOP, name, small(), tokens(ui).text_weak);
+        let font = FontId::monospace(font_size::SMALL);
+        painter.text(pos2(name.right() + space::XS, at.y), Align2::LEFT_TOP, value(figures), font, color);
+    }
+    words_of(figures, count)
+}

@@ -1,0 +1,65 @@
+//! The row over a picture: its letter, and its upscaler to be changed there.
+
+use eframe::egui::{self, Rect, Role, Ui, UiBuilder, WidgetInfo, vec2};
+
+use super::color;
+use super::layout::Place;
+use crate::chain::Recipe;
+use crate::ui::command::Command;
+use crate::ui::compare::{Change, Mode, letter};
+use crate::ui::session::Session;
+use crate::ui::theme::{CONTROL_HEIGHT, space};
+use crate::ui::widgets::{combo, icon_button};
+use crate::upscale::Upscaling;
+
+/// Height of the row over a picture, in points.
+pub(super) const HEADER: f32 = CONTROL_HEIGHT + space::XS;
+
+/// What stands over a picture: one row, or one half of it for each of A and B.
+pub(super) fn headers(ui: &mut Ui, index: usize, place: Place, session: &Session, commands: &mut Vec<Command>) {
+    if session.comparison.mode == Mode::Tiles {
+        header(ui, index, place.header, session, commands);
+    } else {
+        let (left, right) = place.header.split_left_right_at_fraction(0.5);
+        header(ui, 0, left, session, commands);
+        header(ui, 1, right, session, commands);
+    }
+}
+
+/// Letter and upscaler of a tile, to be changed there.
+fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mut Vec<Command>) {
+    let recipe = session.state.tiles.recipe(tile, session.state.recipe);
+    let builder = UiBuilder::new()
+        .id_salt(("tile header", tile))
+        .max_rect(rect.shrink2(vec2(space::XS, 1.0)))
+        .layout(egui::Layout::left_to_right(egui::Align::Center));
+    let mut row = ui.new_child(builder);
+    let removable = session.comparison.mode == Mode::Tiles && session.state.tiles.count() > 2;
+    let name = letter(tile);
+    let text = egui::RichText::new(name).strong().color(color(ui, tile));
+    let active = tile == session.state.tiles.active;
+    let label = row.selectable_label(active, text);
+    label.widget_info(|| WidgetInfo::selected(Role::Button, true, active, format!("Tile {name}")));
+    if label.on_hover_text("Edit this one at the left and question it at the right").clicked() {
+        commands.push(Command::Compare(Change::Activate(tile)));
+    }
+    let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
+    let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe));
+    if let Some(upscaler) = chosen {
+        commands.push(Command::Compare(Change::Recipe(tile, Recipe { upscaler, ..recipe })));
+    }
+    if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Take {name} away")).clicked() {
+        commands.push(Command::Compare(Change::Remove(tile)));
+    }
+}
+
+/// All upscalers to choose from; the one that was chosen anew.
+fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe) -> Option<Upscaling> {
+    let mut chosen = recipe.upscaler;
+    combo("tile upscaler", &recipe.upscaler.label(), width).height(480.0).show_ui(ui, |ui| {
+        for upscaling in Upscaling::every() {
+            ui.selectable_value(&mut chosen, upscaling, upscaling.label()).on_hover_text(upscaling.upscaler().help());
+        }
+    });
+    (chosen != recipe.upscaler).then_some(chosen)
+}

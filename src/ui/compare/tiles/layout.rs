@@ -1,0 +1,59 @@
+//! Where tiles lie on the canvas, and what belongs to each.
+
+use eframe::egui::{Rect, Vec2, vec2};
+
+use super::figures::{LINE, figure_lines};
+use super::header::HEADER;
+use crate::ui::compare::Mode;
+use crate::ui::session::{PictureSize, Session};
+use crate::ui::theme::space;
+
+/// Gap between tiles, in points.
+const GAP: f32 = space::XS;
+
+/// One tile of this frame of the window.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    pub(super) header: Rect,
+    pub(super) picture: Rect,
+    pub(super) footer: Rect,
+}
+
+/// Where tiles lie on the canvas.
+pub(super) fn places(canvas: Rect, session: &Session) -> Vec<Place> {
+    let comparison = &session.comparison;
+    let shown = if comparison.mode == Mode::Tiles { comparison.shown(&session.state.tiles) } else { 1 };
+    let aspect = match session.state.size {
+        PictureSize::Fixed(width, height) => width as f32 / height.max(1) as f32,
+        PictureSize::Canvas => 1.4,
+    };
+    // Room for them is there before the rectangle is drawn, so that the pictures do not change under it.
+    let blocks = if comparison.region.is_some() || comparison.draws_region { 2.0 } else { 1.0 };
+    let layout = |columns: usize| {
+        let rows = shown.div_ceil(columns);
+        let cell = (canvas.size() + Vec2::splat(GAP)) / vec2(columns as f32, rows as f32) - Vec2::splat(GAP);
+        let lines = if comparison.mode == Mode::Tiles { figure_lines(cell.x) } else { figure_lines(cell.x / 2.0) };
+        let footer = blocks * lines as f32 * LINE + space::XS;
+        let picture = vec2(cell.x, (cell.y - HEADER - footer).max(1.0));
+        (cell.floor(), picture.floor(), footer)
+    };
+    let area = |columns: &usize| {
+        let (_, picture, _) = layout(*columns);
+        let height = picture.y.min(picture.x / aspect);
+        // Of two ways that show much the same, the one without gaps.
+        height * height * aspect * shown as f32 / (*columns * shown.div_ceil(*columns)) as f32
+    };
+    let columns = (1..=shown.max(1)).max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or(1);
+    let (cell, picture, footer) = layout(columns);
+    let place = |index: usize| {
+        let step = (cell + Vec2::splat(GAP)) * vec2((index % columns) as f32, (index / columns) as f32);
+        let min = canvas.min + step;
+        let top = min + vec2(0.0, HEADER);
+        Place {
+            header: Rect::from_min_size(min, vec2(cell.x, HEADER)),
+            picture: Rect::from_min_size(top, picture),
+            footer: Rect::from_min_size(top + vec2(0.0, picture.y), vec2(cell.x, footer)),
+        }
+    };
+    (0..shown).map(place).collect()
+}

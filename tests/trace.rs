@@ -1,0 +1,320 @@
+//! Replay and trace are the frame: whatever the recipe and however it was executed, what the inspector arrives at by
+//! drawing one pixel again, and what the arithmetic comes to that it writes out line by line, are the very bits that stand
+//! in the picture and in the depth buffer.
+//!
+//! What is covered, in every pixel of three scenes (one that reaches behind the eye, one of coinciding surfaces, one of
+//! panes and cut-outs), each frame drawn triangle by triangle, and tile by tile where that is possible:
+//! - replays: each rasterizer with each row of a list of settings in which any two values of any two settings of the pipeline
+//!   stand together at least once; beside them each way to smooth, each kind of upscaler and each filter over the picture;
+//! - traces, which do all arithmetic once more in exact numbers and take a hundred times as long: the same rows and the same
+//!   ways to finish on smaller pictures, each row with one rasterizer, all of them in turn.
+
+mod common;
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use common::{coplanar_scene, ground_and_cube, recipe, see_through_scene};
+use rasterscope::antialias::settings::{Filter as PostChoice, Method};
+use rasterscope::chain::{Frame, KeepDepth, Recipe, Renderer, execution};
+use rasterscope::image::Rgba8;
+use rasterscope::inspect::trace::TraceLine;
+use rasterscope::inspect::{PixelReport, Trace, inspect};
+use rasterscope::pipeline::settings::{
+    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution, FillRule, Filter, Force,
+    Interpolation, Rasterizer, Shading,
+};
+use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::scene::{Scene, Transparency};
+use rasterscope::upscale::Upscaling;
+use rayon::prelude::*;
+
+/// Odd on purpose.
+const SIZE: Viewport = Viewport { width: 17, height: 13 };
+
+/// The same where there are many recipes.
+const SIZE_OF_MANY: Viewport = Viewport { width: 11, height: 7 };
+
+/// The same for traces.
+const SIZE_TRACED: Viewport = Viewport { width: 9, height: 7 };
+
+/// The places of the colour in the names of lines.
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+fn scenes() -> [(&'static str, Arc<Scene>); 3] {
+    [
+        ("ground and cube", Arc::new(ground_and_cube())),
+        ("coplanar", Arc::new(coplanar_scene())),
+        ("see-through", Arc::new(see_through_scene())),
+    ]
+}
+
+/// All values of a setting.
+fn values<C: Choice>(key: &str) -> Vec<String> {
+    C::ALL.iter().map(|choice| format!("{key}={}", choice.id())).collect()
+}
+
+/// The settings of the pipeline but for the rasterizer, which goes with all of them.
+fn factors() -> Vec<Vec<String>> {
+    vec![
+        values::<Shading>("shading"),
+        values::<Force>("force"),
+        values::<FillRule>("fill_rule"),
+        values::<DepthFormat>("depth_format"),
+        values::<DepthTest>("depth_test"),
+        values::<Arithmetic>("arithmetic"),
+        values::<Culling>("culling"),
+        values::<Interpolation>("interpolation"),
+        values::<Filter>("filter"),
+        values::<Address>("address"),
+        values::<ColorSpace>("color_space"),
+    ]
+}
+
+/// Two values of two factors.
+type Pair = [(usize, usize); 2];
+
+/// All pairs of values of different factors.
+fn all_pairs(factors: &[Vec<String>]) -> BTreeSet<Pair> {
+    let value = |factor: usize| (0..factors[factor].len()).map(move |value| (factor, value));
+    let firsts = (0..factors.len()).flat_map(value);
+    firsts.flat_map(|a| (a.0 + 1..factors.len()).flat_map(value).map(move |b| [a, b])).collect()
+}
+
+/// Rows of values in which all pairs stand: each begins with a pair that is still missing and takes, factor by factor, the
+/// value that makes most of the missing ones (after D. M. Cohen and others, "The AETG System", 1997).
+fn rows_of_all_pairs(factors: &[Vec<String>]) -> Vec<Vec<usize>> {
+    let mut missing = all_pairs(factors);
+    let mut rows = Vec::new();
+    while let Some([a, b]) = missing.first().copied() {
+        let mut row = vec![None; factors.len()];
+        (row[a.0], row[b.0]) = (Some(a.1), Some(b.1));
+        for factor in 0..factors.len() {
+            let made_by = |value: usize| {
+                let with = |(other, chosen): (usize, &Option<usize>)| {
+                    let (x, y) = ((factor, value), (other, (*chosen)?));
+                    missing.contains(&if x < y { [x, y] } else { [y, x] }).then_some(())
+                };
+                row.iter().enumerate().filter_map(with).count()
+            };
+            // Among equals another one in each row.
+            let turned = |value: usize| (value + rows.len()) % factors[factor].len();
+            let best = (0..factors[factor].len()).map(turned).max_by_key(|value| made_by(*value));
+            row[factor] = row[factor].or(best);
+        }
+        let row: Vec<usize> = row.into_iter().flatten().collect();
+        let is_made = |[a, b]: &Pair| row[a.0] == a.1 && row[b.0] == b.1;
+        missing.retain(|pair| !is_made(pair));
+        rows.push(row);
+    }
+    rows
+}
+
+/// A recipe for each row.
+fn pipelines() -> Vec<Recipe> {
+    let factors = factors();
+    let of_row = |row: &Vec<usize>| {
+        let assignments: Vec<&str> = row.iter().zip(&factors).map(|(value, all)| all[*value].as_str()).collect();
+        recipe(&assignments)
+    };
+    rows_of_all_pairs(&factors).iter().map(of_row).collect()
+}
+
+/// Recipes with each rasterizer.
+fn by_every_rasterizer(recipes: &[Recipe]) -> Vec<Recipe> {
+    let with = |recipe: &Recipe, rasterizer| {
+        let mut recipe = *recipe;
+        recipe.pipeline.rasterizer = rasterizer;
+        recipe
+    };
+    recipes.iter().flat_map(|recipe| Rasterizer::ALL.iter().map(|rasterizer| with(recipe, *rasterizer))).collect()
+}
+
+/// Recipes with one rasterizer each, all of them in turn.
+fn by_rasterizers_in_turn(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
+    for (recipe, rasterizer) in recipes.iter_mut().zip(Rasterizer::ALL.iter().cycle()) {
+        recipe.pipeline.rasterizer = *rasterizer;
+    }
+    recipes
+}
+
+/// What comes after the pipeline: each way to smooth, in both kinds of numbers; each upscaler at its first scale; each
+/// filter; lines over the picture.
+fn ways_to_finish() -> Vec<Recipe> {
+    let mut methods: Vec<Upscaling> = Upscaling::every().collect();
+    methods.dedup_by_key(|upscaling| upscaling.method());
+    let smooth = Method::ALL.iter().flat_map(|method| {
+        ColorSpace::ALL.iter().map(move |light| {
+            let mut recipe = Recipe::default();
+            (recipe.antialias.method, recipe.antialias.light) = (*method, *light);
+            recipe
+        })
+    });
+    let upscaled = methods.into_iter().map(|upscaler| Recipe { upscaler, ..Recipe::default() });
+    let filtered = PostChoice::ALL.iter().map(|filter| {
+        let mut recipe = Recipe::default();
+        (recipe.post.filter, recipe.post.strength) = (*filter, 1.5);
+        recipe
+    });
+    smooth.chain(upscaled).chain(filtered).chain([Recipe { wireframe: true, ..Recipe::default() }]).collect()
+}
+
+/// The frame triangle by triangle, and tile by tile if the recipe can be drawn so.
+fn frames(scene: &Arc<Scene>, recipe: &Recipe, size: Viewport) -> Vec<(Recipe, Frame)> {
+    let ways = Execution::ALL.iter().map(|execution| Recipe { execution: *execution, ..*recipe });
+    let ways = ways.filter(|recipe| execution(scene, recipe).0 == recipe.execution);
+    ways.map(|recipe| {
+        let frame = Renderer::default().render(scene, &scene.home, &recipe, size, KeepDepth::Yes);
+        assert_eq!(frame.execution, recipe.execution);
+        (recipe, frame)
+    })
+    .collect()
+}
+
+/// What was compared.
+#[derive(Default)]
+struct Compared {
+    frames: [AtomicUsize; Execution::ALL.len()],
+    pixels: AtomicUsize,
+    colors: AtomicUsize,
+    depths: AtomicUsize,
+}
+
+/// Whether traces are compared, too.
+#[derive(Clone, Copy, PartialEq)]
+enum Traces {
+    Written,
+    LeftOut,
+}
+
+/// Compares all pixels of all frames; says how much that was.
+#[expect(clippy::print_stderr, reason = "how much was compared is the point of these tests")]
+fn compare_all(recipes: &[Recipe], size: Viewport, traces: Traces) {
+    let compared = Compared::default();
+    let scenes = scenes();
+    let cases: Vec<_> = scenes.iter().flat_map(|scene| recipes.iter().map(move |recipe| (scene, recipe))).collect();
+    cases.par_iter().for_each(|((name, scene), recipe)| {
+        for (recipe, frame) in frames(scene, recipe, size) {
+            compared.frames[recipe.execution as usize].fetch_add(1, Ordering::Relaxed);
+            for (x, y) in (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))) {
+                let told = || format!("{name} ({x}, {y}) {recipe:?}");
+                let report = inspect(scene, &recipe, &frame, x, y).expect("inside of the picture");
+                replay_is_the_frame(&report, &frame, &told);
+                if traces == Traces::Written {
+                    traces_are_the_frame(scene, &recipe, &frame, &report, &compared, &told);
+                }
+                compared.pixels.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+    });
+    let [tiled, classic] = compared.frames.map(AtomicUsize::into_inner);
+    let [pixels, colors, depths] = [compared.pixels, compared.colors, compared.depths].map(AtomicUsize::into_inner);
+    eprintln!(
+        "{} recipes × 3 scenes: {classic} frames by triangle and {tiled} by tile, {pixels} pixels replayed, {colors} \
+         colours and {depths} depths written out: all equal",
+        recipes.len()
+    );
+    assert_eq!(classic, 3 * recipes.len());
+    assert!(tiled > 0);
+    // Every pixel that shows something is traced; backgrounds and translucent surfaces leave no depth.
+    assert!(traces == Traces::LeftOut || colors > pixels / 4 && depths > pixels / 8, "{pixels} {colors} {depths}");
+}
+
+/// Colour after everything and stored depth of the replay.
+fn replay_is_the_frame(report: &PixelReport, frame: &Frame, told: &impl Fn() -> String) {
+    assert_eq!(report.color, frame.image().at(report.x, report.y), "{}", told());
+    assert_eq!(report.final_depth.map(|depth| depth.value.to_bits()), stored(report, frame), "{}", told());
+}
+
+/// Bits of the depth that the frame holds at the drawn pixel that a report tells about.
+fn stored(report: &PixelReport, frame: &Frame) -> Option<u32> {
+    let [x, y] = report.drawn_at;
+    let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports tell about drawn pixels");
+    frame.drawn.depth.as_ref().map(|depth| depth.at(column, row).to_bits())
+}
+
+/// The bytes that a trace arrives at in lines of these names.
+fn codes(trace: &Trace, name: impl Fn(&str) -> String) -> Option<[u8; 3]> {
+    let number = |name: String| trace.lines.iter().rfind(|line| line.what == name)?.number();
+    let codes = CHANNELS.map(|channel| Some(number(name(channel))?.to_f64() as u8));
+    Some([codes[0]?, codes[1]?, codes[2]?])
+}
+
+fn opaque([r, g, b, _]: Rgba8) -> [u8; 3] {
+    [r, g, b]
+}
+
+/// The written-out arithmetic of the last fragment that was written is the drawn colour, of the last that left a depth that
+/// depth, and the end of every trace is the pixel.
+fn traces_are_the_frame(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    report: &PixelReport,
+    compared: &Compared,
+    told: &impl Fn() -> String,
+) {
+    let written = report.fragments.iter().rposition(|fragment| fragment.outcome.is_written());
+    let stores = report.fragments.iter().rposition(|fragment| {
+        fragment.outcome.is_written()
+            && fragment.transparency != Transparency::Blended
+            && fragment.stored_depth.is_some()
+    });
+    let [x, y] = report.drawn_at;
+    let (column, row) = frame.drawn.grid.sample_at(x, y).expect("reports tell about drawn pixels");
+    let drawn = opaque(frame.drawn.color.at(column, row));
+    let trace = Trace::of(scene, recipe, frame, report, written);
+    let pixel = opaque(frame.image().at(report.x, report.y));
+    assert_eq!(codes(&trace, |channel| format!("pixel {channel}")), Some(pixel), "{}", told());
+    if !frame.antialias.is_off() {
+        assert_eq!(codes(&trace, |channel| format!("mean {channel}")), Some(drawn), "{}", told());
+        compared.colors.fetch_add(1, Ordering::Relaxed);
+    } else if written.is_some() {
+        assert_eq!(codes(&trace, |channel| format!("{channel} code")), Some(drawn), "{}", told());
+        compared.colors.fetch_add(1, Ordering::Relaxed);
+    }
+    let Some(stores) = stores else { return };
+    let trace = if Some(stores) == written { trace } else { Trace::of(scene, recipe, frame, report, Some(stores)) };
+    let line = trace.lines.iter().find(|line| line.what == "depth as stored");
+    let depth = line.and_then(TraceLine::number).map(|number| (number.to_f64() as f32).to_bits());
+    assert_eq!(depth, stored(report, frame), "{}", told());
+    compared.depths.fetch_add(1, Ordering::Relaxed);
+}
+
+#[test]
+fn any_two_values_of_any_two_settings_stand_together() {
+    let factors = factors();
+    let rows = rows_of_all_pairs(&factors);
+    for [a, b] in all_pairs(&factors) {
+        assert!(rows.iter().any(|row| row[a.0] == a.1 && row[b.0] == b.1), "{a:?} {b:?}");
+    }
+    // Every field of the pipeline's settings that is a choice has a factor, or is the rasterizer.
+    let choices = Recipe::keys().into_iter().filter(|(key, _)| !key.contains('.')).map(|(key, _)| key);
+    let apart = ["execution", "rasterizer", "wireframe"];
+    let missing: Vec<_> = choices
+        .filter(|key| !apart.contains(&key.as_str()))
+        .filter(|key| factors.iter().all(|values| !values[0].starts_with(&format!("{key}="))))
+        .collect();
+    assert_eq!(missing, [""; 0]);
+}
+
+#[test]
+fn every_replay_is_the_frame_by_every_rasterizer_under_all_pairs_of_settings() {
+    compare_all(&by_every_rasterizer(&pipelines()), SIZE_OF_MANY, Traces::LeftOut);
+}
+
+#[test]
+fn every_replay_is_the_frame_however_it_is_finished() {
+    compare_all(&ways_to_finish(), SIZE, Traces::LeftOut);
+}
+
+#[test]
+fn every_trace_is_the_frame_under_all_pairs_of_settings() {
+    compare_all(&by_rasterizers_in_turn(pipelines()), SIZE_TRACED, Traces::Written);
+}
+
+#[test]
+fn every_trace_is_the_frame_however_it_is_finished() {
+    compare_all(&ways_to_finish(), SIZE_TRACED, Traces::Written);
+}
