@@ -84,10 +84,11 @@ fn draft_near_clipped() -> Draft {
 
 fn draft_z_fought() -> Draft {
     const DISTANCE: f32 = 10.0;
-    /// So near that a step of the depth buffer, 2⁻²⁴ · distance² / near, stands for 0.06 units at the poster.
-    const NEAR: f32 = 1e-4;
-    /// The poster before the wall: half of such a step, so that about every other one tells them apart.
-    const GAP: f32 = 0.02;
+    /// So near that a step of the depth buffer, 2⁻²⁴ · distance² / near, stands for 0.3 units at the poster:
+    /// the stripes are wide enough to be clicked.
+    const NEAR: f32 = 2e-5;
+    /// The poster before the wall: a third of such a step, so that they share a depth about as often as not.
+    const GAP: f32 = 0.1;
     let home = Camera { near: NEAR, far: 1e5, ..Camera::look_at(Vec3::ZERO, Vec3::Z * -DISTANCE) };
     let mut draft = Draft::new(DUSK, home);
     let sheet = draft.mesh(shapes::grid(1));
