@@ -19,6 +19,7 @@ use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::inspect::overlays::Overlay;
 use crate::lab::Page;
+use crate::measure::reference::Reference;
 use crate::measure::timing::{Summary, summarize};
 use crate::measure::window_cost::WindowCost;
 use crate::pipeline::settings::Choice as _;
@@ -143,7 +144,7 @@ fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first:
 fn plot_something(app: &mut Workbench) {
     let request = app.session().request();
     let timings = &mut app.session_mut().timings;
-    timings.begin_measurement(request);
+    timings.begin_measurement(request, Reference::Native);
     for (place, upscaling) in Upscaling::every().enumerate() {
         for frame in 0..PLOTTED_FRAMES {
             timings.record_measured(upscaling, (1 + place + frame % 5) as f64);
