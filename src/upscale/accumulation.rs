@@ -9,6 +9,8 @@
 //! Enlarged, a sample that lies within the output pixel counts in full; where none does, the four around are interpolated,
 //! and count for little.
 
+use arrayvec::ArrayVec;
+
 use super::{Anchor, Before, Drawn, Lattice, Light, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling, bands};
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
@@ -70,26 +72,20 @@ impl Upscaler for Accumulation {
     }
 
     fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let size = full.size();
-        bands::fill_pixels(full, |at| self.pixel(how, drawn, size, at));
+        let now = Now::new(how, drawn, full.size());
+        bands::fill_pixels(full, |at| now.pixel(at));
     }
 
     fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
-        let [r, g, b, _] = accumulated(how, drawn, size, at);
-        let encode = |value: f32| match how.light() {
-            Light::Linear => Tables::get().encode(value),
-            Light::Bytes => (value + 0.5) as u8,
-        };
-        let (taps, _) = present(how, drawn, at);
-        let alpha: f32 = taps.iter().map(|tap| tap.weight * f32::from(drawn.color.at(tap.x, tap.y)[3])).sum();
-        [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
+        Now::new(how, drawn, size).pixel(at)
     }
 
     /// The samples of this frame; what the frames before add is no sample.
     fn taps(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
-        let (mut taps, _) = present(how, drawn, at);
+        let now = Now::new(how, drawn, size);
+        let mut taps = now.present(at).0.to_vec();
         if drawn.seen.is_some_and(|seen| seen.before(size, at).is_some_and(|before| !before.is_still)) {
-            for (x, y) in nine(how, drawn, at) {
+            for (x, y) in now.nine(at) {
                 if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
                     taps.push(Tap { x, y, weight: 0.0 });
                 }
@@ -105,7 +101,8 @@ impl Upscaler for Accumulation {
 
     fn memory(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32)) -> Option<Image<[f32; 4]>> {
         let mut memory = Image::filled(size.0, size.1, [0.0; 4]);
-        bands::fill_pixels(&mut memory, |at| accumulated(how, drawn, size, at));
+        let now = Now::new(how, drawn, size);
+        bands::fill_pixels(&mut memory, |at| now.accumulated(at));
         Some(memory)
     }
 }
@@ -116,45 +113,11 @@ fn place(frames: u32) -> [f64; 2] {
     places[(frames % PLACES) as usize]
 }
 
-fn place_of(drawn: &Drawn<'_>) -> [f64; 2] {
-    drawn.seen.map_or(super::CENTRE, |seen| place(seen.frames()))
-}
-
-fn number(how: Upscaling, code: u8) -> f32 {
-    match how.light() {
+fn number(light: Light, code: u8) -> f32 {
+    match light {
         Light::Linear => Tables::get().linear_of_code[code as usize],
         Light::Bytes => f32::from(code),
     }
-}
-
-/// The mean at a pixel, with this frame, and how many samples it is of.
-fn accumulated(how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> [f32; 4] {
-    let (taps, counts_for) = present(how, drawn, at);
-    let color = |x: u32, y: u32| drawn.color.at(x, y).map(|code| number(how, code));
-    let mut now = [0.0; 3];
-    for tap in &taps {
-        let sample = color(tap.x, tap.y);
-        (0..3).for_each(|channel| now[channel] += tap.weight * sample[channel]);
-    }
-    let remembered = drawn.seen.and_then(|seen| {
-        let memory = seen.past?.memory.as_ref()?;
-        let before = seen.before(size, at)?;
-        Some((before, before.read(size, |x, y| memory.at(x, y))))
-    });
-    let Some((before, [mut r, mut g, mut b, count])) = remembered else {
-        return [now[0], now[1], now[2], counts_for];
-    };
-    if !before.is_still {
-        let around: Vec<_> = nine(how, drawn, at).map(|(x, y)| color(x, y)).collect();
-        for (channel, value) in [&mut r, &mut g, &mut b].into_iter().enumerate() {
-            let all = around.iter().map(|color| color[channel]);
-            *value = value.min(all.clone().fold(f32::MIN, f32::max)).max(all.fold(f32::MAX, f32::min));
-        }
-    }
-    let count = count.min((PLACES - 1) as f32);
-    let share = counts_for / (count + counts_for);
-    let mix = |past: f32, now: f32| past + (now - past) * share;
-    [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
 }
 
 /// Where an output pixel lies among the samples of this frame: the sample before it on an axis, which may be outside, and how
@@ -165,47 +128,112 @@ fn among(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
     (index.floor() as i64, (index - index.floor()) as f32)
 }
 
-/// The samples of this frame that make an output pixel, and what they count for.
-fn present(how: Upscaling, drawn: &Drawn<'_>, (x, y): (u32, u32)) -> (Vec<Tap>, f32) {
-    let (lattice, place) = (how.lattice(), place_of(drawn));
-    let (width, height) = drawn.color.size();
-    let inside = |index: i64, length: u32| index.clamp(0, i64::from(length) - 1) as u32;
-    if lattice.scale == Scale::ONE {
-        return (vec![Tap { x, y, weight: 1.0 }], 1.0);
-    }
-    let [(column, right), (row, down)] = [among(lattice, place[0], x), among(lattice, place[1], y)];
-    // Within half an output pixel of its centre.
-    let half = (0.5 / lattice.scale.value()) as f32;
-    let own = |cell: i64, on: f32, length: u32| {
-        let index = if on <= half { cell } else { cell + 1 };
-        ((on <= half || 1.0 - on < half) && (0..i64::from(length)).contains(&index)).then_some(index as u32)
-    };
-    if let (Some(x), Some(y)) = (own(column, right, width), own(row, down, height)) {
-        return (vec![Tap { x, y, weight: 1.0 }], 1.0);
-    }
-    let mut taps: Vec<Tap> = Vec::with_capacity(4);
-    for (dy, vertical) in [(0, 1.0 - down), (1, down)] {
-        for (dx, horizontal) in [(0, 1.0 - right), (1, right)] {
-            let (x, y, weight) = (inside(column + dx, width), inside(row + dy, height), horizontal * vertical);
-            match taps.iter_mut().find(|tap| (tap.x, tap.y) == (x, y)) {
-                Some(tap) => tap.weight += weight,
-                None => taps.push(Tap { x, y, weight }),
-            }
-        }
-    }
-    (taps, INTERPOLATED)
+/// A frame and what is known of those before.
+struct Now<'a> {
+    light: Light,
+    lattice: Lattice,
+    drawn: &'a Drawn<'a>,
+    /// Of the full picture.
+    size: (u32, u32),
+    /// Where in its pixel this frame samples.
+    place: [f64; 2],
 }
 
-/// The nine samples of this frame around an output pixel, fewer at borders.
-fn nine(how: Upscaling, drawn: &Drawn<'_>, (x, y): (u32, u32)) -> impl Iterator<Item = (u32, u32)> {
-    let (width, height) = drawn.color.size();
-    let place = place_of(drawn);
-    let nearest = |place: f64, at: u32| {
-        let (cell, on) = among(how.lattice(), place, at);
-        cell + i64::from(on > 0.5)
-    };
-    let (column, row) = (nearest(place[0], x), nearest(place[1], y));
-    let within = move |(x, y): &(i64, i64)| (0..i64::from(width)).contains(x) && (0..i64::from(height)).contains(y);
-    let all = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
-    all.filter(within).map(|(x, y)| (x as u32, y as u32))
+impl<'a> Now<'a> {
+    fn new(how: Upscaling, drawn: &'a Drawn<'a>, size: (u32, u32)) -> Self {
+        let place = drawn.seen.map_or(super::CENTRE, |seen| place(seen.frames()));
+        Self { light: how.light(), lattice: how.lattice(), drawn, size, place }
+    }
+
+    fn pixel(&self, at: (u32, u32)) -> Rgba8 {
+        let [r, g, b, _] = self.accumulated(at);
+        let encode = |value: f32| match self.light {
+            Light::Linear => Tables::get().encode(value),
+            Light::Bytes => (value + 0.5) as u8,
+        };
+        let (taps, _) = self.present(at);
+        let alpha: f32 = taps.iter().map(|tap| tap.weight * f32::from(self.drawn.color.at(tap.x, tap.y)[3])).sum();
+        [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
+    }
+
+    /// The mean at a pixel, with this frame, and how many samples it is of.
+    fn accumulated(&self, at: (u32, u32)) -> [f32; 4] {
+        let (taps, counts_for) = self.present(at);
+        let color = |x: u32, y: u32| self.drawn.color.at(x, y).map(|code| number(self.light, code));
+        let mut now = [0.0; 3];
+        for tap in &taps {
+            let sample = color(tap.x, tap.y);
+            (0..3).for_each(|channel| now[channel] += tap.weight * sample[channel]);
+        }
+        let remembered = self.drawn.seen.and_then(|seen| {
+            let memory = seen.past?.memory.as_ref()?;
+            let before = seen.before(self.size, at)?;
+            Some((before, before.read(self.size, |x, y| memory.at(x, y))))
+        });
+        let Some((before, [mut r, mut g, mut b, count])) = remembered else {
+            return [now[0], now[1], now[2], counts_for];
+        };
+        if !before.is_still {
+            let [mut least, mut greatest] = [[f32::MAX; 3], [f32::MIN; 3]];
+            for (x, y) in self.nine(at) {
+                let color = color(x, y);
+                for channel in 0..3 {
+                    least[channel] = least[channel].min(color[channel]);
+                    greatest[channel] = greatest[channel].max(color[channel]);
+                }
+            }
+            for (channel, value) in [&mut r, &mut g, &mut b].into_iter().enumerate() {
+                *value = value.min(greatest[channel]).max(least[channel]);
+            }
+        }
+        let count = count.min((PLACES - 1) as f32);
+        let share = counts_for / (count + counts_for);
+        let mix = |past: f32, now: f32| past + (now - past) * share;
+        [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
+    }
+
+    /// The samples of this frame that make an output pixel, and what they count for.
+    fn present(&self, (x, y): (u32, u32)) -> (ArrayVec<Tap, 4>, f32) {
+        let Self { lattice, place, .. } = *self;
+        let (width, height) = self.drawn.color.size();
+        let inside = |index: i64, length: u32| index.clamp(0, i64::from(length) - 1) as u32;
+        let alone = |x: u32, y: u32| (ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]), 1.0);
+        if lattice.scale == Scale::ONE {
+            return alone(x, y);
+        }
+        let [(column, right), (row, down)] = [among(lattice, place[0], x), among(lattice, place[1], y)];
+        // Within half an output pixel of its centre.
+        let half = (0.5 / lattice.scale.value()) as f32;
+        let own = |cell: i64, on: f32, length: u32| {
+            let index = if on <= half { cell } else { cell + 1 };
+            ((on <= half || 1.0 - on < half) && (0..i64::from(length)).contains(&index)).then_some(index as u32)
+        };
+        if let (Some(x), Some(y)) = (own(column, right, width), own(row, down, height)) {
+            return alone(x, y);
+        }
+        let mut taps: ArrayVec<Tap, 4> = ArrayVec::new();
+        for (dy, vertical) in [(0, 1.0 - down), (1, down)] {
+            for (dx, horizontal) in [(0, 1.0 - right), (1, right)] {
+                let (x, y, weight) = (inside(column + dx, width), inside(row + dy, height), horizontal * vertical);
+                match taps.iter_mut().find(|tap| (tap.x, tap.y) == (x, y)) {
+                    Some(tap) => tap.weight += weight,
+                    None => taps.push(Tap { x, y, weight }),
+                }
+            }
+        }
+        (taps, INTERPOLATED)
+    }
+
+    /// The nine samples of this frame around an output pixel, fewer at borders.
+    fn nine(&self, (x, y): (u32, u32)) -> impl Iterator<Item = (u32, u32)> + use<> {
+        let (width, height) = self.drawn.color.size();
+        let nearest = |place: f64, at: u32| {
+            let (cell, on) = among(self.lattice, place, at);
+            cell + i64::from(on > 0.5)
+        };
+        let (column, row) = (nearest(self.place[0], x), nearest(self.place[1], y));
+        let within = move |(x, y): &(i64, i64)| (0..i64::from(width)).contains(x) && (0..i64::from(height)).contains(y);
+        let all = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
+        all.filter(within).map(|(x, y)| (x as u32, y as u32))
+    }
 }

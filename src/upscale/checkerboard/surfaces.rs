@@ -4,6 +4,8 @@
 //! the mean of those of the four drawn pixels around it, two in its row and two in its column, that show its object at about
 //! its distance, each counting the more the nearer it is. If none does, the published mean stands.
 
+use arrayvec::ArrayVec;
+
 use super::{At, BEHIND, OFFERS, TOUCHING, neighbours};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
@@ -53,7 +55,7 @@ impl Upscaler for CheckerboardSurfaces {
     }
 
     fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
-        taps(SampleGrid::Checkerboard, drawn, size, at)
+        taps(SampleGrid::Checkerboard, drawn, size, at).to_vec()
     }
 }
 
@@ -71,19 +73,19 @@ pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: 
 }
 
 /// The drawn pixels that a pixel is made of.
-pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y): At) -> Vec<Tap> {
+pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y): At) -> ArrayVec<Tap, 4> {
     /// What a pixel that touches the missing one counts for, and one behind it.
     const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
     if grid.sample_at(x, y).is_some() {
-        return vec![Tap { x, y, weight: 1.0 }];
+        return ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]);
     }
     let around = [TOUCHING, BEHIND]
         .into_iter()
         .zip(NEAR_AND_FAR)
         .flat_map(|(by, weight)| neighbours(by, size, (x, y)).into_iter().flatten().map(move |at| (at, weight)));
-    let all: Vec<(At, f32)> = around.collect();
+    let all: ArrayVec<(At, f32), 4> = around.collect();
     let same = |at: At| drawn.seen.is_some_and(|seen| seen.surfaces.are_one(at, (x, y)));
-    let mut used: Vec<_> = all.iter().copied().filter(|(at, _)| same(*at)).collect();
+    let mut used: ArrayVec<_, 4> = all.iter().copied().filter(|(at, _)| same(*at)).collect();
     if used.is_empty() {
         let nearest = all.iter().map(|(_, weight)| *weight).fold(0.0, f32::max);
         used = all.into_iter().filter(|(_, weight)| *weight == nearest).collect();

@@ -63,7 +63,7 @@ impl Upscaler for CheckerboardTemporal {
 
     /// The samples of this frame; what the frame before adds is no sample.
     fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
-        let mut taps = surfaces::taps(grid_of(drawn), drawn, size, at);
+        let mut taps = surfaces::taps(grid_of(drawn), drawn, size, at).to_vec();
         // They bound what comes from the frame before.
         for (x, y) in around(size, at).filter(|_| grid_of(drawn).sample_at(at.0, at.1).is_none()) {
             if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
