@@ -110,11 +110,20 @@ fn axis_numbers(ui: &Ui, rect: Rect, axis: Range, most: u64, log: bool) {
     let font = FontId::monospace(font_size::SMALL);
     let color = tokens(ui).text_weak;
     let painter = ui.painter();
-    painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, short(axis.low), font.clone(), color);
-    painter.text(rect.right_bottom(), Align2::RIGHT_BOTTOM, short(axis.high), font, color);
+    let low = painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, short(axis.low), font.clone(), color);
+    let high = painter.text(rect.right_bottom(), Align2::RIGHT_BOTTOM, short(axis.high), font, color);
     let scale = if log { "log counts" } else { "linear counts" };
-    let text = format!("{scale}, highest {}", format::count(most));
-    painter.text(rect.center_bottom(), Align2::CENTER_BOTTOM, text, FontId::proportional(font_size::SMALL), color);
+    let font = FontId::proportional(font_size::SMALL);
+    // As much of it as there is room for between the numbers.
+    let room = high.left() - low.right() - 2.0 * space::S;
+    for text in [format!("{scale}, highest {}", format::count(most)), scale.to_owned()] {
+        let text = painter.layout_no_wrap(text, font.clone(), color);
+        if text.size().x <= room {
+            let corner = Align2::CENTER_BOTTOM.anchor_size(rect.center_bottom(), text.size()).min;
+            painter.galley(corner, text, color);
+            return;
+        }
+    }
 }
 
 /// A number of an axis: whole if it is, else with seven digits.
