@@ -3,7 +3,9 @@
 use eframe::egui::{Modifiers, Pos2, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::measure::against::figures;
-use rasterscope::ui::compare::Mode;
+use rasterscope::measure::reference::Reference;
+use rasterscope::ui::command::Command;
+use rasterscope::ui::compare::{Change, Mode};
 use rasterscope::upscale::Upscaling;
 
 use crate::bench::Bench;
@@ -87,7 +89,8 @@ fn a_measurement_says_which_reference_it_is_against() {
     bench.click("Error vs time");
     bench.click("Measure error and time");
     assert!(bench.mentions("Errors are against: Native, 1 sample"));
-    bench.choose("Measure against", "Converged, 256 samples");
+    bench.session_mut().apply(Command::Compare(Change::Reference(Reference::Converged)));
+    bench.rest();
     assert!(bench.mentions("Errors are against: Native, 1 sample"), "until it is measured anew");
     bench.click("Measure error and time");
     assert!(bench.mentions("Errors are against: Converged, 256 samples"));
