@@ -116,6 +116,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn lanes_encode_as_one_by_one_at_every_threshold_and_on_its_sides() {
+        let tables = Tables::get();
+        let thresholds = tables.buckets.iter().map(|entry| f32::from_bits((entry >> 32) as u32));
+        let around = thresholds.flat_map(|threshold| [threshold.next_down(), threshold, threshold.next_up()]);
+        let odd = [0.0, -0.0, -1.0, 1.0, 2.0, f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
+        let values: Vec<f32> = around.chain(odd).collect();
+        for lanes in Lanes::all() {
+            for eight in values.chunks(LANES) {
+                let mut padded = [0.5; LANES];
+                padded[..eight.len()].copy_from_slice(eight);
+                let codes =
+                    on_lanes!(lanes, simd => tables.encode_lanes(simd, F32::load_array(simd, padded)).to_array());
+                assert_eq!(codes, padded.map(|value| u32::from(tables.encode(value))), "{} {padded:?}", lanes.name());
+            }
+        }
+    }
+
+    #[test]
     fn every_code_survives_a_round_trip() {
         for code in 0..=255 {
             assert_eq!(encode_byte(decode_byte(code)), code);
