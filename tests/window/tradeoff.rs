@@ -3,9 +3,7 @@
 use eframe::egui::{Modifiers, Pos2, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::measure::against::figures;
-use rasterscope::measure::reference::Reference;
-use rasterscope::ui::command::Command;
-use rasterscope::ui::compare::{Change, Mode};
+use rasterscope::ui::compare::Mode;
 use rasterscope::upscale::Upscaling;
 
 use crate::bench::Bench;
@@ -89,8 +87,7 @@ fn a_measurement_says_which_reference_it_is_against() {
     bench.click("Error vs time");
     bench.click("Measure error and time");
     assert!(bench.mentions("Errors are against: Native, 1 sample"));
-    bench.session_mut().apply(Command::Compare(Change::Reference(Reference::Converged)));
-    bench.rest();
+    bench.choose("Measure against", "Converged, 256 samples");
     assert!(bench.mentions("Errors are against: Native, 1 sample"), "until it is measured anew");
     bench.click("Measure error and time");
     assert!(bench.mentions("Errors are against: Converged, 256 samples"));

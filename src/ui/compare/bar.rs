@@ -127,18 +127,21 @@ fn region(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
 
 fn reference(ui: &mut Ui, session: &Session, changes: &mut Vec<Change>) {
     ui.label(RichText::new("against").color(tokens(ui).text_weak));
-    let mut reference = session.comparison.reference;
-    ui.name_inputs("Reference", |ui| {
-        combo("reference", reference.name(), 124.0)
-            .show_ui(ui, |ui| {
-                for option in Reference::ALL {
-                    ui.selectable_value(&mut reference, *option, option.name()).on_hover_text(option.help());
-                }
-            })
-            .response
-            .on_hover_text(reference.help());
+    changes.extend(reference_list(ui, "Reference", 124.0, session.comparison.reference));
+}
+
+/// The list of what errors may be against, `width` points wide; for readers of the screen it is called `name`. The change, if
+/// another one was chosen.
+pub fn reference_list(ui: &mut Ui, name: &str, width: f32, present: Reference) -> Option<Change> {
+    let mut reference = present;
+    let list = ui.name_inputs(name, |ui| {
+        combo(name, present.name(), width).show_ui(ui, |ui| {
+            for option in Reference::ALL {
+                ui.selectable_value(&mut reference, *option, option.name()).on_hover_text(option.help());
+            }
+        })
     });
-    if reference != session.comparison.reference {
-        changes.push(Change::Reference(reference));
-    }
+    // After the list has its name: a list without one would be called by this.
+    list.response.on_hover_text(format!("What errors are against. {}", present.help()));
+    (reference != present).then_some(Change::Reference(reference))
 }

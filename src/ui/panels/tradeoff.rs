@@ -5,16 +5,16 @@ use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollAre
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 
 use crate::chain::Recipe;
-use crate::measure::reference::Reference;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
+use crate::ui::compare::bar::reference_list;
 use crate::ui::compare::{Change, Mode};
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
 use crate::ui::ticks::log_marks;
 use crate::ui::timings::TradeOff;
-use crate::ui::widgets::{combo, empty_state, figure};
+use crate::ui::widgets::{empty_state, figure};
 use crate::upscale::{self, Upscaling};
 
 /// Width of the table, in points.
@@ -42,7 +42,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
-        commands.extend(reference(ui, session.comparison.reference));
+        let chosen = reference_list(ui, "Measure against", 150.0, session.comparison.reference);
+        commands.extend(chosen.map(Command::Compare));
     }
     let viewport = session.viewport();
     let fits = session.timings.measurement_fits(&session.request());
@@ -58,22 +59,6 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         (Some(_), false) => "Measured on another scene, view, size or setting than the one on screen".to_owned(),
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
-}
-
-/// Offers what the next measurement is against: the reference of comparisons.
-fn reference(ui: &mut Ui, present: Reference) -> Option<Command> {
-    let mut reference = present;
-    ui.name_inputs("Measure against", |ui| {
-        combo("measure against", reference.name(), 150.0)
-            .show_ui(ui, |ui| {
-                for option in Reference::ALL {
-                    ui.selectable_value(&mut reference, *option, option.name()).on_hover_text(option.help());
-                }
-            })
-            .response
-            .on_hover_text(format!("What errors are against, here and in comparisons. {}", present.help()));
-    });
-    (reference != present).then_some(Command::Compare(Change::Reference(reference)))
 }
 
 /// Draws plot and table.
