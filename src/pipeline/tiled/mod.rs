@@ -15,6 +15,7 @@ mod bins;
 mod geometry;
 mod kernel;
 mod lattice;
+mod outcode;
 mod record;
 mod see_through;
 mod setup;
