@@ -249,6 +249,9 @@ impl Binning<'_> {
             let (mut whole, mut cut) = (u64::MAX, 0);
             if leaves_frustum {
                 (whole, cut) = crossings(outcodes, group);
+                if whole | cut == 0 {
+                    continue;
+                }
             }
             let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
             chunk.rasterized += shown.count_ones() as usize;
@@ -379,10 +382,12 @@ impl Binning<'_> {
 /// Bits of the triangles that lie whole within the guard band, and of those that must be cut.
 #[inline(always)]
 fn crossings(outcodes: &[Outcode], triangles: &[[u32; 3]]) -> (u64, u64) {
-    let all_codes =
-        triangles.as_flattened().iter().fold(Outcode::default(), |all, corner| all | outcodes[*corner as usize]);
-    if all_codes.is_inside() {
+    let codes = triangles.as_flattened().iter().map(|corner| outcodes[*corner as usize]);
+    let (any, all) = codes.fold((Outcode::default(), Outcode::ALL), |(any, all), code| (any | code, all & code));
+    if any.is_inside() {
         return (u64::MAX, 0);
+    } else if all.is_beyond() {
+        return (0, 0);
     }
     let (mut whole, mut cut) = (0, 0);
     for (lane, triangle) in triangles.iter().enumerate() {
@@ -393,4 +398,62 @@ fn crossings(outcodes: &[Outcode], triangles: &[[u32; 3]]) -> (u64, u64) {
         }
     }
     (whole, cut)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_touches_the_same_tiles_however_it_is_kept() {
+        /// Columns of the widest picture.
+        const ROW: usize = 256;
+        let mut random = fastrand::Rng::with_seed(3);
+        for _ in 0..2000 {
+            let mut range = |size: u32| {
+                let first = random.u32(..size);
+                [first, if random.bool() { first } else { random.u32(first..size) }]
+            };
+            let boxes: [[[u32; 2]; 2]; LANES] = std::array::from_fn(|_| [range(ROW as u32), range(256)]);
+            let tiles = boxes.map(|[[x0, x1], [y0, y1]]| Tiles::new([x0, y0], [x1, y1], ROW));
+            let end = |axis: usize, end: usize| boxes.map(|sides| sides[axis][end] as i32);
+            for lanes in Lanes::all() {
+                let found = on_lanes!(lanes, simd => {
+                    let [first, last] = each!(i in [0, 1] => {
+                        each!(axis in [0, 1] => i32x8::load_array(simd, end(axis, i)))
+                    });
+                    Tiles::of_lanes(first, last, ROW).to_array()
+                });
+                assert_eq!(found.map(|bits| Tiles(bits as u32)), tiles);
+            }
+            let [[x0, x1], [y0, y1]] = boxes[0].map(|side| side.map(|tile| tile as usize));
+            let expected: Vec<_> = (y0..=y1).flat_map(|y| (x0..=x1).map(move |x| y * ROW + x)).collect();
+            let mut visited = Vec::new();
+            tiles[0].for_each(ROW, |tile| visited.push(tile));
+            assert_eq!(visited, expected);
+        }
+    }
+
+    #[test]
+    fn survivors_keep_their_order() {
+        let mut random = fastrand::Rng::with_seed(4);
+        for lanes in Lanes::all() {
+            let (mut survivors, mut expected) = (Survivors::default(), Vec::new());
+            for group in 0..1000 {
+                let mask = random.u64(..) & 0xff;
+                let ids: [i32; LANES] = std::array::from_fn(|lane| group * LANES as i32 + lane as i32);
+                let chosen = ids.iter().enumerate().filter(|(lane, _)| mask >> lane & 1 != 0);
+                expected.extend(chosen.map(|(_, id)| (Key(*id as u32), Tiles(!*id as u32))));
+                on_lanes!(lanes, simd => {
+                    let keys = i32x8::load_array(simd, ids);
+                    survivors.push_lanes(keys, !keys, mask32x8::from_bitmask(simd, mask), mask.count_ones());
+                });
+                if random.u8(..) < 16 {
+                    expected.push((Key(7), Tiles(9)));
+                    survivors.push(Key(7), Tiles(9));
+                }
+            }
+            assert_eq!(survivors.iter().collect::<Vec<_>>(), expected);
+        }
+    }
 }

@@ -158,3 +158,35 @@ impl Lattice {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::lanes::{Lanes, each, on_lanes};
+
+    #[test]
+    fn eight_ranges_are_the_same_as_one_by_one() {
+        let grids = [1, 2, 3, 4, 5].map(|step| SampleGrid::Block { step });
+        let mut random = fastrand::Rng::with_seed(9);
+        for grid in grids.into_iter().chain([SampleGrid::Checkerboard, SampleGrid::OddCheckerboard]) {
+            let lattice = Lattice::new(grid);
+            for _ in 0..500 {
+                let ends: [[f32; 2]; LANES] = std::array::from_fn(|_| {
+                    let (least, bits) = (random.i32(-(1 << 14)..1 << 22), random.u32(..22));
+                    [least, least + random.i32(0..1 << bits)].map(|step| step as f32)
+                });
+                for (lanes, axis) in Lanes::all().flat_map(|lanes| [(lanes, 0), (lanes, 1)]) {
+                    let [first, last] = on_lanes!(lanes, simd => {
+                        let [least, greatest] = each!(i in [0, 1] => F32::load_array(simd, ends.map(|ends| ends[i])));
+                        let [first, last] = lattice.range_lanes(simd, axis, least, greatest);
+                        [first.to_array(), last.to_array()]
+                    });
+                    for lane in 0..LANES {
+                        let [least, greatest] = ends[lane];
+                        assert_eq!([first[lane], last[lane]], lattice.range(axis, least, greatest), "{grid:?}");
+                    }
+                }
+            }
+        }
+    }
+}

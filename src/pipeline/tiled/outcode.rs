@@ -3,7 +3,7 @@
 //!
 //! [`clip`]: crate::pipeline::clip
 
-use std::ops::BitOr;
+use std::ops::{BitAnd, BitOr};
 
 use crate::math::lanes::*;
 use crate::pipeline::clip::{LEAST_W, Plane};
@@ -15,6 +15,8 @@ pub(super) struct Outcode(u16);
 impl Outcode {
     const NOT_FINITE: u16 = 1 << 14;
     const CROSSES: u16 = 1 << 15;
+    /// Every bit: what others can be joined with by `&`.
+    pub(super) const ALL: Self = Self(u16::MAX);
     const PLANES: u16 = (1 << Plane::ALL.len()) - 1;
 
     /// Of eight vertices in clip space, by component, and whether any is not all zero. The sides of the frustum are moved out
@@ -50,21 +52,35 @@ impl Outcode {
     /// What becomes of a triangle with these corners.
     #[inline(always)]
     pub(super) fn verdict(corners: [Self; 3]) -> Crossing {
-        let any = corners[0].0 | corners[1].0 | corners[2].0;
-        let all = corners[0].0 & corners[1].0 & corners[2].0;
-        if any & Self::NOT_FINITE != 0 || all & Self::PLANES != 0 {
+        let [a, b, c] = corners;
+        let any = a | b | c;
+        if any.0 & Self::NOT_FINITE != 0 || (a & b & c).is_beyond() {
             Crossing::Gone
-        } else if any & Self::CROSSES != 0 {
+        } else if any.0 & Self::CROSSES != 0 {
             Crossing::Cut
         } else {
             Crossing::Whole
         }
     }
 
-    /// Whether the vertex lies within the frustum.
+    /// Whether it lies beyond a plane of the frustum.
+    #[inline(always)]
+    pub(super) fn is_beyond(self) -> bool {
+        self.0 & Self::PLANES != 0
+    }
+
+    /// Whether it lies within the frustum.
     #[inline(always)]
     pub(super) fn is_inside(self) -> bool {
         self.0 == 0
+    }
+}
+
+impl BitAnd for Outcode {
+    type Output = Self;
+
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
     }
 }
 
