@@ -64,6 +64,12 @@ impl Vertex {
         self.numbers[Self::INV_W]
     }
 
+    /// 1/w, light and texture coordinates of eight vertices.
+    #[inline(always)]
+    pub(super) fn attributes<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> [F32<S>; 4] {
+        transpose_quads(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[4..])))
+    }
+
     /// Positions and depths of eight vertices.
     #[inline(always)]
     pub(super) fn positions_and_depths<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> ([F32<S>; 2], F64<S>) {
@@ -399,11 +405,15 @@ impl Job<'_> {
     }
 }
 
-/// [`lambert`] for eight unit normals.
+/// [`lambert`] for as many unit normals as there are lanes.
 ///
 /// [`lambert`]: crate::pipeline::shade::lambert
 #[inline(always)]
-pub(super) fn lambert_lanes<S: Simd>([x, y, z]: [F32<S>; 3], direction: Vec3, ambient: f32) -> F32<S> {
+pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32>>(
+    [x, y, z]: [V; 3],
+    direction: Vec3,
+    ambient: f32,
+) -> V {
     let cosine = x * direction.x + y * direction.y + z * direction.z;
     cosine.max(0.0) * (1.0 - ambient) + ambient
 }

@@ -12,6 +12,7 @@
 //! the number of threads and whatever the instructions of the processor.
 
 mod bins;
+mod gather;
 mod geometry;
 mod kernel;
 mod lattice;
@@ -32,10 +33,10 @@ use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
-use record::{Entrant, Entrants, Slot};
+use record::{Entrant, Entrants, Slot, SurfaceRecord};
 use setup::{Batch, Corner, Setup};
 use shade::{Canvas, shade_tile};
-use shader::DrawShader;
+use shader::{DrawShader, Light};
 use tile::{DepthRules, Tile};
 
 use super::clip::guard_band_widening;
@@ -191,6 +192,10 @@ struct Frame<'a> {
     draws: &'a [Draw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
+    /// Some draw reads normals in pixels.
+    reads_normals: bool,
+    /// Some draw reads colours of vertices.
+    reads_colors: bool,
     /// One for each draw.
     shaders: Vec<DrawShader<'a>>,
     /// For each draw the first one that is shaded alike.
@@ -244,6 +249,8 @@ pub fn draw(
         draws: &draws,
         arrays,
         chunks,
+        reads_normals: shaders.iter().any(|shader| shader.plan.light == Light::Normals),
+        reads_colors: shaders.iter().any(|shader| shader.plan.colored),
         shader_of_draw: DrawShader::first_alike(&shaders),
         shaders,
     };
@@ -330,6 +337,28 @@ pub fn tile_loads(
     })
 }
 
+/// The parts of eight records that are read.
+#[inline(never)]
+fn fill_parts<S: Simd>(
+    simd: S,
+    records: &mut [SurfaceRecord; LANES],
+    triangles: &[[&Surface; 3]; LANES],
+    normals: bool,
+    colors: bool,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            if normals {
+                SurfaceRecord::fill_eight(simd, records, triangles, record::Part::Normal);
+            }
+            if colors {
+                SurfaceRecord::fill_eight(simd, records, triangles, record::Part::Color);
+            }
+        },
+    );
+}
+
 /// What all threads add to.
 #[derive(Debug, Default)]
 struct Work {
@@ -409,21 +438,33 @@ impl Frame<'_> {
         let mut keys = self.chunks.iter().flat_map(|chunk| chunk.keys(number)).copied();
         let mut draw = 0;
         loop {
-            let mut triangles = [[&nowhere; 3]; LANES];
+            let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; LANES], 0);
             let first = entrants.len();
-            for (triangle, key) in triangles.iter_mut().zip(&mut keys) {
+            for (lane, (triangle, key)) in triangles.iter_mut().zip(&mut keys).enumerate() {
                 if !self.is_of_draw(key, draw) {
                     draw = self.draw_of(key);
                 }
                 *triangle = self.vertices(key, draw);
+                divides_by_w |= u64::from(self.shader(draw).divides_by_w) << lane;
                 entrants.push(key, draw);
             }
             let count = entrants.len() - first;
-            if count == 0 {
-                break;
+            let Some(records) = entrants.eight_records(first).filter(|_| count > 0) else { break };
+            let (alive, large) = batch.set_up(
+                simd,
+                &triangles,
+                (records, divides_by_w),
+                self.settings.fill_rule,
+                &self.scale,
+                &self.lattice,
+                origin,
+            );
+            for lane in (0..count).filter(|lane| large >> lane & 1 != 0) {
+                entrants.note_large(Slot((first + lane) as u32));
             }
-            let settings = self.settings;
-            let alive = batch.set_up(simd, &triangles, settings.fill_rule, &self.scale, &self.lattice, origin);
+            if alive != 0 && !self.arrays.surfaces.is_empty() {
+                self.fill_surfaces(simd, entrants, first);
+            }
             for lane in (0..count).filter(|lane| alive >> lane & 1 != 0) {
                 let slot = Slot((first + lane) as u32);
                 let triangle = batch.triangle(lane, slot);
@@ -464,12 +505,33 @@ impl Frame<'_> {
         work.texels.fetch_add(shaded.texels, Ordering::Relaxed);
     }
 
+    /// Records what shading reads besides of the last triangles that a tile was asked to draw, from `first` on.
+    #[inline(always)]
+    fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut Entrants, first: usize) {
+        let nothing = Surface::default();
+        let mut triangles = [[&nothing; 3]; LANES];
+        for (lane, triangle) in triangles.iter_mut().enumerate().take(entrants.len() - first) {
+            let Entrant { key, draw, .. } = entrants.get(Slot((first + lane) as u32));
+            let [a, b, c] = self.records(key, draw as usize);
+            if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {
+                *triangle = [a, b, c];
+            }
+        }
+        let Some(records) = entrants.eight_surfaces(first) else { return };
+        fill_parts(simd, records, &triangles, self.reads_normals, self.reads_colors);
+    }
+
     /// A triangle that the tile was asked to draw before.
     #[inline(always)]
     fn set_up_again(&self, entrants: &Entrants, slot: Slot, origin: ([f64; 2], [f32; 2])) -> Option<Setup> {
         let entrant = entrants.get(slot);
         let corners = self.corners(entrant.key, entrant.draw as usize);
         Setup::new(slot, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
+    }
+
+    /// Whether samples can be shaded together whatever draws they are of.
+    fn are_all_alike(&self) -> bool {
+        self.shader_of_draw.iter().all(|first| *first == 0) && self.shaders.iter().all(|shader| shader.on_lanes)
     }
 
     #[inline(always)]
