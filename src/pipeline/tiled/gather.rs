@@ -50,10 +50,13 @@ fn gather_eight_pairs<S: Simd>(simd: S, texels: &[u32], places: u32x8<S>) -> [u3
         });
     }
     let places = places.to_array();
-    let (first, second) = halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-        let place = places[lane] as usize;
-        u64::from(texels[place]) | u64::from(texels[place + 1]) << 32
-    }));
+    let (first, second) = halves(
+        simd,
+        each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+            let place = places[lane] as usize;
+            u64::from(texels[place]) | u64::from(texels[place + 1]) << 32
+        }),
+    );
     [first, second]
 }
 
@@ -155,7 +158,9 @@ mod tests {
     fn places_beyond_the_texels_are_refused() {
         let texels = texels();
         for lanes in Lanes::all() {
-            for (place, pairs) in [(999, true), (1000, false), (1000, true), (u32::MAX, false), (i32::MAX as u32 + 1, true)] {
+            for (place, pairs) in
+                [(999, true), (1000, false), (1000, true), (u32::MAX, false), (i32::MAX as u32 + 1, true)]
+            {
                 let refused = std::panic::catch_unwind(|| {
                     on_lanes!(lanes, simd => {
                         let places = u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, place]);

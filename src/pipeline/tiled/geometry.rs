@@ -8,6 +8,7 @@ use rayon::prelude::*;
 
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
+use crate::math::prefetch::prefetch;
 use crate::math::{unit_or, unit_or_lanes};
 use crate::pipeline::clip::Plane;
 use crate::pipeline::depth::DepthScale;
@@ -139,6 +140,12 @@ impl<'a> Draw<'a> {
     pub(super) fn corners(&self, id: u32) -> [usize; 3] {
         let [a, b, c] = self.mesh.triangles[(id - self.first.0) as usize];
         [a as usize + self.first_vertex, b as usize + self.first_vertex, c as usize + self.first_vertex]
+    }
+
+    /// Asks for the corners of one of its triangles.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, id: u32) {
+        prefetch(&self.mesh.triangles, (id - self.first.0) as usize);
     }
 
     /// A vertex in clip space as the classic way has it.

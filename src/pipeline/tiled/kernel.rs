@@ -31,7 +31,7 @@ pub(super) struct Queue {
 }
 
 /// Pairs of rows that wait together: those of a block.
-const QUEUED: usize = BLOCK / 2;
+const QUEUED: usize = 4 * BLOCK / 2;
 
 /// Eight samples of each of two rows.
 #[derive(Clone, Debug, Default)]
@@ -141,10 +141,12 @@ pub(super) fn shade_uniform<S: Simd>(
                 patch,
                 (queue, band),
                 #[inline(always)]
-                |[upper, lower]| each!(edge in [0, 1, 2] => {
-                    let upper = narrow(simd, along[edge] + down[edge][upper]);
-                    upper.combine(narrow(simd, along[edge] + down[edge][lower]))
-                }),
+                |[upper, lower]| {
+                    each!(edge in [0, 1, 2] => {
+                        let upper = narrow(simd, along[edge] + down[edge][upper]);
+                        upper.combine(narrow(simd, along[edge] + down[edge][lower]))
+                    })
+                },
             );
         },
     );

@@ -51,6 +51,7 @@ use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::math::lanes::{LANES, Lanes, Simd, on_lanes};
+use crate::math::prefetch::prefetch;
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene, TriangleId};
 
@@ -411,6 +412,9 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
     draws.iter().map(shader).collect()
 }
 
+/// Triangles of a tile whose corners are looked for together.
+const GROUP: usize = 4 * LANES;
+
 /// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
 const CROWDED: usize = 192;
 
@@ -429,54 +433,47 @@ impl Frame<'_> {
     ) {
         let start = Instant::now();
         let Workspace { tile, entrants, batch, queue, blended } = workspace;
-        let crowd = self.chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>();
-        tile.clear(&self.rules, crowd < CROWDED);
+        self.let_enter(number, entrants);
+        tile.clear(&self.rules, entrants.len() < CROWDED);
         let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
-        entrants.clear();
         blended.clear();
         let nowhere = Vertex::default();
-        let mut keys = self.chunks.iter().flat_map(|chunk| chunk.keys(number)).copied();
-        let mut draw = 0;
-        loop {
-            let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; LANES], 0);
-            let first = entrants.len();
-            for (lane, (triangle, key)) in triangles.iter_mut().zip(&mut keys).enumerate() {
-                if !self.is_of_draw(key, draw) {
-                    draw = self.draw_of(key);
+        for group in (0..entrants.len()).step_by(GROUP) {
+            let mut triangles = [[&nowhere; 3]; GROUP];
+            let mut divides_by_w = 0;
+            self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
+            for (batch_number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
+                let first = group + batch_number * LANES;
+                let count = entrants.len().saturating_sub(first).min(LANES);
+                let Some(records) = entrants.eight_records(first).filter(|_| count > 0) else { break };
+                let (alive, large) = batch.set_up(
+                    simd,
+                    triangles,
+                    (records, divides_by_w >> (batch_number * LANES)),
+                    self.settings.fill_rule,
+                    &self.scale,
+                    &self.lattice,
+                    origin,
+                );
+                for lane in (0..count).filter(|lane| large >> lane & 1 != 0) {
+                    entrants.note_large(Slot((first + lane) as u32));
                 }
-                *triangle = self.vertices(key, draw);
-                divides_by_w |= u64::from(self.shader(draw).divides_by_w) << lane;
-                entrants.push(key, draw);
-            }
-            let count = entrants.len() - first;
-            let Some(records) = entrants.eight_records(first).filter(|_| count > 0) else { break };
-            let (alive, large) = batch.set_up(
-                simd,
-                &triangles,
-                (records, divides_by_w),
-                self.settings.fill_rule,
-                &self.scale,
-                &self.lattice,
-                origin,
-            );
-            for lane in (0..count).filter(|lane| large >> lane & 1 != 0) {
-                entrants.note_large(Slot((first + lane) as u32));
-            }
-            if alive != 0 && !self.arrays.surfaces.is_empty() {
-                self.fill_surfaces(simd, entrants, first);
-            }
-            for lane in (0..count).filter(|lane| alive >> lane & 1 != 0) {
-                let slot = Slot((first + lane) as u32);
-                let triangle = batch.triangle(lane, slot);
-                let owner = |slot| self.set_up_again(entrants, slot, origin);
-                let Entrant { key, draw, .. } = entrants.get(slot);
-                match self.shader(draw as usize).shader.transparency() {
-                    Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, owner),
-                    Transparency::CutOut => {
-                        let keep = self.keeper(key, draw as usize, place);
-                        tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, owner, keep);
+                if alive != 0 && !self.arrays.surfaces.is_empty() {
+                    self.fill_surfaces(simd, entrants, first, count);
+                }
+                for lane in (0..count).filter(|lane| alive >> lane & 1 != 0) {
+                    let slot = Slot((first + lane) as u32);
+                    let triangle = batch.triangle(lane, slot);
+                    let owner = |slot| self.set_up_again(entrants, slot, origin);
+                    let Entrant { key, draw, .. } = entrants.get(slot);
+                    match self.shader(draw as usize).shader.transparency() {
+                        Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, owner),
+                        Transparency::CutOut => {
+                            let keep = self.keeper(key, draw as usize, place);
+                            tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, owner, keep);
+                        }
+                        Transparency::Blended => blended.push(slot),
                     }
-                    Transparency::Blended => blended.push(slot),
                 }
             }
         }
@@ -505,12 +502,53 @@ impl Frame<'_> {
         work.texels.fetch_add(shaded.texels, Ordering::Relaxed);
     }
 
-    /// Records what shading reads besides of the last triangles that a tile was asked to draw, from `first` on.
+    /// Lists the triangles of a tile.
     #[inline(always)]
-    fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut Entrants, first: usize) {
+    fn let_enter(&self, number: usize, entrants: &mut Entrants) {
+        entrants.clear();
+        let mut draw = 0;
+        for chunk in self.chunks {
+            for key in chunk.keys(number) {
+                if !self.is_of_draw(*key, draw) {
+                    draw = self.draw_of(*key);
+                }
+                entrants.push(*key, draw);
+            }
+        }
+    }
+
+    /// Finds the corners of a group of triangles of a tile, and a bit for each that is divided by w. They lie all over the
+    /// memory: all indices are asked for before the first is read, and then all vertices.
+    #[inline(always)]
+    fn find_vertices<'a>(
+        &'a self,
+        entrants: &Entrants,
+        group: usize,
+        triangles: &mut [[&'a Vertex; 3]; GROUP],
+        divides_by_w: &mut u64,
+    ) {
+        let entrants = entrants.group(group, GROUP);
+        for entrant in entrants {
+            if entrant.key.as_piece().is_none() {
+                self.draws[entrant.draw as usize].prefetch(entrant.key.0);
+            }
+        }
+        for (i, (triangle, entrant)) in triangles.iter_mut().zip(entrants).enumerate() {
+            let draw = entrant.draw as usize;
+            *triangle = self.vertices(entrant.key, draw);
+            for vertex in triangle {
+                prefetch(std::slice::from_ref(*vertex), 0);
+            }
+            *divides_by_w |= u64::from(self.shader(draw).divides_by_w) << i;
+        }
+    }
+
+    /// Records what shading reads besides of some triangles of a tile from `first` on, eight at most.
+    #[inline(always)]
+    fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut Entrants, first: usize, count: usize) {
         let nothing = Surface::default();
         let mut triangles = [[&nothing; 3]; LANES];
-        for (lane, triangle) in triangles.iter_mut().enumerate().take(entrants.len() - first) {
+        for (lane, triangle) in triangles.iter_mut().enumerate().take(count) {
             let Entrant { key, draw, .. } = entrants.get(Slot((first + lane) as u32));
             let [a, b, c] = self.records(key, draw as usize);
             if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {

@@ -97,7 +97,12 @@ impl SurfaceRecord {
 
     /// Fills the normals or the colours of the records of eight triangles.
     #[inline(always)]
-    pub(super) fn fill_eight<S: Simd>(simd: S, records: &mut [Self; LANES], triangles: &[[&Surface; 3]; LANES], part: Part) {
+    pub(super) fn fill_eight<S: Simd>(
+        simd: S,
+        records: &mut [Self; LANES],
+        triangles: &[[&Surface; 3]; LANES],
+        part: Part,
+    ) {
         let (first_number, first_quad) = match part {
             Part::Normal => (Surface::NORMAL[0], Self::NORMAL),
             Part::Color => (Surface::COLOR[0], Self::COLOR),
@@ -315,6 +320,12 @@ impl Entrants {
         self.list[slot.0 as usize]
     }
 
+    /// Some of them, from `first` on.
+    #[inline(always)]
+    pub(super) fn group(&self, first: usize, most: usize) -> &[Entrant] {
+        &self.list[first..(first + most).min(self.list.len())]
+    }
+
     /// The records of eight triangles from `first` on, to be filled.
     #[inline(always)]
     pub(super) fn eight_records(&mut self, first: usize) -> Option<&mut [Record; LANES]> {
@@ -361,7 +372,9 @@ impl Entrants {
 
     #[inline(always)]
     fn surface(&self, slot: Slot) -> &SurfaceRecord {
-        self.surfaces.get(slot.0 as usize).unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
+        self.surfaces
+            .get(slot.0 as usize)
+            .unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
     }
 }
 

@@ -174,7 +174,8 @@ impl Batch {
                     from.to_int::<i32x8<S>>().store_array(&mut out[0]);
                     to.to_int::<i32x8<S>>().store_array(&mut out[1]);
                 }
-                let p = each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
+                let p =
+                    each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
                 let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
                 alive &= area.simd_ne(0.0).to_bitmask();
                 if alive == 0 {
@@ -241,7 +242,8 @@ fn integer_edges<S: Simd>(
     origin: [f64; 2],
     turned: u64,
 ) -> ([[i32x8<S>; 3]; 2], i32x8<S>) {
-    let p = each!(i in [0, 1, 2] => each!(axis in [0, 1] => corners[i][axis].to_int::<i32x8<S>>() - origin[axis] as i32));
+    let p =
+        each!(i in [0, 1, 2] => each!(axis in [0, 1] => corners[i][axis].to_int::<i32x8<S>>() - origin[axis] as i32));
     let turned = mask32x8::from_bitmask(simd, turned);
     let edges = each!((from, to) in [(1, 2), (2, 0)] => {
         let (from, to) = (p[from], p[to]);

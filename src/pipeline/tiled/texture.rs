@@ -3,6 +3,7 @@
 use super::gather::{gather, gather_pairs};
 use crate::image::color::Tables;
 use crate::math::lanes::*;
+use crate::math::prefetch::prefetch;
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 use crate::scene::Texture;
@@ -96,6 +97,9 @@ impl<'a> TextureReader<'a> {
         lower.bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
         right.store_array(&mut taps.right);
         down.store_array(&mut taps.down);
+        for (row, lane) in [(0, 0), (0, LANES - 1), (1, LANES), (1, WIDE - 1)] {
+            prefetch(self.texels, taps.index[row][lane] as usize);
+        }
     }
 
     /// Eight of the samples, from `first` on.
@@ -114,8 +118,9 @@ impl<'a> TextureReader<'a> {
         x.weight.store_slice(&mut taps.right[eight.clone()]);
         y.weight.store_slice(&mut taps.down[eight.clone()]);
         if layout == Layout::Four {
-            for (tap, (x, y)) in
-                [(x.first, y.first), (x.second, y.first), (x.first, y.second), (x.second, y.second)].into_iter().enumerate()
+            for (tap, (x, y)) in [(x.first, y.first), (x.second, y.first), (x.first, y.second), (x.second, y.second)]
+                .into_iter()
+                .enumerate()
             {
                 self.index(x, y).store_slice(&mut taps.index[tap][eight.clone()]);
             }
