@@ -155,7 +155,7 @@ impl Memory {
 struct Workspace {
     tile: Tile,
     entrants: Entrants,
-    batch: Batch,
+    batches: [Batch; BATCHES],
     queue: Queue,
     /// Triangles that are blended over the rest.
     blended: Vec<Slot>,
@@ -166,7 +166,7 @@ impl Workspace {
         Self {
             tile: Tile::new(),
             entrants: Entrants::default(),
-            batch: Batch::default(),
+            batches: Default::default(),
             queue: Queue::default(),
             blended: Vec::new(),
         }
@@ -175,7 +175,7 @@ impl Workspace {
     fn bytes(&self) -> usize {
         self.tile.bytes()
             + self.entrants.bytes()
-            + size_of::<Batch>()
+            + size_of::<[Batch; BATCHES]>()
             + size_of::<Queue>()
             + self.blended.capacity() * size_of::<Slot>()
     }
@@ -193,6 +193,8 @@ struct Frame<'a> {
     draws: &'a [Draw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
+    /// Nothing is cut out or blended.
+    all_opaque: bool,
     /// Some draw reads normals in pixels.
     reads_normals: bool,
     /// Some draw reads colours of vertices.
@@ -250,6 +252,7 @@ pub fn draw(
         draws: &draws,
         arrays,
         chunks,
+        all_opaque: shaders.iter().all(|shader| shader.shader.transparency() == Transparency::Opaque),
         reads_normals: shaders.iter().any(|shader| shader.plan.light == Light::Normals),
         reads_colors: shaders.iter().any(|shader| shader.plan.colored),
         shader_of_draw: DrawShader::first_alike(&shaders),
@@ -412,8 +415,11 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
     draws.iter().map(shader).collect()
 }
 
-/// Triangles of a tile whose corners are looked for together.
-const GROUP: usize = 4 * LANES;
+/// Batches of triangles of a tile whose corners are looked for together.
+const BATCHES: usize = 4;
+
+/// Triangles of so many batches.
+const GROUP: usize = BATCHES * LANES;
 
 /// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
 const CROWDED: usize = 192;
@@ -432,39 +438,25 @@ impl Frame<'_> {
         work: &Work,
     ) {
         let start = Instant::now();
-        let Workspace { tile, entrants, batch, queue, blended } = workspace;
+        let Workspace { tile, entrants, batches, queue, blended } = workspace;
         self.let_enter(number, entrants);
         tile.clear(&self.rules, entrants.len() < CROWDED);
         let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
         blended.clear();
-        let nowhere = Vertex::default();
         for group in (0..entrants.len()).step_by(GROUP) {
-            let mut triangles = [[&nowhere; 3]; GROUP];
-            let mut divides_by_w = 0;
-            self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
-            for (batch_number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
-                let first = group + batch_number * LANES;
-                let count = entrants.len().saturating_sub(first).min(LANES);
-                let Some(records) = entrants.eight_records(first).filter(|_| count > 0) else { break };
-                let (alive, large) = batch.set_up(
-                    simd,
-                    triangles,
-                    (records, divides_by_w >> (batch_number * LANES)),
-                    self.settings.fill_rule,
-                    &self.scale,
-                    &self.lattice,
-                    origin,
-                );
-                for lane in (0..count).filter(|lane| large >> lane & 1 != 0) {
-                    entrants.note_large(Slot((first + lane) as u32));
-                }
-                if alive != 0 && !self.arrays.surfaces.is_empty() {
-                    self.fill_surfaces(simd, entrants, first, count);
-                }
-                for lane in (0..count).filter(|lane| alive >> lane & 1 != 0) {
-                    let slot = Slot((first + lane) as u32);
+            let alive = self.set_up_group(simd, entrants, batches, group, origin);
+            for (number, batch) in batches.iter().enumerate() {
+                let mut alive = alive[number];
+                while alive != 0 {
+                    let lane = alive.trailing_zeros() as usize;
+                    alive &= alive - 1;
+                    let slot = Slot((group + number * LANES + lane) as u32);
                     let triangle = batch.triangle(lane, slot);
                     let owner = |slot| self.set_up_again(entrants, slot, origin);
+                    if self.all_opaque {
+                        tile.draw(simd, &triangle, &self.lattice, &self.rules, owner);
+                        continue;
+                    }
                     let Entrant { key, draw, .. } = entrants.get(slot);
                     match self.shader(draw as usize).shader.transparency() {
                         Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, owner),
@@ -515,6 +507,46 @@ impl Frame<'_> {
                 entrants.push(*key, draw);
             }
         }
+    }
+
+    /// Sets up a group of triangles of a tile before the first of them is drawn, as results come late, and says by bits which
+    /// of each eight may have a sample in the tile.
+    #[inline(always)]
+    fn set_up_group<S: Simd>(
+        &self,
+        simd: S,
+        entrants: &mut Entrants,
+        batches: &mut [Batch; BATCHES],
+        group: usize,
+        origin: ([f64; 2], [f32; 2]),
+    ) -> [u64; BATCHES] {
+        let nowhere = Vertex::default();
+        let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
+        self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
+        let mut alive = [0; BATCHES];
+        for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
+            let first = group + number * LANES;
+            let count = entrants.len().saturating_sub(first).min(LANES);
+            let Some(records) = entrants.eight_records(first).filter(|_| count > 0) else { break };
+            let of_batch = batches[number].set_up(
+                simd,
+                triangles,
+                (records, divides_by_w >> (number * LANES)),
+                self.settings.fill_rule,
+                &self.scale,
+                &self.lattice,
+                origin,
+            );
+            let large = of_batch.1;
+            alive[number] = of_batch.0 & (u64::from(u32::MAX) >> (u32::BITS as usize - count));
+            for lane in (0..count).filter(|lane| large >> lane & 1 != 0) {
+                entrants.note_large(Slot((first + lane) as u32));
+            }
+            if alive[number] != 0 && !self.arrays.surfaces.is_empty() {
+                self.fill_surfaces(simd, entrants, first, count);
+            }
+        }
+        alive
     }
 
     /// Finds the corners of a group of triangles of a tile, and a bit for each that is divided by w. They lie all over the
