@@ -277,6 +277,7 @@ pub fn draw(
         let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
         let mut workspace = taken.unwrap_or_else(Workspace::new);
         while let Some((row, (colors, mut depths))) = next() {
+            colors.fill(job.background);
             for column in 0..tile_counts.0 {
                 let number = row * tile_counts.0 + column;
                 on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, (column, row), number, colors, &mut depths, &work));

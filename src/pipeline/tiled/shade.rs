@@ -123,9 +123,6 @@ impl Job<'_> {
     #[inline(always)]
     fn one_triangle<S: Simd>(&mut self, simd: S, slot: Slot, patch: &Patch) {
         if slot == Slot::NONE {
-            for row in patch.first..patch.end {
-                self.band.row(patch, row).fill(self.frame.background);
-            }
             return;
         }
         let Entrant { key, draw, .. } = self.entrants.get(slot);
@@ -156,13 +153,6 @@ impl Job<'_> {
             let seen = of_row.simd_ne(Slot::NONE.0);
             seen.select(of_row, u32x8::splat(simd, 0)).store_slice(&mut slots[half * LANES..][..LANES]);
             mine[half] = seen.to_bitmask() as u32;
-            if mine[half] != ALL {
-                for (lane, pixel) in self.band.row(patch, patch.first + half).iter_mut().enumerate() {
-                    if mine[half] >> lane & 1 == 0 {
-                        *pixel = self.frame.background;
-                    }
-                }
-            }
         }
         let within = ALL >> (LANES - patch.count);
         let samples = (mine[0] & within).count_ones() + (mine[1] & within).count_ones();
@@ -175,12 +165,8 @@ impl Job<'_> {
     #[inline(always)]
     fn mixed_row<S: Simd>(&mut self, simd: S, slots: &[u32], patch: &Patch) {
         let mut open: u32 = 0;
-        for (lane, pixel) in self.band.row(patch, patch.first).iter_mut().enumerate() {
-            if slots[lane] == Slot::NONE.0 {
-                *pixel = self.frame.background;
-            } else {
-                open |= 1 << lane;
-            }
+        for (lane, slot) in slots.iter().enumerate().take(patch.count) {
+            open |= u32::from(*slot != Slot::NONE.0) << lane;
         }
         while open != 0 {
             let first = open.trailing_zeros() as usize;
