@@ -446,6 +446,7 @@ impl Frame<'_> {
         blended.clear();
         for group in (0..entrants.len()).step_by(GROUP) {
             let alive = self.set_up_group(simd, entrants, batches, group, origin);
+            let owner = |slot| self.set_up_again(entrants, slot, origin);
             for (number, batch) in batches.iter().enumerate() {
                 let mut alive = alive[number];
                 while alive != 0 {
@@ -453,17 +454,16 @@ impl Frame<'_> {
                     alive &= alive - 1;
                     let slot = Slot((group + number * LANES + lane) as u32);
                     let triangle = batch.triangle(lane, slot);
-                    let owner = |slot| self.set_up_again(entrants, slot, origin);
                     if self.all_opaque {
-                        tile.draw(simd, &triangle, &self.lattice, &self.rules, owner);
+                        tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner);
                         continue;
                     }
                     let Entrant { key, draw, .. } = entrants.get(slot);
                     match self.shader(draw as usize).shader.transparency() {
-                        Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, owner),
+                        Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner),
                         Transparency::CutOut => {
                             let keep = self.keeper(key, draw as usize, place);
-                            tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, owner, keep);
+                            tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, &owner, keep);
                         }
                         Transparency::Blended => blended.push(slot),
                     }

@@ -129,7 +129,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         let [first, last] = triangle.columns;
         let start = first & !1;
@@ -149,7 +149,7 @@ impl Tile {
         start: usize,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -170,7 +170,7 @@ impl Tile {
                     for by in top / BLOCK..=bottom / BLOCK {
                         for bx in columns[0]..=((start + LANES - 1) / BLOCK).min(BLOCKS - 1) {
                             let block = by * BLOCKS + bx;
-                            self.write_out(simd, block, lattice, rules, &owner);
+                            self.write_out(simd, block, lattice, rules, owner);
                             self.widen_bounds(triangle, block, rules);
                         }
                     }
@@ -256,7 +256,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -318,7 +318,7 @@ impl Tile {
                     while partial != 0 {
                         let bx = partial.trailing_zeros() as usize;
                         partial &= partial - 1;
-                        self.write_out(simd, by * BLOCKS + bx, lattice, rules, &owner);
+                        self.write_out(simd, by * BLOCKS + bx, lattice, rules, owner);
                         self.draw_block(simd, triangle, (bx, by), lattice, rules);
                     }
                 }
@@ -335,7 +335,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
         mut keep: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
     ) {
         simd.vectorize(
@@ -346,7 +346,7 @@ impl Tile {
                     if !self.may_show(triangle, block, rules) {
                         continue;
                     }
-                    self.write_out(simd, block, lattice, rules, &owner);
+                    self.write_out(simd, block, lattice, rules, owner);
                     for row in rows_in(triangle, by) {
                         let place = (bx * BLOCK, row);
                         let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
