@@ -164,8 +164,8 @@ pub fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> 
 #[inline(always)]
 pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
     let [a, b, c, d] = each!(i in [0, 4, 8, 12] => r[i].combine(r[i + 1]).combine(r[i + 2].combine(r[i + 3])));
-    let ((even, odd), (evens, odds)) = (a.deinterleave(b), c.deinterleave(d));
-    let ((w, y), (x, z)) = (even.deinterleave(evens), odd.deinterleave(odds));
+    let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
+    let ((w, y), (x, z)) = (wy.deinterleave(wy_end), xz.deinterleave(xz_end));
     [w, x, y, z]
 }
 

@@ -277,13 +277,11 @@ pub(super) fn shade_gathered<S: Simd>(
             let [pair] = make_room(simd, frame, shader, 1, queue, band) else { return };
             let lattice = &frame.lattice;
             let columns = lattice.columns_i32(simd, patch.column);
-            let [x, y] = {
-                let of = each!(row in [row, row + 1] => {
-                    let y = row as i32 * lattice.row_step as i32;
-                    (columns + lattice.shift(row) as i32, i32x8::splat(simd, y))
-                });
-                [of[0].0.combine(of[1].0), of[0].1.combine(of[1].1)]
-            };
+            let [upper, lower] = each!(below in [0, 1] => {
+                let y = (row + below) as i32 * lattice.row_step as i32;
+                (columns + lattice.shift(row + below) as i32, i32x8::splat(simd, y))
+            });
+            let (x, y) = (upper.0.combine(lower.0), upper.1.combine(lower.1));
             let many = entrants.many(slots);
             let e = many.edge_values(simd, x, y);
             let e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());

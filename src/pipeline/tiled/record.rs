@@ -1,7 +1,7 @@
 //! What the tiles' shading reads of a triangle, in the order in which lanes load it.
 
 use super::bins::Key;
-use super::geometry::{Surface, Vertex};
+use super::geometry::Surface;
 use super::setup::Edges;
 use crate::math::lanes::*;
 
@@ -36,8 +36,8 @@ impl Record {
         ([a0, b0, c0], [a1, b1, c1], area)
     }
 
-    /// Fills the records of eight triangles: two edges (a, b, c) and the doubled area as low 32 bits, and the corners'
-    /// [`Vertex::INV_W`], light and texture coordinates. A bit for each triangle says whether its attributes are divided by w.
+    /// Fills the records of eight triangles: two edges (a, b, c) and the doubled area as low 32 bits, and the corners' 1/w,
+    /// light and texture coordinates. A bit for each triangle says whether its attributes are divided by w.
     #[inline(always)]
     pub(super) fn fill_eight<S: Simd>(
         simd: S,
@@ -110,8 +110,8 @@ impl SurfaceRecord {
         let corners = each!(corner in [0, 1, 2] => transpose_quads(each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
             f32x4::from_slice(simd, &triangles[lane][corner].numbers[first_number..][..LANES / 2])
         })));
-        for axis in 0..3 {
-            let [a, b, c] = each!(corner in [0, 1, 2] => corners[corner][axis]);
+        let [first, second, third] = corners;
+        for (axis, ((a, b), c)) in first.into_iter().zip(second).zip(third).take(3).enumerate() {
             let rows = rows_of_quads([a, b - a, c - a, F32::splat(simd, 0.0)]);
             for lane in 0..LANES {
                 rows[lane].store_array(&mut records[lane].quads[first_quad + axis]);

@@ -148,6 +148,10 @@ impl Batch {
     /// Sets up eight triangles by their corners as [`Setup::new`] does, fills their records, and says by bits which of them
     /// may have a sample in the tile, and which of those have edge values of more than 32 bits.
     #[inline(never)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "eight triangles, their records, and what is the same for all triangles"
+    )]
     pub(super) fn set_up<S: Simd>(
         &mut self,
         simd: S,

@@ -129,6 +129,10 @@ impl Job<'_> {
         let (draw, one) = (draw as usize, self.entrants.one(slot));
         let shader = self.frame.shader(draw);
         self.shaded.add(shader, patch.count * (patch.end - patch.first));
+        if let Some(color) = shader.shader.flat_color(self.frame.id_of(key), self.frame.draws[draw].instance) {
+            self.fill(patch, color);
+            return;
+        }
         if !shader.on_lanes || self.entrants.is_large(slot) {
             if self.large.is_none_or(|(last, _)| last != slot) {
                 // Triangles without area are never seen.
@@ -140,6 +144,20 @@ impl Job<'_> {
         }
         let edges = self.large.as_ref().map(|(_, edges)| edges);
         shade_uniform(simd, self.frame, &Subject { one, key, draw, edges }, patch, self.queue, &mut self.band);
+    }
+
+    /// One colour for the samples of some rows that are shaded.
+    fn fill(&mut self, patch: &Patch, color: Rgba8) {
+        for row in patch.first..patch.end {
+            let row = self.band.row(patch, row);
+            if patch.mine == ALL {
+                row.fill(color);
+                continue;
+            }
+            for (lane, pixel) in row.iter_mut().enumerate() {
+                *pixel = if patch.mine >> lane & 1 != 0 { color } else { *pixel };
+            }
+        }
     }
 
     /// Samples of one or two rows that belong to triangles that are all shaded alike, or to none.
