@@ -38,6 +38,8 @@ pub(super) struct Lattice {
     pub(super) block_step: f64,
     /// From one row to the next.
     pub(super) row_step: f64,
+    /// Whether that is a power of two.
+    has_exact_reciprocal: bool,
     /// From the first sample of a block's row to the last one, and what shifts rows against each other.
     pub(super) block_width: f64,
     /// From the first row of a block to the last one.
@@ -80,6 +82,7 @@ impl Lattice {
             blocks: std::array::from_fn(|block| column((block * BLOCK) as u32)),
             block_step: column(BLOCK as u32),
             row_step: row(1),
+            has_exact_reciprocal: (row(1) as u64).is_power_of_two(),
             block_width: column(last) + shift,
             block_height: row(last),
         }
@@ -155,6 +158,13 @@ impl Lattice {
 }
 
 impl Lattice {
+    /// Grid steps divided by those between rows. Where that is a power of two its reciprocal is exact, and multiplies faster.
+    #[inline(always)]
+    fn per_row<S: Simd>(&self, steps: F32<S>) -> F32<S> {
+        let step = self.row_step as f32;
+        if self.has_exact_reciprocal { steps * (1.0 / step) } else { steps / step }
+    }
+
     /// [`Lattice::range`] for eight ranges.
     #[inline(always)]
     pub(super) fn range_lanes<S: Simd>(&self, simd: S, axis: usize, least: F32<S>, greatest: F32<S>) -> [F32<S>; 2] {
@@ -164,10 +174,7 @@ impl Lattice {
                 let per_four = 1.0 / (4.0 * SUBPIXELS as f32);
                 [((least - half) * per_four).floor() * 2.0, ((greatest - half) * per_four).floor() * 2.0 + 1.0]
             }
-            _ => {
-                let step = F32::splat(simd, self.row_step as f32);
-                [((least - half) / step).ceil(), ((greatest - half) / step).floor()]
-            }
+            _ => [self.per_row(least - half).ceil(), self.per_row(greatest - half).floor()],
         }
     }
 }

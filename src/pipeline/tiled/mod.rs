@@ -16,6 +16,7 @@ mod gather;
 mod geometry;
 mod kernel;
 mod lattice;
+mod outcode;
 mod record;
 mod see_through;
 mod setup;
