@@ -21,6 +21,7 @@ pub mod expansion;
 pub mod fixed;
 
 pub mod lanes;
+pub mod prefetch;
 
 mod bounds;
 

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::outcode::Outcode;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
+use crate::math::prefetch::prefetch;
 use crate::math::{unit_or, unit_or_lanes};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::plan::{DrawPlan, Part};
@@ -69,6 +70,12 @@ impl Vertex {
     #[inline(always)]
     pub(super) fn inv_w(&self) -> f32 {
         self.numbers[Self::INV_W]
+    }
+
+    /// 1/w, light and texture coordinates of eight vertices.
+    #[inline(always)]
+    pub(super) fn attributes<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> [F32<S>; 4] {
+        transpose_quads(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[4..])))
     }
 
     /// Positions and depths of eight vertices.
@@ -140,6 +147,12 @@ impl<'a> Draw<'a> {
     pub(super) fn corners(&self, id: u32) -> [usize; 3] {
         let [a, b, c] = self.mesh.triangles[(id - self.first.0) as usize];
         [a as usize + self.first_vertex, b as usize + self.first_vertex, c as usize + self.first_vertex]
+    }
+
+    /// Asks for the corners of one of its triangles.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, id: u32) {
+        prefetch(&self.mesh.triangles, (id - self.first.0) as usize);
     }
 
     /// A vertex in clip space as the classic way has it.
@@ -447,11 +460,15 @@ fn clip_positions<S: Simd>(simd: S, draw: &Draw<'_>, positions: &[Vec3; LANES]) 
     each!(row in [0, 1, 2, 3] => x * columns[0][row] + y * columns[1][row] + z * columns[2][row] + columns[3][row])
 }
 
-/// [`lambert`] for eight unit normals.
+/// [`lambert`] for as many unit normals as there are lanes.
 ///
 /// [`lambert`]: crate::pipeline::shade::lambert
 #[inline(always)]
-pub(super) fn lambert_lanes<S: Simd>([x, y, z]: [F32<S>; 3], direction: Vec3, ambient: f32) -> F32<S> {
+pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32>>(
+    [x, y, z]: [V; 3],
+    direction: Vec3,
+    ambient: f32,
+) -> V {
     let cosine = x * direction.x + y * direction.y + z * direction.z;
     cosine.max(0.0) * (1.0 - ambient) + ambient
 }

@@ -1,7 +1,7 @@
 //! Where the samples of a tile lie: the packed samples of a [`SampleGrid`] in steps that lanes can take.
 
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
-use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _};
+use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _, i32x8};
 use crate::pipeline::grid::SampleGrid;
 
 /// Side of a tile in packed samples.
@@ -13,6 +13,9 @@ pub(super) const BLOCK: usize = LANES;
 /// Blocks along a side of a tile.
 pub(super) const BLOCKS: usize = TILE / BLOCK;
 
+/// Rows after which shifts repeat.
+const SHIFTS: usize = 4;
+
 /// Samples by their distance from a tile's first one, in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lattice {
@@ -21,8 +24,12 @@ pub(super) struct Lattice {
     pub(super) lanes: [f64; LANES],
     /// Of the eight rows of a block, from the first.
     pub(super) rows: [f64; LANES],
-    /// How far the samples of a block's rows stand to the right of those of a tile's first row.
-    row_shifts: [f64; LANES],
+    /// The same two as integers.
+    lanes_i32: [i32; LANES],
+    rows_i32: [i32; LANES],
+    /// How far the samples of eight rows stand to the right of those of a tile's first row, by the first of the rows.
+    shifts: [[f64; LANES]; SHIFTS],
+    shifts_i32: [[i32; LANES]; SHIFTS],
     /// Of four samples of a row and the four below: columns, rows.
     pub(super) two_rows: [[f64; LANES]; 2],
     /// Of the first samples of the blocks of a row.
@@ -64,7 +71,10 @@ impl Lattice {
             grid,
             lanes: std::array::from_fn(|lane| column(lane as u32)),
             rows: std::array::from_fn(|index| row(index as u32)),
-            row_shifts: std::array::from_fn(|index| shift_of(grid, index)),
+            lanes_i32: std::array::from_fn(|lane| column(lane as u32) as i32),
+            rows_i32: std::array::from_fn(|index| row(index as u32) as i32),
+            shifts: std::array::from_fn(|first| std::array::from_fn(|index| shift_of(grid, first + index))),
+            shifts_i32: std::array::from_fn(|first| std::array::from_fn(|index| shift_of(grid, first + index) as i32)),
             two_rows: [
                 std::array::from_fn(|lane| column(lane as u32 % 4)),
                 std::array::from_fn(|lane| row(lane as u32 / 4)),
@@ -101,10 +111,20 @@ impl Lattice {
     /// The shifts of eight rows.
     #[inline(always)]
     pub(super) fn shifts(&self, first: usize) -> [f64; LANES] {
-        let mut shifts = self.row_shifts;
-        // They repeat after four rows.
-        shifts.rotate_left(first % 4);
-        shifts
+        self.shifts[first % SHIFTS]
+    }
+
+    /// Eight columns of a row from `column` on, not shifted, as integers.
+    #[inline(always)]
+    pub(super) fn columns_i32<S: Simd>(&self, simd: S, column: usize) -> i32x8<S> {
+        i32x8::load_array(simd, self.lanes_i32) + self.column(column) as i32
+    }
+
+    /// Eight rows from `first` on, and how far their samples are shifted to the right, as integers.
+    #[inline(always)]
+    pub(super) fn rows_i32<S: Simd>(&self, simd: S, first: usize) -> [i32x8<S>; 2] {
+        let rows = i32x8::load_array(simd, self.rows_i32) + first as i32 * self.row_step as i32;
+        [rows, i32x8::load_array(simd, self.shifts_i32[first % SHIFTS])]
     }
 
     /// Distance of a column from a tile's first one.
