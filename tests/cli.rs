@@ -370,7 +370,10 @@ fn the_plan_tells_what_draws_leave_out_and_why_the_same_in_words_and_as_json() {
     let group = &json["groups"][0];
     assert_eq!((group["draws"].as_u64(), group["names"].as_array().unwrap().len()), (Some(128), 128));
     assert_eq!(group["transparency"], "opaque");
-    let lines: Vec<_> = text.lines().skip(3).collect();
+    let lines: Vec<_> = text.lines().skip(3).take_while(|line| !line.is_empty()).collect();
+    let whole = json["frame"]["parts"].as_array().unwrap();
+    assert_eq!(text.lines().count(), 3 + lines.len() + 2 + whole.len());
+    assert_eq!((&whole[0]["part"], &whole[0]["runs"]), (&"every-pixel".into(), &true.into()));
     let parts = group["parts"].as_array().unwrap();
     assert_eq!(parts.len(), lines.len());
     for (part, line) in parts.iter().zip(lines) {
@@ -378,6 +381,24 @@ fn the_plan_tells_what_draws_leave_out_and_why_the_same_in_words_and_as_json() {
         assert!(part["reason"].as_str().is_none_or(|reason| line.ends_with(reason)), "{line}");
         assert_ne!(part["runs"].as_bool(), Some(part["reason"].is_string()), "{line}");
     }
+}
+
+#[test]
+fn what_leaving_out_saves_is_told_for_every_scene() {
+    let args = ["plan", "--table", "--rounds", "1", "--size", "32x24", "--set", "shading=texture"];
+    let output = run(&folder(), &args);
+    assert_success(&output);
+    assert_eq!(stderr(&output), "", "progress is for terminals");
+    let text = stdout(&output);
+    for builtin in builtin::ALL {
+        assert!(text.lines().any(|line| line.starts_with(&format!("{} ", builtin.id))), "{} in {text}", builtin.id);
+    }
+    assert!(!text.contains("PICTURE"), "{text}");
+    let output = run(&folder(), &[&args[..], &["--json"]].concat());
+    assert_success(&output);
+    let rows: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+    assert_eq!(rows.as_array().unwrap().len(), builtin::ALL.len());
+    assert_failure(&run(&folder(), &["plan", "chess", "--table"]), 2, "--table");
 }
 
 #[test]
@@ -861,7 +882,7 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
     let size = ["bench", "cubes", "--size", "64x48", "--frames", "3"];
     let table = run(&folder(), &size);
     assert_success(&table);
-    for word in ["whole frame", "cull and bin", "triangles kept", "ns per pixel"] {
+    for word in ["whole frame", "cull and bin", "triangles kept", "ns per pixel", "as long as writing its bytes"] {
         assert!(stdout(&table).contains(word), "{word} in {}", stdout(&table));
     }
     for (execution, stage) in [("tiled", "shade"), ("classic", "pixels")] {
@@ -876,6 +897,20 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
         assert!(stages.iter().any(|s| s["stage"] == stage), "{stages:?}");
     }
     assert_failure(&run(&folder(), &["bench", "--threads", "0"]), 2, "--threads");
+}
+
+#[test]
+fn a_bench_verifies_that_every_way_to_draw_gives_the_same_bits() {
+    let args = ["bench", "chess", "--verify", "--size", "101x67", "--threads", "3"];
+    let output = run(&folder(), &args);
+    assert_success(&output);
+    let lines: Vec<_> = stdout(&output).lines().skip(1).collect();
+    assert!(lines.iter().any(|line| line.starts_with("baseline")), "{lines:?}");
+    assert!(lines.iter().all(|line| line.ends_with("3 threads  equal")), "{lines:?}");
+    let output = run(&folder(), &[&args[..], &["--json", "--set", "antialias.method=multisample"]].concat());
+    assert_success(&output);
+    let report: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+    assert!(report["obstacle"].is_string() && report["ways"].as_array().unwrap().is_empty(), "{report}");
 }
 
 #[test]

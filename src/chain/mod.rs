@@ -9,6 +9,7 @@ pub mod samples;
 #[cfg(test)]
 mod tests;
 mod view;
+pub mod whole;
 
 pub use frame::{Frame, FrameTimes, LazyGeometry};
 pub use recipe::{Recipe, SetError};

@@ -8,6 +8,7 @@ use rasterscope::measure::timing::Summary;
 use serde::Serialize;
 
 use super::bench_scrub;
+use super::bench_verify;
 use super::bench_window;
 use super::failure::Failure;
 use super::output;
@@ -39,6 +40,11 @@ pub(crate) struct BenchArgs {
     #[arg(long, conflicts_with_all = ["threads", "lanes", "scrub"])]
     window: bool,
 
+    /// Compare instead of timing: the frame drawn tile by tile, on every kind of lanes and by several numbers of threads, with
+    /// the one drawn triangle after triangle, bit for bit; exit code 1 if they differ
+    #[arg(long, conflicts_with_all = ["lanes", "frames", "scrub", "window"])]
+    verify: bool,
+
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -65,6 +71,16 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         let report = bench_scrub::measure(&view, size, args.frames as usize);
         return if args.json { print_json(&report) } else { output::print(&bench_scrub::table(&report)) };
     }
+    if args.verify {
+        let threads = args.threads.map(usize::from);
+        let found = bench_verify::verify(&view, size, threads)?;
+        if args.json {
+            print_json(&found)
+        } else {
+            output::print(&bench_verify::table(&view.scene.name, size, &found))
+        }?;
+        return bench_verify::judge(&found);
+    }
     let lanes = match args.lanes {
         LanesArg::Best => Lanes::best(),
         LanesArg::Avx2 => Lanes::avx2().unwrap_or_else(Lanes::baseline),
@@ -88,7 +104,9 @@ fn print_json(report: &impl Serialize) -> Result<(), Failure> {
 }
 
 fn table(report: &BenchReport) -> String {
-    let BenchReport { scene, size: [width, height], threads, execution, frame_ms, stages, counts, bytes, .. } = report;
+    let BenchReport {
+        scene, size: [width, height], threads, execution, frame_ms, stages, writing, counts, bytes, ..
+    } = report;
     let mut text = format!(
         "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames\n\n",
         if *threads == 1 { "thread" } else { "threads" },
@@ -98,6 +116,7 @@ fn table(report: &BenchReport) -> String {
     let line = |name: &str, ms: &Summary| format!("{name:24} {:10.3} {:10.3} {:10.3}\n", ms.median, ms.p10, ms.p90);
     text += &line("whole frame", frame_ms);
     text.extend(stages.iter().map(|stage| line(stage.stage, &stage.ms)));
+    text += &line("writing as many bytes", &writing.ms);
     text.push('\n');
     text.extend(counts.iter().map(|(name, count)| format!("{name:24} {count:10}\n")));
     let megabytes = |bytes: usize| bytes as f64 / 1e6;
@@ -109,7 +128,7 @@ fn table(report: &BenchReport) -> String {
         megabytes(bytes.scene)
     );
     text + &format!(
-        "{:24} {:10.2} ns per triangle, {:.2} ns per pixel\n",
-        "cost", report.ns_per_triangle, report.ns_per_pixel
+        "{:24} {:10.2} ns per triangle, {:.2} ns per pixel, {:.1} times as long as writing its bytes\n",
+        "cost", report.ns_per_triangle, report.ns_per_pixel, writing.frame_over_writing
     )
 }

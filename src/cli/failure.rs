@@ -17,7 +17,7 @@ const BAD_INPUT: u8 = 2;
 /// Exit code where a window was asked for and there can be none.
 const NO_WINDOW: u8 = 3;
 
-/// Exit code where an assertion is violated.
+/// Exit code where what should hold does not.
 const VIOLATED: u8 = 1;
 
 /// Why a command gave up.
@@ -65,6 +65,9 @@ pub(crate) enum Failure {
     /// What `check` was asked to check does not hold.
     #[error("{violated} of {of} assertions are violated")]
     Violated { violated: usize, of: usize },
+    /// What should be the same bits is not.
+    #[error("{differing} of {of} ways to draw it tile by tile differ from triangle after triangle")]
+    Unequal { differing: usize, of: usize },
     /// There can be no window.
     #[error("{0}")]
     NoWindow(String),
@@ -75,7 +78,7 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::NoWindow(_) => NO_WINDOW,
-            Self::Violated { .. } => VIOLATED,
+            Self::Violated { .. } | Self::Unequal { .. } => VIOLATED,
             _ => BAD_INPUT,
         })
     }

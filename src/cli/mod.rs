@@ -1,10 +1,11 @@
 //! The command line: one file per subcommand, each a function from its options to results on standard output.
 //!
 //! Warnings and errors go to standard error, one line each. Exit codes: 0 done; 2 input that cannot be used or output
-//! that cannot be written; 3 no window where one was asked for; 1 what `check` checked is violated.
+//! that cannot be written; 3 no window where one was asked for; 1 what `check` or `bench --verify` checked does not hold.
 
 mod bench;
 mod bench_scrub;
+mod bench_verify;
 mod bench_window;
 mod case;
 mod check;
@@ -56,7 +57,7 @@ struct Cli {
     start: WindowArgs,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 1 what `check` checked is violated";
+const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 1 what `check` or `bench --verify` checked does not hold";
 
 #[derive(Subcommand, Debug)]
 enum Command {

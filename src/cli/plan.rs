@@ -1,14 +1,18 @@
 //! `rasterscope plan`: what each draw of a frame runs and leaves out, why, and what that saves; in words or as JSON.
 
 use std::io::{IsTerminal as _, Write as _, stderr};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
+use rasterscope::chain::Recipe;
 use rasterscope::measure::leaving_out::{Saving, Savings, savings};
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::prepare;
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::report::plan::{Group, groups, text};
+use rasterscope::report::leaving_out::{Row, table};
+use rasterscope::report::plan::{Group, Whole, groups, text, whole, whole_text};
+use rasterscope::scene::builtin::{self, Builtin};
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -22,11 +26,15 @@ pub(crate) struct PlanArgs {
     frame: FrameArgs,
 
     /// Measure what leaving out saves: draw the view as planned and with each part forced, in turn
-    #[arg(long)]
+    #[arg(long, group = "measuring")]
     measure: bool,
 
+    /// Measure it on every built-in scene instead, in its own view: a table of scenes and parts
+    #[arg(long, group = "measuring", conflicts_with_all = ["scene", "camera", "mirror_z"])]
+    table: bool,
+
     /// Rounds of measuring, after some that do not count
-    #[arg(long, value_name = "N", default_value_t = 21, requires = "measure",
+    #[arg(long, value_name = "N", default_value_t = 21, requires = "measuring",
           value_parser = clap::value_parser!(u32).range(1..=100_000))]
     rounds: u32,
 
@@ -40,6 +48,7 @@ pub(crate) struct PlanArgs {
 struct Planned<'a> {
     scene: &'a str,
     size: [u32; 2],
+    frame: Whole,
     groups: &'a [Group],
     #[serde(skip_serializing_if = "Option::is_none")]
     savings: Option<Savings>,
@@ -49,37 +58,64 @@ struct Planned<'a> {
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let View { scene, camera, recipe, .. } = args.frame.view()?;
     let viewport = args.frame.size();
+    if args.table {
+        return table_of_scenes(args, &recipe, viewport);
+    }
     let Viewport { width, height } = viewport;
     let plans = prepare(&scene, &camera, &recipe.pipeline, viewport, &mut ()).plans;
     let groups = groups(&scene, &plans);
+    let frame = whole(&scene, &recipe, viewport);
     let savings = args.measure.then(|| {
-        let shown = stderr().is_terminal();
-        let tell = |share: f32| {
-            if shown {
-                // Where it cannot be written nobody misses it.
-                let _ = write!(stderr(), "\rmeasuring: {:3.0} %{}", share * 100.0, if share < 1.0 { "" } else { "\n" });
-            }
-        };
         // Nobody cancels but with the program.
         savings(&scene, &camera, &recipe, viewport, args.rounds as usize, &tell, &AtomicBool::new(false))
     });
     let savings = savings.flatten();
     if args.json {
-        let planned = Planned { scene: &scene.name, size: [width, height], groups: &groups, savings };
+        let planned = Planned { scene: &scene.name, size: [width, height], frame, groups: &groups, savings };
         let json = serde_json::to_string_pretty(&planned).map_err(|e| Failure::Output(e.into()))?;
         return output::print(&(json + "\n"));
     }
     let head = format!("{}, {width} × {height} px\n", scene.name);
     let told = groups.iter().map(|group| format!("\n{}", text(group)));
-    output::print(&(head + &told.collect::<String>() + &savings.as_ref().map(savings_text).unwrap_or_default()))
+    let frame = format!("\n{}", whole_text(&frame));
+    output::print(
+        &(head + &told.collect::<String>() + &frame + &savings.as_ref().map(savings_text).unwrap_or_default()),
+    )
+}
+
+/// Says on a terminal how far measuring is.
+fn tell(share: f32) {
+    if stderr().is_terminal() {
+        // Where it cannot be written nobody misses it.
+        let _ = write!(stderr(), "\rmeasuring: {:3.0} %{}", share * 100.0, if share < 1.0 { "" } else { "\n" });
+    }
+}
+
+/// Measures what leaving out saves on every built-in scene.
+fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Result<(), Failure> {
+    let measure = |(number, builtin): (usize, &Builtin)| {
+        let scene = Arc::new(builtin.build());
+        let tell = |share: f32| tell((number as f32 + share) / builtin::ALL.len() as f32);
+        // Nobody cancels but with the program.
+        let never = AtomicBool::new(false);
+        let savings = savings(&scene, &scene.home, recipe, viewport, args.rounds as usize, &tell, &never)?;
+        Some(Row { scene: builtin.id, savings })
+    };
+    let rows: Vec<Row> = builtin::ALL.iter().enumerate().filter_map(measure).collect();
+    if args.json {
+        let json = serde_json::to_string_pretty(&rows).map_err(|e| Failure::Output(e.into()))?;
+        return output::print(&(json + "\n"));
+    }
+    output::print(&table(&rows, viewport, rayon::current_num_threads()))
 }
 
 fn savings_text(savings: &Savings) -> String {
-    let Savings { planned_ms, noise_ms, savings } = savings;
+    let Savings { planned_ms, noise_ms, planning_ms, savings, .. } = savings;
     let mut text = format!(
         "\nA frame as planned: {:.3} ms (median of {}); the same against itself: {:+.3} ms (p10 {:+.3}, p90 {:+.3})\n",
         planned_ms.median, planned_ms.n, noise_ms.median, noise_ms.p10, noise_ms.p90
     );
+    text += &format!("Making the plans takes {:.2} µs of it\n", planning_ms.median * 1e3);
     if savings.is_empty() {
         return text + "Nothing that could be forced is left out.\n";
     }

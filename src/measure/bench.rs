@@ -1,8 +1,10 @@
 //! What frames of one view cost: time in all and per stage, counts, memory.
 
+use std::hint::black_box;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::timing::{Summary, summarize};
@@ -24,6 +26,15 @@ pub struct StageSummary {
     pub ms: Summary,
 }
 
+/// How long the bytes of a frame take to write when nothing is drawn: what no frame can fall below.
+#[derive(Clone, Debug, Serialize)]
+pub struct Writing {
+    /// Milliseconds to set as many bytes as the frame holds, by the same threads.
+    pub ms: Summary,
+    /// Median time of a whole frame over the median of these.
+    pub frame_over_writing: f64,
+}
+
 /// What the frames of one view cost.
 #[derive(Clone, Debug, Serialize)]
 pub struct BenchReport {
@@ -39,6 +50,8 @@ pub struct BenchReport {
     pub frame_ms: Summary,
     /// Milliseconds of its stages, in their order.
     pub stages: Vec<StageSummary>,
+    /// What merely writing it takes.
+    pub writing: Writing,
     /// What was done in a frame, in the order of the stages.
     pub counts: Vec<(&'static str, u64)>,
     /// Bytes held by frame, renderer and scene.
@@ -92,22 +105,34 @@ pub fn bench(
         Some(StageSummary { stage, ms })
     });
     let pixels = f64::from(viewport.width) * f64::from(viewport.height);
+    let bytes = frame.image().bytes() + frame.drawn.depth.as_ref().map_or(0, crate::image::Image::bytes);
+    let writing = summary(&mut times_of_writing(bytes, frames).into_iter())?;
     Some(BenchReport {
         scene: scene.name.clone(),
         size: [viewport.width, viewport.height],
         threads: rayon::current_num_threads(),
         execution: frame.execution.id(),
         stages: stages.collect(),
+        writing: Writing { frame_over_writing: frame_ms.median / writing.median, ms: writing },
         counts: counts(scene, &frame),
-        bytes: Bytes {
-            frame: frame.image().bytes() + frame.drawn.depth.as_ref().map_or(0, crate::image::Image::bytes),
-            renderer: renderer.bytes(),
-            scene: scene.memory().shared_bytes,
-        },
+        bytes: Bytes { frame: bytes, renderer: renderer.bytes(), scene: scene.memory().shared_bytes },
         ns_per_triangle: frame_ms.median * 1e6 / scene.triangle_count().max(1) as f64,
         ns_per_pixel: frame_ms.median * 1e6 / pixels,
         frame_ms,
     })
+}
+
+/// Sets all of some bytes to one value, again and again, each of the pool's threads its share.
+fn times_of_writing(bytes: usize, times: usize) -> Vec<Duration> {
+    let mut memory = vec![0_u8; bytes.max(1)];
+    let share = memory.len().div_ceil(rayon::current_num_threads());
+    let mut write = |value: usize| {
+        let start = Instant::now();
+        memory.par_chunks_mut(share).for_each(|bytes| bytes.fill(value as u8));
+        black_box(&mut memory);
+        start.elapsed()
+    };
+    (0..WARM_UP_FRAMES + times).map(&mut write).skip(WARM_UP_FRAMES).collect()
 }
 
 fn stages(frame: &Frame) -> Vec<(&'static str, Duration)> {

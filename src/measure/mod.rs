@@ -6,6 +6,8 @@ pub mod bench;
 
 pub mod difference;
 
+pub mod equality;
+
 pub mod error;
 
 pub mod flip;

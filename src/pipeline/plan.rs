@@ -111,13 +111,21 @@ pub enum Step {
 
 impl Step {
     /// Runs if there is no reason against it.
-    fn unless(reason: Option<&'static str>) -> Self {
+    pub fn unless(reason: Option<&'static str>) -> Self {
         reason.map_or(Self::Run, Self::LeftOut)
     }
 
     /// Whether the part runs.
     pub fn runs(self) -> bool {
         self == Self::Run
+    }
+
+    /// Why it does not, if it does not.
+    pub fn reason(self) -> Option<&'static str> {
+        match self {
+            Self::Run => None,
+            Self::LeftOut(reason) => Some(reason),
+        }
     }
 }
 

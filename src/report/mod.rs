@@ -4,6 +4,8 @@ pub mod comparison;
 
 mod html;
 
+pub mod leaving_out;
+
 pub mod plan;
 
 mod plot;

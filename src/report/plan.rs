@@ -2,14 +2,17 @@
 
 use serde::Serialize;
 
+use crate::chain::whole::{FramePart, rasterized_pixels};
+use crate::chain::{KeepDepth, Recipe};
 use crate::pipeline::plan::{DrawPlan, Part, Step};
+use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
 
-/// One part of the work of some draws.
+/// One part of the work of some draws, or of the whole frame.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Entry {
+pub struct Entry<P = Part> {
     /// Which.
-    pub part: Part,
+    pub part: P,
     /// Whether it runs.
     pub runs: bool,
     /// Why it does not, if it does not.
@@ -30,6 +33,35 @@ pub struct Group {
     pub parts: Vec<Entry>,
 }
 
+/// What a frame runs besides its draws.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Whole {
+    /// Pixels that are rasterized, of the whole picture.
+    pub rasterized_pixels: u64,
+    /// Pixels of the picture.
+    pub pixels: u64,
+    /// Every part, in the order of the stages.
+    pub parts: Vec<Entry<FramePart>>,
+}
+
+/// What a frame runs besides its draws, whose depths nobody reads later.
+pub fn whole(scene: &Scene, recipe: &Recipe, viewport: Viewport) -> Whole {
+    Whole {
+        rasterized_pixels: rasterized_pixels(recipe, viewport),
+        pixels: u64::from(viewport.width) * u64::from(viewport.height),
+        parts: FramePart::ALL.map(|part| entry(part, part.step(scene, recipe, KeepDepth::No))).into(),
+    }
+}
+
+/// The same in words, a line per part.
+pub fn whole_text(whole: &Whole) -> String {
+    let Whole { rasterized_pixels, pixels, parts } = whole;
+    let share = *rasterized_pixels as f64 / *pixels as f64 * 100.0;
+    let mut text = format!("The frame: {rasterized_pixels} of {pixels} pixels are rasterized, {share:.2} %\n");
+    parts.iter().for_each(|Entry { part, reason, .. }| text.push_str(&line(part.name(), *reason)));
+    text
+}
+
 /// The groups of a scene's draws, `plans` being one per instance; in the order of their first draws.
 pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
     let mut found: Vec<(DrawPlan, Vec<String>)> = Vec::new();
@@ -43,12 +75,12 @@ pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
 }
 
 fn group(plan: DrawPlan, names: Vec<String>) -> Group {
-    let entry = |part| match plan.step(part) {
-        Step::Run => Entry { part, runs: true, reason: None },
-        Step::LeftOut(reason) => Entry { part, runs: false, reason: Some(reason) },
-    };
-    let parts = Part::ALL.map(entry).into();
+    let parts = Part::ALL.map(|part| entry(part, plan.step(part))).into();
     Group { draws: names.len(), names, transparency: plan.transparency(), parts }
+}
+
+fn entry<P>(part: P, step: Step) -> Entry<P> {
+    Entry { part, runs: step.runs(), reason: step.reason() }
 }
 
 /// Names of a group that are told in words; of more only the first and the last.
@@ -59,10 +91,15 @@ pub fn text(group: &Group) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
     let mut text = format!("{} {draws}: {}\n", group.draws, told_names(&group.names));
     for Entry { part, reason, .. } in &group.parts {
-        let state = reason.map_or("run".to_owned(), |reason| format!("left out: {reason}"));
-        text.push_str(&format!("  {:21} {state}\n", part.name()));
+        text.push_str(&line(part.name(), *reason));
     }
     text
+}
+
+/// One part with what becomes of it.
+fn line(name: &str, reason: Option<&str>) -> String {
+    let state = reason.map_or("run".to_owned(), |reason| format!("left out: {reason}"));
+    format!("  {name:21} {state}\n")
 }
 
 fn told_names(names: &[String]) -> String {
@@ -100,6 +137,18 @@ mod tests {
         for (i, a) in groups.iter().enumerate() {
             assert!(groups[..i].iter().all(|b| (&a.parts, a.transparency) != (&b.parts, b.transparency)));
         }
+    }
+
+    #[test]
+    fn the_whole_frame_is_told_with_what_it_does_without() {
+        let scene = builtin::by_id("triangle").unwrap().build();
+        let mut recipe = Recipe::default();
+        recipe.set_all(&["upscaler.method=nearest", "upscaler.scale=4"]).unwrap();
+        let told = whole_text(&whole(&scene, &recipe, Viewport { width: 64, height: 48 }));
+        assert!(told.starts_with("The frame: 192 of 3072 pixels are rasterized, 6.25 %\n"), "{told}");
+        assert!(told.contains("  Every pixel           left out: the upscaler reads fewer"), "{told}");
+        assert!(told.contains("  Upscaling             run\n"), "{told}");
+        assert_eq!(told.lines().count(), 1 + FramePart::ALL.len());
     }
 
     #[test]

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use eframe::egui::{Button, Grid, ProgressBar, RichText, Ui};
 
+use crate::chain::KeepDepth;
+use crate::chain::whole::FramePart;
 use crate::measure::leaving_out::{Saving, Savings};
-
 use crate::pipeline::plan::{DrawPlan, Part, Step};
 use crate::ui::command::Command;
 use crate::ui::format;
@@ -58,6 +59,23 @@ pub fn ui(ui: &mut Ui, session: &Session) {
             ui.label(RichText::new(text).monospace().color(color));
             saved(ui, session, part);
             ui.label(RichText::new(reasons(plans, part)).color(tokens(ui).text_weak));
+            ui.end_row();
+        }
+        let frame = &view.frame;
+        let keeps = if frame.drawn.depth.is_some() { KeepDepth::Yes } else { KeepDepth::No };
+        for part in FramePart::ALL {
+            let step = part.step(&view.request.scene, &view.request.recipe, keeps);
+            ui.label(part.name());
+            let color = if step.runs() { tokens(ui).text_strong } else { tokens(ui).text_weak };
+            let drawn = format!("{:.2} % of pixels", frame.drawn_share() * 100.0);
+            let text = match step {
+                Step::LeftOut(_) if part == FramePart::EveryPixel => &drawn,
+                Step::LeftOut(_) => "left out",
+                Step::Run => "whole frame",
+            };
+            ui.label(RichText::new(text).monospace().color(color));
+            ui.label(RichText::new("–").color(tokens(ui).text_weak));
+            ui.label(RichText::new(step.reason().unwrap_or_default()).color(tokens(ui).text_weak));
             ui.end_row();
         }
     });

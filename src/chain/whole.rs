@@ -1,0 +1,129 @@
+//! What a whole frame needs besides its draws, and what is left out of it, each with its reason.
+
+use serde::Serialize;
+
+use super::view::{raster_of, shown_in_full};
+use super::{KeepDepth, Recipe, execution};
+use crate::pipeline::plan::Step;
+use crate::pipeline::settings::{DepthTest, Execution};
+use crate::pipeline::viewport::Viewport;
+use crate::scene::Scene;
+
+/// A part of the work that a frame may not need, whatever its draws do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FramePart {
+    /// Rasterizing and shading every pixel of the picture.
+    EveryPixel,
+    /// Drawing once more, in full, which object every pixel shows and how far away.
+    Surfaces,
+    /// Drawing several samples for each pixel.
+    AntiAliasing,
+    /// Memory for depths beyond the tile that is being drawn.
+    KeptDepths,
+    /// Filling in pixels that were not drawn.
+    Upscaling,
+    /// Filtering the finished picture.
+    Filter,
+    /// Laying the edges of triangles over it.
+    Wireframe,
+}
+
+impl FramePart {
+    /// All, in the order of the stages.
+    pub const ALL: [Self; 7] = [
+        Self::EveryPixel,
+        Self::Surfaces,
+        Self::AntiAliasing,
+        Self::KeptDepths,
+        Self::Upscaling,
+        Self::Filter,
+        Self::Wireframe,
+    ];
+
+    /// What a person calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::EveryPixel => "Every pixel",
+            Self::Surfaces => "Surfaces in full",
+            Self::AntiAliasing => "Anti-aliasing",
+            Self::KeptDepths => "Depths kept",
+            Self::Upscaling => "Upscaling",
+            Self::Filter => "Filter",
+            Self::Wireframe => "Wireframe",
+        }
+    }
+
+    /// Whether a frame runs it.
+    pub fn step(self, scene: &Scene, recipe: &Recipe, keep_depth: KeepDepth) -> Step {
+        let (native, depth_test) = (recipe.upscaler.is_native(), recipe.pipeline.depth_test);
+        let tiled = execution(scene, recipe).0 == Execution::Tiled;
+        Step::unless(match self {
+            Self::EveryPixel => (!native).then_some("the upscaler reads fewer, and fills in the others"),
+            Self::Surfaces if shown_in_full(recipe).is_some() => None,
+            Self::Surfaces if recipe.upscaler.upscaler().reads().surfaces => Some("the depth test is off"),
+            Self::Surfaces => Some("the upscaler does not ask what pixels show"),
+            Self::AntiAliasing => recipe.antialias.is_off().then_some("one sample for each pixel is enough"),
+            Self::KeptDepths if depth_test == DepthTest::Off => Some("the depth test is off"),
+            Self::KeptDepths => {
+                (tiled && keep_depth == KeepDepth::No).then_some("nothing reads them once a tile is drawn")
+            }
+            Self::Upscaling => native.then_some("every pixel is drawn"),
+            Self::Filter => recipe.post.is_off().then_some("none is chosen"),
+            Self::Wireframe => (!recipe.wireframe).then_some("it is switched off"),
+        })
+    }
+}
+
+/// How many pixels are rasterized of a picture of this size, the most that any frame of a view needs.
+pub fn rasterized_pixels(recipe: &Recipe, viewport: Viewport) -> u64 {
+    let sampling = recipe.upscaler.sampling();
+    let Viewport { width, height } = raster_of(sampling, viewport);
+    sampling.grid().drawn_pixels(width, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::chain::Renderer;
+    use crate::scene::builtin::workload::layers;
+    use crate::upscale::Upscaling;
+
+    /// Even, so that no grid ends within a pixel.
+    const SIZE: Viewport = Viewport { width: 96, height: 48 };
+
+    #[test]
+    fn only_what_the_upscaler_reads_is_rasterized() {
+        let scene = Arc::new(layers(1));
+        for upscaler in Upscaling::every() {
+            let recipe = Recipe { upscaler, ..Recipe::default() };
+            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::No);
+            let shaded = frame.tiled.as_ref().unwrap().counts.shaded;
+            assert_eq!(shaded, rasterized_pixels(&recipe, SIZE), "{upscaler:?}");
+            let all = FramePart::EveryPixel.step(&scene, &recipe, KeepDepth::No).runs();
+            assert_eq!(all, shaded == 96 * 48 && upscaler.is_native(), "{upscaler:?}");
+        }
+    }
+
+    #[test]
+    fn what_runs_is_what_the_frame_holds() {
+        let scene = Arc::new(layers(1));
+        for (settings, keep) in [
+            (&["depth_test=less"][..], KeepDepth::No),
+            (&["depth_test=off"], KeepDepth::Yes),
+            (&["upscaler.method=checkerboard-surfaces"], KeepDepth::Yes),
+            (&["upscaler.method=checkerboard-surfaces", "depth_test=off"], KeepDepth::Yes),
+            (&["execution=classic"], KeepDepth::No),
+        ] {
+            let mut recipe = Recipe::default();
+            recipe.set_all(settings).unwrap();
+            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep);
+            let runs = |part: FramePart| part.step(&scene, &recipe, keep).runs();
+            assert_eq!(runs(FramePart::KeptDepths), frame.drawn.depth.is_some(), "{settings:?}");
+            assert_eq!(runs(FramePart::Surfaces), frame.surfaces.is_some(), "{settings:?}");
+            assert_eq!(runs(FramePart::Upscaling), !std::ptr::eq(frame.image(), &frame.drawn.color), "{settings:?}");
+        }
+    }
+}

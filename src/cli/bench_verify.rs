@@ -1,0 +1,47 @@
+//! `rasterscope bench --verify`: whether a frame is the same bits however it is drawn.
+
+use rasterscope::measure::equality::{Difference, Equality, Quantity, Way, verify as compare};
+use rasterscope::pipeline::viewport::Viewport;
+
+use super::failure::Failure;
+use super::scene_args::View;
+
+/// Compares on one, two and all threads, or only on as many as are given.
+pub(crate) fn verify(view: &View, size: Viewport, threads: Option<usize>) -> Result<Equality, Failure> {
+    let machine = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut counts = threads.map_or_else(|| vec![1, 2, machine], |count| vec![count]);
+    counts.sort_unstable();
+    counts.dedup();
+    compare(&view.scene, &view.camera, &view.recipe, size, &counts).map_err(|e| Failure::Threads(e.to_string()))
+}
+
+/// One line for each way to draw it.
+pub(crate) fn table(scene: &str, Viewport { width, height }: Viewport, found: &Equality) -> String {
+    let mut text =
+        format!("{scene}, {width} × {height} px: tile by tile against triangle after triangle, bit for bit\n");
+    if let Some(obstacle) = found.obstacle {
+        return text + &format!("nothing to compare, as it is never drawn tile by tile: {obstacle}\n");
+    }
+    for Way { lanes, threads, difference } in &found.ways {
+        let unit = if *threads == 1 { "thread" } else { "threads" };
+        let told = difference.as_ref().map_or_else(|| "equal".to_owned(), in_words);
+        text += &format!("{lanes:10} {threads:3} {unit:8} {told}\n");
+    }
+    text
+}
+
+fn in_words(difference: &Difference) -> String {
+    let Difference { quantity, samples, first: (x, y), expected, found } = difference;
+    let of = match quantity {
+        Quantity::Color => "samples have another colour",
+        Quantity::Depth => "samples have another depth",
+        Quantity::Picture => "pixels of the finished picture differ",
+    };
+    format!("DIFFERENT: {samples} {of}, first {x},{y}: {found} instead of {expected}")
+}
+
+/// Fails where anything differs.
+pub(crate) fn judge(found: &Equality) -> Result<(), Failure> {
+    let differing = found.ways.iter().filter(|way| way.difference.is_some()).count();
+    if differing > 0 { Err(Failure::Unequal { differing, of: found.ways.len() }) } else { Ok(()) }
+}

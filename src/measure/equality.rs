@@ -1,0 +1,172 @@
+//! Whether a view is the same bits however it is drawn: triangle after triangle, or tile by tile with any instructions and
+//! any number of threads.
+
+use std::sync::Arc;
+
+use rayon::{ThreadPoolBuildError, ThreadPoolBuilder};
+use serde::Serialize;
+
+use crate::chain::{Frame, KeepDepth, Recipe, Renderer, execution};
+use crate::image::Image;
+use crate::math::lanes::Lanes;
+use crate::pipeline::settings::Execution;
+use crate::pipeline::viewport::Viewport;
+use crate::scene::{Camera, Scene};
+
+/// What is compared, in the order in which it comes to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Quantity {
+    /// Colours of the samples that are drawn.
+    Color,
+    /// Their stored depths.
+    Depth,
+    /// The finished picture.
+    Picture,
+}
+
+/// How one frame differs from another.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Difference {
+    /// The first quantity that differs.
+    pub quantity: Quantity,
+    /// How many of its samples do.
+    pub samples: usize,
+    /// Column and row of the first one, top left first.
+    pub first: (u32, u32),
+    /// What the reference holds there.
+    pub expected: String,
+    /// What the other one holds there.
+    pub found: String,
+}
+
+/// One way to draw tile by tile, and what came of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Way {
+    /// The instructions that were used.
+    pub lanes: &'static str,
+    /// The number of threads.
+    pub threads: usize,
+    /// How the frame differs from the classic one, if it does.
+    pub difference: Option<Difference>,
+}
+
+/// All that was compared.
+#[derive(Clone, Debug, Serialize)]
+pub struct Equality {
+    /// Every way that was tried.
+    pub ways: Vec<Way>,
+    /// Why it is not drawn tile by tile at all, if it is not.
+    pub obstacle: Option<&'static str>,
+}
+
+/// Stack of a thread that draws: more than threads get by themselves, as kernels for several kinds of lanes are large where the
+/// program is not optimised.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Draws a view triangle after triangle, then tile by tile on all kinds of lanes that the processor has with each of these
+/// numbers of threads, and compares.
+pub fn verify(
+    scene: &Arc<Scene>,
+    camera: &Camera,
+    recipe: &Recipe,
+    viewport: Viewport,
+    threads: &[usize],
+) -> Result<Equality, ThreadPoolBuildError> {
+    let by = |execution| Recipe { execution, ..*recipe };
+    let (classic, tiled) = (by(Execution::Classic), by(Execution::Tiled));
+    if let (Execution::Classic, obstacle) = execution(scene, &tiled) {
+        return Ok(Equality { ways: Vec::new(), obstacle });
+    }
+    let expected = Renderer::default().render(scene, camera, &classic, viewport, KeepDepth::Yes);
+    let mut ways = Vec::new();
+    for &count in threads {
+        let pool = ThreadPoolBuilder::new().num_threads(count).stack_size(STACK_BYTES).build()?;
+        for lanes in Lanes::all() {
+            let draw = || Renderer::on(lanes).render(scene, camera, &tiled, viewport, KeepDepth::Yes);
+            let difference = difference(&expected, &pool.install(draw));
+            ways.push(Way { lanes: lanes.name(), threads: count, difference });
+        }
+    }
+    Ok(Equality { ways, obstacle: None })
+}
+
+/// How a frame differs from the one that it should be.
+fn difference(expected: &Frame, found: &Frame) -> Option<Difference> {
+    let grid = expected.drawn.grid;
+    // Packed samples that stand for no pixel hold anything.
+    let is_drawn = |x, y| {
+        let (x, y) = grid.pixel(x, y);
+        x < expected.raster.width && y < expected.raster.height
+    };
+    first_of(Quantity::Color, [&expected.drawn.color, &found.drawn.color], is_drawn, |a, b| a == b)
+        .or_else(|| {
+            let depths = [expected.drawn.depth.as_ref()?, found.drawn.depth.as_ref()?];
+            first_of(Quantity::Depth, depths, is_drawn, |a, b| a.to_bits() == b.to_bits())
+        })
+        .or_else(|| first_of(Quantity::Picture, [expected.image(), found.image()], |_, _| true, |a, b| a == b))
+}
+
+fn first_of<T: Copy + std::fmt::Debug>(
+    quantity: Quantity,
+    [expected, found]: [&Image<T>; 2],
+    counts: impl Fn(u32, u32) -> bool,
+    same: impl Fn(&T, &T) -> bool,
+) -> Option<Difference> {
+    let (width, height) = expected.size();
+    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let mut differing = places.filter(|(x, y)| counts(*x, *y) && !same(&expected.at(*x, *y), &found.at(*x, *y)));
+    let first @ (x, y) = differing.next()?;
+    let [expected, found] = [expected, found].map(|image| format!("{:?}", image.at(x, y)));
+    Some(Difference { quantity, samples: 1 + differing.count(), first, expected, found })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    const SIZE: Viewport = Viewport { width: 64, height: 48 };
+
+    fn drawn(settings: &str) -> Frame {
+        let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
+        let mut recipe = Recipe::default();
+        recipe.set(settings).unwrap();
+        Renderer::default().render(&scene, &scene.home, &recipe, SIZE, KeepDepth::Yes)
+    }
+
+    #[test]
+    fn every_kind_of_lanes_and_every_number_of_threads_is_compared() {
+        let scene = Arc::new(builtin::by_id("near-plane").unwrap().build());
+        let mut recipe = Recipe::default();
+        recipe.set("upscaler.method=checkerboard").unwrap();
+        let found = verify(&scene, &scene.home, &recipe, SIZE, &[1, 3]).unwrap();
+        assert_eq!((found.ways.len(), found.obstacle), (2 * Lanes::all().count(), None));
+        assert!(found.ways.iter().all(|way| way.difference.is_none()), "{found:?}");
+        recipe.set("antialias.method=multisample").unwrap();
+        let found = verify(&scene, &scene.home, &recipe, SIZE, &[1]).unwrap();
+        assert!(found.ways.is_empty() && found.obstacle.is_some());
+    }
+
+    #[test]
+    fn the_first_difference_is_named_and_all_are_counted() {
+        let right = drawn("shading=vertex-color");
+        assert_eq!(difference(&right, &right), None);
+        let mut wrong = right.clone();
+        wrong.drawn.color.set(63, 47, [1, 2, 3, 4]);
+        wrong.drawn.color.set(5, 9, [1, 2, 3, 4]);
+        let told = difference(&right, &wrong).unwrap();
+        assert_eq!((told.quantity, told.samples, told.first), (Quantity::Color, 2, (5, 9)));
+        assert_eq!(told.found, "[1, 2, 3, 4]");
+
+        let mut deeper = right.clone();
+        let depth = deeper.drawn.depth.as_mut().unwrap();
+        depth.set(0, 0, f32::from_bits(depth.at(0, 0).to_bits() ^ 1));
+        let told = difference(&right, &deeper).unwrap();
+        assert_eq!((told.quantity, told.samples, told.first), (Quantity::Depth, 1, (0, 0)));
+
+        let filtered = drawn("post.filter=blur");
+        let unfiltered = drawn("post.filter=none");
+        assert_eq!(difference(&unfiltered, &filtered).unwrap().quantity, Quantity::Picture);
+    }
+}

@@ -1,0 +1,122 @@
+//! What leaving out saves on several scenes, as a table: a row for each scene, a column for each part of the work.
+
+use serde::Serialize;
+
+use crate::measure::leaving_out::{Saving, Savings};
+use crate::pipeline::plan::Part;
+use crate::pipeline::viewport::Viewport;
+
+/// What was measured on one scene.
+#[derive(Clone, Debug, Serialize)]
+pub struct Row {
+    /// Which, in one word.
+    pub scene: &'static str,
+    /// What leaving out saves there.
+    pub savings: Savings,
+}
+
+/// Parts that can be forced, and what their columns are headed.
+const COLUMNS: [(Part, &str); 6] = [
+    (Part::Vertices, "vertices"),
+    (Part::Clipping, "clipping"),
+    (Part::PerspectiveDivision, "division"),
+    (Part::TextureCoordinates, "tex. coords"),
+    (Part::Normals, "normals"),
+    (Part::VertexColors, "colours"),
+];
+
+/// The table, with what its words mean below it.
+pub fn table(rows: &[Row], Viewport { width, height }: Viewport, threads: usize) -> String {
+    let rounds = rows.first().map_or(0, |row| row.savings.planned_ms.n);
+    let unit = if threads == 1 { "thread" } else { "threads" };
+    let mut text = format!(
+        "What leaving out saves: ms of a frame with the part forced less ms as planned\n\
+         {width} × {height} px, {threads} {unit}, medians of {rounds} rounds that draw every way in turn\n\n\
+         {:16} {:>9} {:>8} {:>9} {:>7}",
+        "scene", "planned", "± noise", "plans µs", "% of it"
+    );
+    text.extend(COLUMNS.map(|(_, heading)| format!(" {heading:>11}")));
+    text += &format!(" {:>11}\n", "all forced");
+    for Row { scene, savings } in rows {
+        let Savings { planned_ms, planning_ms, .. } = savings;
+        text += &format!(
+            "{scene:16} {:9.3} {:8.3} {:9.2} {:7.3}",
+            planned_ms.median,
+            savings.noise_of_median(),
+            planning_ms.median * 1e3,
+            planning_ms.median / planned_ms.median * 100.0
+        );
+        text.extend(COLUMNS.map(|(part, _)| format!(" {:>11}", cell(savings, part))));
+        text += &format!(" {:>11}\n", all(savings));
+    }
+    text + "\nneeded: every draw in view runs it. –: not needed, and nothing is there that could run. ± noise: by how much a median may be\n\
+            off by chance, from how planned frames of one round differ; savings within it stand in brackets. plans: the time to decide\n\
+            what is left out, which is all that a frame pays that needs everything.\n"
+}
+
+fn cell(savings: &Savings, part: Part) -> String {
+    let found = savings.savings.iter().find(|saving| saving.part == Some(part));
+    match found {
+        Some(saving) => signed(savings, saving),
+        None if savings.needed.contains(&part) => "needed".to_owned(),
+        None => "–".to_owned(),
+    }
+}
+
+/// All parts together: measured where there are several, else what the only one saves.
+fn all(savings: &Savings) -> String {
+    savings.savings.last().map_or_else(|| "nothing".to_owned(), |saving| signed(savings, saving))
+}
+
+fn signed(savings: &Savings, saving: &Saving) -> String {
+    let ms = saving.saved_ms.median;
+    let fault = if saving.same_picture { "" } else { "!PICTURE" };
+    if ms.abs() > savings.noise_of_median() { format!("{ms:+.3}{fault}") } else { format!("({ms:+.3}){fault}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::timing::summarize;
+
+    fn savings(parts: &[(Option<Part>, f64, bool)]) -> Savings {
+        let ms = |ms: f64| summarize(&[ms]).unwrap();
+        let saving = |&(part, saved, same_picture)| Saving { part, draws: 1, saved_ms: ms(saved), same_picture };
+        Savings {
+            planned_ms: ms(2.0),
+            noise_ms: summarize(&[-0.4, 0.4]).unwrap(),
+            planning_ms: ms(0.003),
+            needed: vec![Part::Vertices],
+            savings: parts.iter().map(saving).collect(),
+        }
+    }
+
+    #[test]
+    fn a_cell_tells_what_is_saved_or_why_nothing_is() {
+        let rows = [
+            Row {
+                scene: "one",
+                savings: savings(&[
+                    (Some(Part::Normals), 0.5, true),
+                    (Some(Part::Clipping), -0.25, false),
+                    (None, 0.75, true),
+                ]),
+            },
+            Row { scene: "two", savings: savings(&[]) },
+        ];
+        let text = table(&rows, Viewport { width: 64, height: 48 }, 2);
+        let words = |scene: &str| -> Vec<&str> {
+            text.lines().find(|line| line.starts_with(scene)).unwrap().split_whitespace().skip(1).collect()
+        };
+        // 2 · 1.2533 · (0.64 / 2.563) / √2: the percentiles of two numbers lie a tenth of the way from them.
+        assert_eq!(words("one")[..4], ["2.000", "0.443", "3.00", "0.150"]);
+        assert_eq!(words("one")[4..], ["needed", "(-0.250)!PICTURE", "–", "–", "+0.500", "–", "+0.750"]);
+        assert_eq!(words("two")[4..], ["needed", "–", "–", "–", "–", "–", "nothing"]);
+    }
+
+    #[test]
+    fn every_part_that_can_be_forced_has_a_column() {
+        let forced: Vec<_> = Part::ALL.into_iter().filter(|part| part.force().is_some()).collect();
+        assert_eq!(COLUMNS.map(|(part, _)| part)[..], forced);
+    }
+}
