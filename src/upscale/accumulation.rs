@@ -9,6 +9,8 @@
 //! Enlarged, a sample that lies within the output pixel counts in full; where none does, the four around are interpolated,
 //! and count for little.
 
+use std::ops::Range;
+
 use arrayvec::ArrayVec;
 
 use super::{
@@ -87,7 +89,8 @@ impl Upscaler for Accumulation {
         let now = Now::new(how, drawn, size);
         let mut taps = now.present(at).0.to_vec();
         if drawn.seen.is_some_and(|seen| seen.before(size, at).is_some_and(|before| !before.is_still)) {
-            for (x, y) in now.nine(at) {
+            let (columns, rows) = now.nine(at);
+            for (x, y) in rows.flat_map(|y| columns.clone().map(move |x| (x as u32, y))) {
                 if taps.iter().all(|tap| (tap.x, tap.y) != (x, y)) {
                     taps.push(Tap { x, y, weight: 0.0 });
                 }
@@ -185,14 +188,18 @@ impl<'a> Now<'a> {
             return [now[0], now[1], now[2], counts_for];
         };
         if !before.is_still {
-            let [mut least, mut greatest] = [[f32::MAX; 3], [f32::MIN; 3]];
-            for (x, y) in self.nine(at) {
-                let color = color(x, y);
-                for channel in 0..3 {
-                    least[channel] = least[channel].min(color[channel]);
-                    greatest[channel] = greatest[channel].max(color[channel]);
+            // Light grows with codes, so that the bounds of one are those of the other.
+            let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
+            let (columns, rows) = self.nine(at);
+            for y in rows {
+                for color in &self.drawn.color.row(y)[columns.clone()] {
+                    for channel in 0..4 {
+                        least[channel] = least[channel].min(color[channel]);
+                        greatest[channel] = greatest[channel].max(color[channel]);
+                    }
                 }
             }
+            let [least, greatest] = [least, greatest].map(|color| color.map(|code| self.number(code)));
             for (channel, value) in [&mut r, &mut g, &mut b].into_iter().enumerate() {
                 *value = value.min(greatest[channel]).max(least[channel]);
             }
@@ -235,16 +242,16 @@ impl<'a> Now<'a> {
         (taps, INTERPOLATED)
     }
 
-    /// The nine samples of this frame around an output pixel, fewer at borders.
-    fn nine(&self, (x, y): (u32, u32)) -> impl Iterator<Item = (u32, u32)> + use<> {
+    /// Columns and rows of the nine samples of this frame around an output pixel, fewer at borders.
+    fn nine(&self, (x, y): (u32, u32)) -> (Range<usize>, Range<u32>) {
         let (width, height) = self.drawn.color.size();
-        let nearest = |place: f64, at: u32| {
+        let three = |place: f64, at: u32, length: u32| {
             let (cell, on) = among(self.lattice, place, at);
-            cell + i64::from(on > 0.5)
+            let nearest = cell + i64::from(on > 0.5);
+            let inside = |at: i64| at.clamp(0, i64::from(length)) as u32;
+            inside(nearest - 1)..inside(nearest + 2)
         };
-        let (column, row) = (nearest(self.place[0], x), nearest(self.place[1], y));
-        let within = move |(x, y): &(i64, i64)| (0..i64::from(width)).contains(x) && (0..i64::from(height)).contains(y);
-        let all = (-1..=1).flat_map(move |dy| (-1..=1).map(move |dx| (column + dx, row + dy)));
-        all.filter(within).map(|(x, y)| (x as u32, y as u32))
+        let (columns, rows) = (three(self.place[0], x, width), three(self.place[1], y, height));
+        (columns.start as usize..columns.end as usize, rows)
     }
 }

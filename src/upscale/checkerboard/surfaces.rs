@@ -66,10 +66,13 @@ pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: 
     if let [only] = taps.as_slice() {
         return color(only);
     }
-    std::array::from_fn(|channel| {
-        let sum: f32 = taps.iter().map(|tap| tap.weight * f32::from(color(tap)[channel])).sum();
-        (sum + 0.5) as u8
-    })
+    let mut sums = [0.0; 4];
+    for tap in &taps {
+        for (sum, code) in sums.iter_mut().zip(color(tap)) {
+            *sum += tap.weight * f32::from(code);
+        }
+    }
+    sums.map(|sum: f32| (sum + 0.5) as u8)
 }
 
 /// The drawn pixels that a pixel is made of.
@@ -79,13 +82,16 @@ pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y)
     if grid.sample_at(x, y).is_some() {
         return ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]);
     }
-    let around = [TOUCHING, BEHIND]
-        .into_iter()
-        .zip(NEAR_AND_FAR)
-        .flat_map(|(by, weight)| neighbours(by, size, (x, y)).into_iter().flatten().map(move |at| (at, weight)));
-    let all: ArrayVec<(At, f32), 4> = around.collect();
-    let same = |at: At| drawn.seen.is_some_and(|seen| seen.surfaces.are_one(at, (x, y)));
-    let mut used: ArrayVec<_, 4> = all.iter().copied().filter(|(at, _)| same(*at)).collect();
+    let surfaces = drawn.seen.map(|seen| seen.surfaces);
+    let (mut all, mut used) = (ArrayVec::<(At, f32), 4>::new(), ArrayVec::<(At, f32), 4>::new());
+    for (by, weight) in [TOUCHING, BEHIND].into_iter().zip(NEAR_AND_FAR) {
+        for at in neighbours(by, size, (x, y)).into_iter().flatten() {
+            all.push((at, weight));
+            if surfaces.is_some_and(|surfaces| surfaces.are_one(at, (x, y))) {
+                used.push((at, weight));
+            }
+        }
+    }
     if used.is_empty() {
         let nearest = all.iter().map(|(_, weight)| *weight).fold(0.0, f32::max);
         used = all.into_iter().filter(|(_, weight)| *weight == nearest).collect();

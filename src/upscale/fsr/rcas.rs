@@ -133,10 +133,9 @@ fn lanes<S: Simd>(simd: S, own: u8x64<S>, [above, left, right, below]: [u8x64<S>
     let even = (pairs(above, 0) + pairs(left, 0)) + (pairs(right, 0) + pairs(below, 0));
     let odd = (pairs(above, 8) + pairs(left, 8)) + (pairs(right, 8) + pairs(below, 8));
     let sums = [even & 0xffff, odd & 0xffff, even >> 16];
-    for index in 0..3 {
-        let around = f32x16::float_from(sums[index]);
-        let value = (lobe * around + channel(own, index as u32)) * share;
-        codes |= u32x16::truncate_from(value.max(zero).min(full) + 0.5) << (8 * index as u32);
+    for (index, around) in (0..3).zip(sums) {
+        let value = (lobe * f32x16::float_from(around) + channel(own, index)) * share;
+        codes |= u32x16::truncate_from(value.max(zero).min(full) + 0.5) << (8 * index);
     }
     codes
 }

@@ -77,8 +77,8 @@ fn pairs<const N: usize, const DERINGING: bool>(
             break;
         }
         let mut sum = _mm256_mul_ps(taps[0], load_pair(avx2, around, 0));
-        for tap in 1..N {
-            sum = _mm256_add_ps(sum, _mm256_mul_ps(taps[tap], load_pair(avx2, around, tap)));
+        for (tap, weight) in taps.iter().enumerate().skip(1) {
+            sum = _mm256_add_ps(sum, _mm256_mul_ps(*weight, load_pair(avx2, around, tap)));
         }
         if DERINGING {
             sum = between(sum, load_pair(avx2, around, N / 2 - 1), load_pair(avx2, around, N / 2));

@@ -13,6 +13,9 @@ pub(super) const WIDE: usize = 16;
 /// How many are prepared together.
 pub(super) const AHEAD: usize = 4 * WIDE;
 
+/// Cells of a tile: what is known about the samples of so many stays in the nearest cache from row to row.
+pub(super) const TILE: usize = 4 * AHEAD;
+
 /// Samples that are repeated around the picture: as far as the kernel reaches, and one more for slopes.
 pub(super) const MARGIN: usize = 3;
 
@@ -96,9 +99,10 @@ impl Source {
     }
 
     /// Four rows of a channel, from the one before a cell's own on.
+    #[inline(always)]
     pub(super) fn channel(&self, channel: usize, cell: i32) -> [&[f32]; 4] {
         let first = (cell - 1 - self.first_row) as usize;
-        [0, 1, 2, 3].map(|below| &self.planes[channel][(first + below) * self.stride..][..self.stride])
+        each!(below in [0, 1, 2, 3] => &self.planes[channel][(first + below) * self.stride..][..self.stride])
     }
 }
 
@@ -112,9 +116,11 @@ pub(super) fn words<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
     u32x16::load_array(simd, words)
 }
 
-/// What the pixels of one row have in common: what is found once for both neighbours of a cell, or for all phases across.
-#[derive(Default)]
+/// What the pixels of one row have in common: what is found once for both neighbours of a cell, or for all phases across. Of the
+/// cells of one tile.
 pub(super) struct RowOfCells {
+    /// The first place in the rows of the source that anything is found for.
+    from: usize,
     cell: Option<i32>,
     /// Of each channel the least and the greatest of the four samples at the corners of a cell, by its first sample.
     pub(super) least: [Vec<f32>; 4],
@@ -124,17 +130,29 @@ pub(super) struct RowOfCells {
 }
 
 impl RowOfCells {
+    /// Of nothing yet.
+    pub(super) fn new(source: &Source) -> Self {
+        let row = || vec![0.0; source.stride];
+        let [least, greatest] = [0, 1].map(|_| std::array::from_fn(|_| row()));
+        Self { from: 0, cell: None, least, greatest, slopes: std::array::from_fn(|_| row()) }
+    }
+
+    /// Begins a tile with the cell after so many.
+    pub(super) fn begin(&mut self, from: usize) {
+        (self.from, self.cell) = (from, None);
+    }
+
     /// Finds what a row of pixels needs.
     #[inline(always)]
     pub(super) fn find<S: Simd>(&mut self, simd: S, source: &Source, lattice: Lattice, place: Place) {
+        // The last few are looked at by nobody, and have no right neighbours.
+        let end = (self.from + TILE + AHEAD).min(source.stride - WIDE);
         let below = place.phase as f32 / lattice.phases() as f32;
         for (mixed, plane) in self.slopes.iter_mut().zip(SLOPES) {
             let [_, upper, lower, _] = source.channel(plane, place.cell);
-            mixed.resize(source.stride, 0.0);
-            let rows = upper.as_chunks::<WIDE>().0.iter().zip(lower.as_chunks::<WIDE>().0);
-            for (mixed, (upper, lower)) in mixed.as_chunks_mut::<WIDE>().0.iter_mut().zip(rows) {
-                let (upper, lower) = (f32x16::load_array_ref(simd, upper), f32x16::load_array_ref(simd, lower));
-                (upper * (1.0 - below) + lower * below).store_array(mixed);
+            for at in (self.from..end).step_by(WIDE) {
+                let (upper, lower) = (values(simd, upper, at), values(simd, lower, at));
+                (upper * (1.0 - below) + lower * below).store_slice(&mut mixed[at..at + WIDE]);
             }
         }
         if self.cell == Some(place.cell) {
@@ -143,10 +161,7 @@ impl RowOfCells {
         self.cell = Some(place.cell);
         for (channel, (least, greatest)) in self.least.iter_mut().zip(&mut self.greatest).enumerate() {
             let [_, upper, lower, _] = source.channel(channel, place.cell);
-            least.resize(source.stride, 0.0);
-            greatest.resize(source.stride, 0.0);
-            // The last few are looked at by nobody, and have no right neighbours.
-            for at in (0..source.stride - WIDE).step_by(WIDE) {
+            for at in (self.from..end).step_by(WIDE) {
                 let (f, g) = (values(simd, upper, at), values(simd, upper, at + 1));
                 let (j, k) = (values(simd, lower, at), values(simd, lower, at + 1));
                 f.min(g).min(j.min(k)).store_slice(&mut least[at..at + WIDE]);

@@ -3,7 +3,7 @@
 //!
 //! Written without closures: those that the standard library calls would be compiled without the wide lanes' features.
 
-use super::source::{AHEAD, MARGIN, RowOfCells, Source, WIDE, values};
+use super::source::{AHEAD, MARGIN, RowOfCells, Source, TILE, WIDE, values};
 use super::{LEAST_SLOPE, LOBE_OF_EDGE, Spot, WHOLE};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
@@ -31,13 +31,20 @@ pub(in super::super) fn fill(
     let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
     let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
     let source = Source::new(lanes, drawn, top.cell - 1..bottom.cell + 4);
-    let mut row_of_cells = RowOfCells::default();
-    let mut phases = Phases::default();
-    for (row, place) in rows.chunks_exact_mut(width).zip(places) {
-        on_lanes!(lanes, simd => {
-            row_of_cells.find(simd, &source, lattice, place);
-            phases.fill(simd, &Row::new(&source, &row_of_cells, place), lattice, place, row);
-        });
+    let (pixels, samples) = lattice.scale.ratio();
+    let cells = width.div_ceil(pixels as usize) * samples as usize;
+    let mut row_of_cells = RowOfCells::new(&source);
+    let mut codes = [[0; TILE]; 3];
+    for from in (0..cells).step_by(TILE) {
+        row_of_cells.begin(from);
+        for (row, place) in rows.chunks_exact_mut(width).zip(&places) {
+            on_lanes!(lanes, simd => {
+                row_of_cells.find(simd, &source, lattice, *place);
+                let of = Row::new(&source, &row_of_cells, *place);
+                let row = &mut row[from / samples as usize * pixels as usize..];
+                fill_tile(simd, &of, (lattice, *place), (from, cells.min(from + TILE)), &mut codes, row);
+            });
+        }
     }
 }
 
@@ -51,7 +58,7 @@ struct Row<'a> {
 
 impl<'a> Row<'a> {
     fn new(source: &'a Source, of_cells: &'a RowOfCells, place: Place) -> Self {
-        let samples = [0, 1, 2, 3].map(|channel| source.channel(channel, place.cell));
+        let samples = each!(channel in [0, 1, 2, 3] => source.channel(channel, place.cell));
         Self { samples, of_cells, opaque: source.opaque }
     }
 
@@ -112,45 +119,45 @@ struct Channel<'a> {
     greatest: &'a [f32; AHEAD],
 }
 
-/// Pixels as their four codes, the first in the lowest byte: those of one phase across, cell after cell.
-#[derive(Default)]
-struct Phases {
-    codes: [Vec<u32>; 3],
-}
-
-impl Phases {
-    /// Fills a row, phase after phase.
-    #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S, of: &Row<'_>, lattice: Lattice, place: Place, row: &mut [Rgba8]) {
-        let (pixels, samples) = lattice.scale.ratio();
-        let (pixels, samples) = (pixels as usize, samples as usize);
-        let cells = row.len().div_ceil(pixels) * samples;
-        for first in 0..pixels {
-            let column = lattice.place(first as u32);
-            let spot = Spot::new(lattice, column.phase, place.phase);
-            let codes = &mut self.codes[first];
-            codes.resize(cells.next_multiple_of(AHEAD), 0);
-            let mut at = (column.cell + MARGIN as i32) as usize;
-            for codes in codes.as_chunks_mut::<AHEAD>().0 {
-                runs(simd, &of.part(at), spot, codes);
-                at += AHEAD;
-            }
+/// Fills the pixels of a row from cell `from` on, phase after phase. `codes` are those of one phase, cell after cell, a pixel as its
+/// four codes, the first in the lowest byte.
+#[inline(always)]
+fn fill_tile<S: Simd>(
+    simd: S,
+    of: &Row<'_>,
+    (lattice, place): (Lattice, Place),
+    (from, end): (usize, usize),
+    codes: &mut [[u32; TILE]; 3],
+    row: &mut [Rgba8],
+) {
+    let (pixels, samples) = lattice.scale.ratio();
+    let (pixels, samples) = (pixels as usize, samples as usize);
+    let parts = (end - from).div_ceil(AHEAD);
+    for (first, codes) in codes.iter_mut().enumerate().take(pixels) {
+        let column = lattice.place(first as u32);
+        let spot = Spot::new(lattice, column.phase, place.phase);
+        let mut at = from + (column.cell + MARGIN as i32) as usize;
+        for codes in codes.as_chunks_mut::<AHEAD>().0.iter_mut().take(parts) {
+            runs(simd, &of.part(at), spot, codes);
+            at += AHEAD;
         }
-        let [even, odd, _] = &self.codes;
-        if (pixels, samples) == (2, 1) {
-            let (pairs, last) = row.as_chunks_mut::<2>();
-            for (pair, (even, odd)) in pairs.iter_mut().zip(even.iter().zip(odd)) {
-                *pair = [even.to_le_bytes(), odd.to_le_bytes()];
-            }
-            for pixel in last {
-                *pixel = even[pairs.len()].to_le_bytes();
-            }
-            return;
+    }
+    let length = row.len().min((end - from) / samples * pixels);
+    let row = &mut row[..length];
+    if (pixels, samples) == (2, 1) {
+        let [even, odd, _] = codes;
+        let (pairs, last) = row.as_chunks_mut::<2>();
+        for (pair, (even, odd)) in pairs.iter_mut().zip(even.iter().zip(odd.iter())) {
+            *pair = [even.to_le_bytes(), odd.to_le_bytes()];
         }
-        for (first, codes) in self.codes[..pixels.min(row.len())].iter().enumerate() {
-            for (pixel, code) in row[first..].iter_mut().step_by(pixels).zip(codes.iter().step_by(samples)) {
-                *pixel = code.to_le_bytes();
-            }
+        for pixel in last {
+            *pixel = even[pairs.len()].to_le_bytes();
+        }
+        return;
+    }
+    for (first, codes) in codes[..pixels.min(length)].iter().enumerate() {
+        for (pixel, code) in row[first..].iter_mut().step_by(pixels).zip(codes.iter().step_by(samples)) {
+            *pixel = code.to_le_bytes();
         }
     }
 }
