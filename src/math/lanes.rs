@@ -6,7 +6,8 @@
 
 pub use fearless_simd::prelude::*;
 pub use fearless_simd::{
-    Level, Simd, f32x4, f32x8, f64x4, f64x8, i32x8, mask32x8, mask64x8, u8x32, u32x4, u32x8, u64x2,
+    Level, Simd, f32x4, f32x8, f32x16, f64x4, f64x8, i32x8, i32x16, mask32x8, mask32x16, mask64x8, u8x32, u32x4, u32x8,
+    u32x16, u64x2,
 };
 
 /// What every processor of the architecture has.
@@ -19,6 +20,9 @@ type Baseline = fearless_simd::Fallback;
 
 /// How many numbers a kernel takes at a time.
 pub const LANES: usize = 8;
+
+/// How many floats a kernel takes at a time that keeps to floats: where registers hold sixteen, half as many instructions do.
+pub const WIDE: usize = 2 * LANES;
 
 /// Eight floats.
 pub type F32<S> = f32x8<S>;
@@ -154,6 +158,15 @@ pub fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> 
     let [w, x, y, z] = transpose([a, b, c, d]);
     let [s, t, u, v] = transpose([e, f, g, h]);
     [w.combine(s), x.combine(t), y.combine(u), z.combine(v)]
+}
+
+/// Sixteen rows of four floats as four columns.
+#[inline(always)]
+pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
+    let [a, b, c, d] = each!(i in [0, 4, 8, 12] => r[i].combine(r[i + 1]).combine(r[i + 2].combine(r[i + 3])));
+    let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
+    let ((w, y), (x, z)) = (wy.deinterleave(wy_end), xz.deinterleave(xz_end));
+    [w, x, y, z]
 }
 
 /// Four columns of eight floats as eight rows.

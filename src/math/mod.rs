@@ -21,6 +21,7 @@ pub mod expansion;
 pub mod fixed;
 
 pub mod lanes;
+pub mod prefetch;
 
 mod bounds;
 
@@ -37,6 +38,9 @@ pub fn unit_or(v: DVec3, fallback: Vec3) -> Vec3 {
 /// [`unit_or`] for eight vectors, by component.
 #[inline(always)]
 pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: Vec3) -> [lanes::F32<S>; 3] {
+    if let Some(unit) = unit_lanes_nearly(simd, v) {
+        return unit;
+    }
     use lanes::{F64, Select as _, SimdBase as _, SimdFloat as _, narrow};
     let largest = v[0].abs().max(v[1].abs()).max(v[2].abs());
     let [x, y, z] = lanes::each!(i in [0, 1, 2] => v[i] / largest);
@@ -46,6 +50,27 @@ pub fn unit_or_lanes<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3], fallback: V
     lanes::each!((part, otherwise) in [(x, fallback[0]), (y, fallback[1]), (z, fallback[2])] => {
         narrow(simd, has_length.select(part * reciprocal, F64::splat(simd, otherwise)))
     })
+}
+
+/// What [`unit_or`] gives for eight vectors, at a third of the cost, or nothing where that is not certain.
+///
+/// One Newton step from the reciprocal root in f32, which is wrong by less than 2.5 · 2⁻²⁴, gives one that is wrong by less
+/// than 2⁻⁴⁴; [`unit_or`], all in f64, is wrong by less than 2⁻⁴⁹. So its result lies between what this gives made smaller
+/// and larger by 2⁻⁴². If these are the same number when rounded to f32, as they are but once in some 100 000 times, its is, too.
+#[inline(always)]
+fn unit_lanes_nearly<S: lanes::Simd>(simd: S, v: [lanes::F64<S>; 3]) -> Option<[lanes::F32<S>; 3]> {
+    use lanes::{F32, SimdBase as _, SimdFloat as _, SimdMask as _, narrow, widen};
+    const SLACK: f64 = 1.0 / (1_u64 << 42) as f64;
+    /// Where f32 has its full precision, for roots and reciprocals too.
+    const SQUARES: [f64; 2] = [1e-30, 1e30];
+    let squares = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    let root = widen(simd, F32::splat(simd, 1.0) / narrow(simd, squares).sqrt());
+    let reciprocal = root * (squares * -0.5 * root * root + 1.5);
+    let (smaller, larger) = (reciprocal * (1.0 - SLACK), reciprocal * (1.0 + SLACK));
+    let unit = lanes::each!(i in [0, 1, 2] => narrow(simd, v[i] * smaller));
+    let [x, y, z] = lanes::each!(i in [0, 1, 2] => unit[i].simd_eq(narrow(simd, v[i] * larger)));
+    let in_range = squares.simd_ge(SQUARES[0]) & squares.simd_le(SQUARES[1]);
+    ((x & y & z).all_true() && in_range.all_true()).then_some(unit)
 }
 
 /// The largest integer not above `x`, exactly as [`f32::floor`], which without SSE 4.1 is a function call of some thirty
@@ -65,6 +90,46 @@ pub fn floor(x: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What eight vectors are by [`unit_or_lanes`], with all instructions.
+    fn units(vectors: [Vec3; lanes::LANES], fallback: Vec3) -> Vec<[Vec3; lanes::LANES]> {
+        use lanes::{F32, Lanes, SimdBase as _, each, on_lanes, widen};
+        let columns: [[f32; lanes::LANES]; 3] = std::array::from_fn(|axis| vectors.map(|v| v[axis]));
+        let unit = |lanes| {
+            let unit = on_lanes!(lanes, simd => {
+                let wide = each!(axis in [0, 1, 2] => widen(simd, F32::load_array(simd, columns[axis])));
+                let unit = unit_or_lanes(simd, wide, fallback);
+                each!(axis in [0, 1, 2] => unit[axis].to_array())
+            });
+            std::array::from_fn(|i| Vec3::from_array(unit.map(|axis| axis[i])))
+        };
+        Lanes::all().map(unit).collect()
+    }
+
+    #[test]
+    fn eight_vectors_become_the_same_units_as_one_by_one() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let fallback = Vec3::new(0.25, -3.0, 0.0);
+        for round in 0..100_000 {
+            let mut number = || match (round % 4, random.u32(..8)) {
+                // Any at all.
+                (0, _) => f32::from_bits(random.u32(..)),
+                // Few bits, whose units lie near the boundaries of rounding more often than others do.
+                (1, _) => random.i32(-20..20) as f32,
+                (_, 0) => 0.0,
+                _ => random.f32() * 2.0 - 1.0,
+            };
+            let vectors: [Vec3; lanes::LANES] = std::array::from_fn(|_| Vec3::new(number(), number(), number()));
+            let expected = vectors.map(|v| unit_or(v.as_dvec3(), fallback).to_array().map(f32::to_bits));
+            for found in units(vectors, fallback) {
+                for (i, expected) in expected.iter().enumerate() {
+                    if !vectors[i].is_nan() {
+                        assert_eq!(found[i].to_array().map(f32::to_bits), *expected, "{}", vectors[i]);
+                    }
+                }
+            }
+        }
+    }
 
     #[test]
     fn floor_is_the_standard_one() {

@@ -237,6 +237,15 @@ impl<'a> Shader<'a> {
         }
     }
 
+    /// The colour of every sample of a triangle of an instance, for shadings that show nothing that varies over it.
+    pub fn flat_color(&self, id: TriangleId, instance: u32) -> Option<Rgba8> {
+        match self.settings.shading {
+            Shading::TriangleId => Some(id_color(id)),
+            Shading::ObjectId => Some(id_color(TriangleId(instance))),
+            _ => None,
+        }
+    }
+
     /// The light that the surface gives back, in the numbers of the colour space, before it is encoded.
     #[inline(always)]
     pub(crate) fn reflected(&self, fragment: &Fragment) -> Vec3 {

@@ -5,8 +5,9 @@
 
 use rayon::prelude::*;
 
-use super::geometry::{Arrays, Crossing, Draw, Outcode, Surface, Vertex};
+use super::geometry::{Arrays, Draw, Surface, Vertex};
 use super::lattice::{Lattice, TILE};
+use super::outcode::{Crossing, Outcode};
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::plan::Part;
@@ -52,7 +53,7 @@ pub(super) const MOST_TRIANGLES: usize = CHUNK * ((1 << (31 - Key::PIECE_BITS)) 
 pub(super) struct Chunk {
     /// Positions in the list of draws, each with a range of identifiers.
     parts: Vec<(usize, u32, u32)>,
-    survivors: Vec<Survivor>,
+    survivors: Survivors,
     /// For each tile where its keys begin; one more at the end.
     starts: Vec<u32>,
     keys: Vec<Key>,
@@ -64,11 +65,84 @@ pub(super) struct Chunk {
     pub(super) rasterized: usize,
 }
 
-/// A triangle that may show, and the tiles that its box touches: first and last column, first and last row.
-#[derive(Clone, Copy, Debug)]
-struct Survivor {
-    key: Key,
-    tiles: [u8; 4],
+/// The tiles that the box of a triangle touches: the number of the first one in the lower half of the bits, how many columns
+/// the last one is to the right of it in the next eight, and how many rows below it in the highest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Tiles(u32);
+
+impl Tiles {
+    const COLUMNS: u32 = 16;
+    const ROWS: u32 = 24;
+
+    /// From a first to a last tile, given as column and row, of a picture with `row` tiles in a row.
+    fn new([x0, y0]: [u32; 2], [x1, y1]: [u32; 2], row: usize) -> Self {
+        Self((y0 * row as u32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS)
+    }
+
+    /// [`Tiles::new`] for eight triangles, as bits.
+    #[inline(always)]
+    fn of_lanes<S: Simd>([x0, y0]: [i32x8<S>; 2], [x1, y1]: [i32x8<S>; 2], row: usize) -> i32x8<S> {
+        (y0 * row as i32 + x0) | (x1 - x0) << Self::COLUMNS | (y1 - y0) << Self::ROWS
+    }
+
+    /// Calls `visit` with the number of each.
+    #[inline(always)]
+    fn for_each(self, row: usize, mut visit: impl FnMut(usize)) {
+        let first = (self.0 & ((1 << Self::COLUMNS) - 1)) as usize;
+        if self.0 < 1 << Self::COLUMNS {
+            // As most small triangles have it.
+            return visit(first);
+        }
+        let (columns, rows) = ((self.0 >> Self::COLUMNS & 0xff) as usize, (self.0 >> Self::ROWS) as usize);
+        for y in 0..=rows {
+            for x in 0..=columns {
+                visit(first + y * row + x);
+            }
+        }
+    }
+}
+
+/// Triangles that may show, in submission order, and the tiles that each of them touches.
+#[derive(Clone, Debug, Default)]
+struct Survivors {
+    /// Longer than what is used, so that eight entries can be written at once; as is the next.
+    keys: Vec<u32>,
+    tiles: Vec<u32>,
+    used: usize,
+}
+
+impl Survivors {
+    /// Makes room for eight more.
+    #[inline(always)]
+    fn reserve(&mut self) {
+        if self.keys.len() < self.used + LANES {
+            let len = (2 * self.used).max(1024);
+            self.keys.resize(len, 0);
+            self.tiles.resize(len, 0);
+        }
+    }
+
+    fn push(&mut self, key: Key, tiles: Tiles) {
+        self.reserve();
+        (self.keys[self.used], self.tiles[self.used]) = (key.0, tiles.0);
+        self.used += 1;
+    }
+
+    /// Those of eight, of which there are `count`, that `mask` chooses.
+    #[inline(always)]
+    fn push_lanes<S: Simd>(&mut self, keys: i32x8<S>, tiles: i32x8<S>, mask: mask32x8<S>, count: u32) {
+        self.reserve();
+        let room = self.used..self.used + LANES;
+        keys.bitcast::<u32x8<S>>().compress(mask).store_slice(&mut self.keys[room.clone()]);
+        tiles.bitcast::<u32x8<S>>().compress(mask).store_slice(&mut self.tiles[room]);
+        self.used += count as usize;
+    }
+
+    #[inline(always)]
+    fn iter(&self) -> impl Iterator<Item = (Key, Tiles)> {
+        let (keys, tiles) = (&self.keys[..self.used], &self.tiles[..self.used]);
+        keys.iter().zip(tiles).map(|(key, tiles)| (Key(*key), Tiles(*tiles)))
+    }
 }
 
 impl Chunk {
@@ -80,7 +154,7 @@ impl Chunk {
 
     /// Triangles that may show.
     pub(super) fn kept(&self) -> usize {
-        self.survivors.len()
+        self.survivors.used
     }
 
     /// Entries over all tiles.
@@ -90,8 +164,8 @@ impl Chunk {
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.survivors.capacity() * size_of::<Survivor>()
-            + (self.starts.capacity() + self.keys.capacity()) * size_of::<u32>()
+        let Survivors { keys, tiles, .. } = &self.survivors;
+        (keys.capacity() + tiles.capacity() + self.starts.capacity() + self.keys.capacity()) * size_of::<u32>()
             + self.pieces.capacity() * size_of::<ScreenTriangle>()
             + self.corners.capacity() * size_of::<[(Vertex, Surface); 3]>()
     }
@@ -118,7 +192,7 @@ impl Binning<'_> {
         chunks.par_iter_mut().enumerate().with_max_len(1).for_each(|(number, chunk)| {
             for part in 0..chunk.parts.len() {
                 let (draw, first, end) = chunk.parts[part];
-                on_lanes!(lanes, simd => self.cull(simd, &self.draws[draw], first..end, number, chunk));
+                on_lanes!(lanes, simd => self.cull(simd, draw, first..end, number, chunk));
             }
             self.sort(chunk);
         });
@@ -128,7 +202,7 @@ impl Binning<'_> {
     fn share_out(&self, chunks: &mut Vec<Chunk>) {
         for chunk in chunks.iter_mut() {
             chunk.parts.clear();
-            chunk.survivors.clear();
+            chunk.survivors.used = 0;
             chunk.pieces.clear();
             chunk.corners.clear();
             chunk.rasterized = 0;
@@ -152,101 +226,88 @@ impl Binning<'_> {
         chunks.truncate(number + usize::from(room < CHUNK as u32));
     }
 
+    /// Culls some triangles of a draw, and keeps those that may show.
     #[inline(always)]
-    fn cull<S: Simd>(
-        &self,
-        simd: S,
-        draw: &Draw<'_>,
-        ids: std::ops::Range<u32>,
-        chunk_number: usize,
-        chunk: &mut Chunk,
-    ) {
+    fn cull<S: Simd>(&self, simd: S, draw: usize, ids: std::ops::Range<u32>, chunk_number: usize, chunk: &mut Chunk) {
+        let leaves_frustum = self.arrays.leaves_frustum[draw];
+        let draw = &self.draws[draw];
         let offset = (ids.start - draw.first.0) as usize;
         let triangles = &draw.mesh.triangles[offset..offset + ids.len()];
-        let vertices = &self.arrays.vertices[draw.first_vertex..draw.first_vertex + draw.mesh.positions.len()];
-        let nowhere = Vertex::default();
-        for (group, corners) in triangles.chunks(LANES).enumerate() {
-            let first_id = ids.start + (group * LANES) as u32;
-            let mut x = [[0.0_f32; LANES]; 3];
-            let mut y = [[0.0_f32; LANES]; 3];
-            for (lane, triangle) in corners.iter().enumerate() {
-                for corner in 0..3 {
-                    let vertex = vertices.get(triangle[corner] as usize).unwrap_or(&nowhere);
-                    [x[corner][lane], y[corner][lane]] = vertex.position();
+        let own = draw.first_vertex..draw.first_vertex + draw.mesh.positions.len();
+        let vertices = &self.arrays.vertices[own.clone()];
+        let outcodes = if leaves_frustum { &self.arrays.outcodes[own] } else { &[] };
+        let mut padded = [[0; 3]; LANES];
+        for (first_id, group) in ids.step_by(LANES).zip(triangles.chunks(LANES)) {
+            let corners = match group.as_array() {
+                Some(corners) => corners,
+                None => {
+                    // What is left of `padded` has no area.
+                    padded[..group.len()].copy_from_slice(group);
+                    &padded
                 }
+            };
+            let (mut whole, mut cut) = (u64::MAX, 0);
+            if leaves_frustum {
+                (whole, cut) = crossings(outcodes, group);
             }
-            let all = (1_u64 << corners.len()) - 1;
-            let (mut whole, mut cut) = (all, 0);
-            if draw.may_cross() {
-                (whole, cut) = self.crossings(draw, corners);
-            }
-            let (shown, alive, tiles) = self.cull_lanes(simd, x, y);
-            let alive = alive & whole;
-            chunk.rasterized += (shown & whole).count_ones() as usize;
-            if alive | cut == 0 {
-                continue;
-            }
-            for lane in (0..corners.len()).filter(|lane| (alive | cut) >> lane & 1 != 0) {
-                let id = first_id + lane as u32;
-                if cut >> lane & 1 != 0 {
-                    self.cut(draw, id, corners[lane], chunk_number, chunk);
-                } else {
-                    chunk.survivors.push(Survivor { key: Key(id), tiles: tiles.map(|t| t[lane] as u8) });
+            let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
+            chunk.rasterized += shown.count_ones() as usize;
+            let count = alive.count_ones();
+            if cut != 0 {
+                let tiles = tiles.to_array();
+                for (lane, corners) in group.iter().enumerate() {
+                    let id = first_id + lane as u32;
+                    if cut >> lane & 1 != 0 {
+                        self.cut(draw, id, *corners, chunk_number, chunk);
+                    } else if alive >> lane & 1 != 0 {
+                        chunk.survivors.push(Key(id), Tiles(tiles[lane] as u32));
+                    }
                 }
+            } else if count != 0 {
+                let keys = i32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, 7]) + first_id as i32;
+                chunk.survivors.push_lanes(keys, tiles, mask32x8::from_bitmask(simd, alive), count);
             }
         }
     }
 
-    /// Which of eight triangles face the right way, which of them may show, both as bits, and the tiles that they touch.
-    #[inline(never)]
+    /// Which of eight triangles, of those that `whole` has, face the right way, which of them may show, both as bits, and the
+    /// tiles that they touch.
+    #[inline(always)]
     fn cull_lanes<S: Simd>(
         &self,
         simd: S,
-        x: [[f32; LANES]; 3],
-        y: [[f32; LANES]; 3],
-    ) -> (u64, u64, [[i32; LANES]; 4]) {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let x = each!(corner in [0, 1, 2] => F32::load_array(simd, x[corner]));
-                let y = each!(corner in [0, 1, 2] => F32::load_array(simd, y[corner]));
-                let dx = each!(corner in [0, 1, 2] => widen(simd, x[corner]));
-                let dy = each!(corner in [0, 1, 2] => widen(simd, y[corner]));
-                let area = (dx[1] - dx[0]) * (dy[2] - dy[0]) - (dx[2] - dx[0]) * (dy[1] - dy[0]);
-                let shown = match self.settings.culling {
-                    Culling::Back => area.simd_lt(0.0),
-                    Culling::Front => area.simd_gt(0.0),
-                    Culling::None => area.simd_ne(0.0),
-                };
-                let shown = shown.to_bitmask();
-                let mut alive = shown;
-                let mut tiles = [[0; LANES]; 4];
-                for (axis, v, size) in [(0, x, self.packed.0), (1, y, self.packed.1)] {
-                    let (least, greatest) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
-                    let [first, last] = self.lattice.range_lanes(simd, axis, least, greatest);
-                    let (first, last) = (first.max(0.0), last.min(size as f32 - 1.0));
-                    alive &= first.simd_le(last).to_bitmask();
-                    let per_tile = 1.0 / TILE as f32;
-                    tiles[2 * axis] = (first * per_tile).to_int::<i32x8<S>>().to_array();
-                    tiles[2 * axis + 1] = (last * per_tile).to_int::<i32x8<S>>().to_array();
-                }
-                (shown, alive, tiles)
-            },
-        )
-    }
-
-    /// Bits of the triangles that lie whole within the guard band, and of those that must be cut.
-    fn crossings(&self, draw: &Draw<'_>, corners: &[[u32; 3]]) -> (u64, u64) {
-        let (mut whole, mut cut) = (0, 0);
-        for (lane, triangle) in corners.iter().enumerate() {
-            let codes = triangle.map(|corner| self.arrays.outcodes[draw.first_vertex + corner as usize]);
-            match Outcode::verdict(codes) {
-                Crossing::Gone => {}
-                Crossing::Whole => whole |= 1 << lane,
-                Crossing::Cut => cut |= 1 << lane,
-            }
+        vertices: &[Vertex],
+        corners: &[[u32; 3]; LANES],
+        whole: u64,
+    ) -> (u64, u64, i32x8<S>) {
+        let nowhere = Vertex::default();
+        let positions = each!(corner in [0, 1, 2] => {
+            let (x, y) = halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+                vertices.get(corners[lane][corner] as usize).unwrap_or(&nowhere).position_bits()
+            }));
+            [x.bitcast::<F32<S>>(), y.bitcast::<F32<S>>()]
+        });
+        let [dx, dy] = each!(axis in [0, 1] => each!(corner in [0, 1, 2] => widen(simd, positions[corner][axis])));
+        let area = (dx[1] - dx[0]) * (dy[2] - dy[0]) - (dx[2] - dx[0]) * (dy[1] - dy[0]);
+        let shown = match self.settings.culling {
+            Culling::Back => area.simd_lt(0.0),
+            Culling::Front => area.simd_gt(0.0),
+            Culling::None => area.simd_ne(0.0),
+        };
+        let shown = shown.to_bitmask() & whole;
+        if shown == 0 {
+            return (0, 0, i32x8::splat(simd, 0));
         }
-        (whole, cut)
+        let [columns, rows] = each!((axis, size) in [(0, self.packed.0), (1, self.packed.1)] => {
+            let [a, b, c] = each!(corner in [0, 1, 2] => positions[corner][axis]);
+            let [first, last] = self.lattice.range_lanes(simd, axis, a.min(b).min(c), a.max(b).max(c));
+            [first.max(0.0), last.min(size as f32 - 1.0)]
+        });
+        let has_samples = columns[0].simd_le(columns[1]) & rows[0].simd_le(rows[1]);
+        let [first, last] = each!(end in [0, 1] => {
+            each!(range in [columns, rows] => (range[end] * (1.0 / TILE as f32)).to_int::<i32x8<S>>())
+        });
+        (shown, shown & has_samples.to_bitmask(), Tiles::of_lanes(first, last, self.tiles.0))
     }
 
     /// Clips one triangle as the classic way does, and bins what is left.
@@ -268,7 +329,7 @@ impl Binning<'_> {
                 let [a, b, c] = values.map(|v| v as f32);
                 let [first, last] = self.lattice.range(axis, a.min(b).min(c), a.max(b).max(c));
                 let (first, last) = (first.max(0.0), last.min(size as f32 - 1.0));
-                (first <= last).then_some([(first as usize / TILE) as u8, (last as usize / TILE) as u8])
+                (first <= last).then_some([first as u32 / TILE as u32, last as u32 / TILE as u32])
             };
             let columns = axis(piece.vertices.each_ref().map(|v| v.x), 0, self.packed.0);
             let rows = axis(piece.vertices.each_ref().map(|v| v.y), 1, self.packed.1);
@@ -283,7 +344,7 @@ impl Binning<'_> {
                     )
                 }));
                 chunk.pieces.push(piece);
-                chunk.survivors.push(Survivor { key, tiles: [x0, x1, y0, y1] });
+                chunk.survivors.push(key, Tiles::new([x0, y0], [x1, y1], self.tiles.0));
             }
         }
     }
@@ -295,26 +356,41 @@ impl Binning<'_> {
         starts.clear();
         starts.resize(tiles + 1, 0);
         let row = self.tiles.0;
-        let touched = |survivor: &Survivor| {
-            let [x0, x1, y0, y1] = survivor.tiles.map(usize::from);
-            (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| y * row + x))
-        };
-        for tile in survivors.iter().flat_map(touched) {
-            starts[tile + 1] += 1;
+        for (_, touched) in survivors.iter() {
+            touched.for_each(row, |tile| starts[tile + 1] += 1);
         }
         for tile in 0..tiles {
             starts[tile + 1] += starts[tile];
         }
         keys.clear();
         keys.resize(starts[tiles] as usize, Key::NONE);
-        for survivor in survivors.iter() {
-            for tile in touched(survivor) {
-                keys[starts[tile] as usize] = survivor.key;
+        for (key, touched) in survivors.iter() {
+            touched.for_each(row, |tile| {
+                keys[starts[tile] as usize] = key;
                 starts[tile] += 1;
-            }
+            });
         }
         // Every start has moved on to the next one.
         starts.rotate_right(1);
         starts[0] = 0;
     }
+}
+
+/// Bits of the triangles that lie whole within the guard band, and of those that must be cut.
+#[inline(always)]
+fn crossings(outcodes: &[Outcode], triangles: &[[u32; 3]]) -> (u64, u64) {
+    let all_codes =
+        triangles.as_flattened().iter().fold(Outcode::default(), |all, corner| all | outcodes[*corner as usize]);
+    if all_codes.is_inside() {
+        return (u64::MAX, 0);
+    }
+    let (mut whole, mut cut) = (0, 0);
+    for (lane, triangle) in triangles.iter().enumerate() {
+        match Outcode::verdict(triangle.map(|corner| outcodes[corner as usize])) {
+            Crossing::Gone => {}
+            Crossing::Whole => whole |= 1 << lane,
+            Crossing::Cut => cut |= 1 << lane,
+        }
+    }
+    (whole, cut)
 }

@@ -6,10 +6,11 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::outcode::Outcode;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
+use crate::math::prefetch::prefetch;
 use crate::math::{unit_or, unit_or_lanes};
-use crate::pipeline::clip::Plane;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::settings::{Settings, Shading};
@@ -45,6 +46,13 @@ impl Vertex {
         Self { numbers: [x, y, low, high, inv_w, light, u, v] }
     }
 
+    /// The bits of the snapped position, x in the lower half.
+    #[inline(always)]
+    pub(super) fn position_bits(&self) -> u64 {
+        let [x, y] = self.position().map(f32::to_bits);
+        u64::from(x) | u64::from(y) << 32
+    }
+
     /// Snapped position in grid steps.
     #[inline(always)]
     pub(super) fn position(&self) -> [f32; 2] {
@@ -62,6 +70,12 @@ impl Vertex {
     #[inline(always)]
     pub(super) fn inv_w(&self) -> f32 {
         self.numbers[Self::INV_W]
+    }
+
+    /// 1/w, light and texture coordinates of eight vertices.
+    #[inline(always)]
+    pub(super) fn attributes<S: Simd>(simd: S, vertices: &[&Self; LANES]) -> [F32<S>; 4] {
+        transpose_quads(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::from_slice(simd, &vertices[i].numbers[4..])))
     }
 
     /// Positions and depths of eight vertices.
@@ -135,6 +149,12 @@ impl<'a> Draw<'a> {
         [a as usize + self.first_vertex, b as usize + self.first_vertex, c as usize + self.first_vertex]
     }
 
+    /// Asks for the corners of one of its triangles.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, id: u32) {
+        prefetch(&self.mesh.triangles, (id - self.first.0) as usize);
+    }
+
     /// A vertex in clip space as the classic way has it.
     pub(super) fn clip_vertex(&self, index: usize, arrays: &Arrays) -> ClipVertex {
         let position = self.matrices.clip_from_model * self.mesh.positions[index - self.first_vertex].extend(1.0);
@@ -166,6 +186,8 @@ pub(super) struct Arrays {
     pub(super) surfaces: Vec<Surface>,
     /// On which sides of the frustum a vertex lies; empty if no triangle may cross it.
     pub(super) outcodes: Vec<Outcode>,
+    /// For each draw whether any of its vertices lies outside the frustum.
+    pub(super) leaves_frustum: Vec<bool>,
 }
 
 impl Arrays {
@@ -174,61 +196,14 @@ impl Arrays {
         self.vertices.capacity() * size_of::<Vertex>()
             + self.surfaces.capacity() * size_of::<Surface>()
             + self.outcodes.capacity() * size_of::<Outcode>()
+            + self.leaves_frustum.capacity()
     }
-}
-
-/// Where a vertex lies: a bit for each plane of the frustum that it is beyond.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Outcode(u16);
-
-impl Outcode {
-    const NOT_FINITE: u16 = 1 << 14;
-    const CROSSES: u16 = 1 << 15;
-    const PLANES: u16 = (1 << Plane::ALL.len()) - 1;
-
-    fn new(vertex: &ClipVertex, widening: f32) -> Self {
-        if !vertex.position.is_finite() {
-            return Self(Self::NOT_FINITE | Self::CROSSES);
-        }
-        let mut bits = 0;
-        for (bit, plane) in Plane::ALL.iter().enumerate() {
-            if plane.distance(vertex.position, 1.0) < 0.0 {
-                bits |= 1 << bit;
-                if plane.distance(vertex.position, widening) < 0.0 {
-                    bits |= Self::CROSSES;
-                }
-            }
-        }
-        Self(bits)
-    }
-
-    /// What becomes of a triangle with these corners.
-    pub(super) fn verdict(corners: [Self; 3]) -> Crossing {
-        let any = corners[0].0 | corners[1].0 | corners[2].0;
-        let all = corners[0].0 & corners[1].0 & corners[2].0;
-        if any & Self::NOT_FINITE != 0 || all & Self::PLANES != 0 {
-            Crossing::Gone
-        } else if any & Self::CROSSES != 0 {
-            Crossing::Cut
-        } else {
-            Crossing::Whole
-        }
-    }
-}
-
-/// What the frustum leaves of a triangle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Crossing {
-    /// Nothing.
-    Gone,
-    /// A part.
-    Cut,
-    /// All of it.
-    Whole,
 }
 
 /// Vertices of a draw that are transformed together.
 struct Batch<'a, 'b> {
+    /// Position in the list of draws.
+    number: usize,
     draw: &'b Draw<'a>,
     /// Position of the first in the mesh.
     first: usize,
@@ -264,19 +239,28 @@ pub(super) fn transform(
         widening,
         light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
     };
-    batches(draws, arrays).into_par_iter().for_each(|batch| on_lanes!(lanes, simd => job.run(simd, batch)));
+    let outside: Vec<(usize, bool)> = batches(draws, arrays)
+        .into_par_iter()
+        .map(|batch| (batch.number, on_lanes!(lanes, simd => job.run(simd, batch))))
+        .collect();
+    arrays.leaves_frustum.clear();
+    arrays.leaves_frustum.resize(draws.len(), false);
+    for (draw, leaves) in outside {
+        arrays.leaves_frustum[draw] |= leaves;
+    }
 }
 
 fn batches<'a, 'b>(draws: &'b [Draw<'a>], arrays: &'b mut Arrays) -> Vec<Batch<'a, 'b>> {
-    let Arrays { vertices, surfaces, outcodes } = arrays;
+    let Arrays { vertices, surfaces, outcodes, .. } = arrays;
     let (mut vertices, mut surfaces) = (vertices.as_mut_slice(), surfaces.as_mut_slice());
     let mut outcodes = outcodes.as_mut_slice();
     let mut batches = Vec::new();
-    for draw in draws {
+    for (number, draw) in draws.iter().enumerate() {
         let count = draw.mesh.positions.len();
         for first in (0..count).step_by(BATCH) {
             let len = BATCH.min(count - first);
             batches.push(Batch {
+                number,
                 draw,
                 first,
                 vertices: take_front(&mut vertices, len),
@@ -305,117 +289,198 @@ struct Job<'a> {
     light_direction: Vec3,
 }
 
+/// What a mesh has of eight vertices; attributes that the draw does not read are left out.
+#[derive(Clone, Copy)]
+struct Group<'a> {
+    positions: &'a [Vec3; LANES],
+    normals: Option<&'a [Vec3; LANES]>,
+    uvs: Option<&'a [Vec2; LANES]>,
+}
+
+/// Eight items from `first` on. Where there are fewer, the last one stands for the rest, in `padded`.
+#[inline(always)]
+fn eight<'a, T: Copy + Default>(items: &'a [T], first: usize, padded: &'a mut [T; LANES]) -> &'a [T; LANES] {
+    let items = items.get(first..).unwrap_or_default();
+    if let Some(whole) = items.first_chunk() {
+        return whole;
+    }
+    *padded = [items.last().copied().unwrap_or_default(); LANES];
+    for (out, item) in padded.iter_mut().zip(items) {
+        *out = *item;
+    }
+    padded
+}
+
+/// Puts the first of eight items, as many as there is room for, where `out` begins.
+#[inline(always)]
+fn put<T: Copy>(out: &mut [T], items: &[T; LANES]) {
+    match out.first_chunk_mut() {
+        Some(whole) => *whole = *items,
+        None => out.iter_mut().zip(items).for_each(|(out, item)| *out = *item),
+    }
+}
+
+/// Eight vertices as they are stored, column by column.
+struct Columns<S: Simd> {
+    position: [F32<S>; 2],
+    depth: F64<S>,
+    inv_w: F32<S>,
+    light: F32<S>,
+    /// Both texture coordinates of a vertex in the bits of one number.
+    uv: F64<S>,
+}
+
+impl<S: Simd> Columns<S> {
+    #[inline(always)]
+    fn store(self, simd: S, out: &mut [Vertex; LANES]) {
+        let Self { position: [x, y], depth, inv_w, light, uv } = self;
+        let (first, last) = pairs(simd, x, y).interleave(depth);
+        let (other_first, other_last) = pairs(simd, inv_w, light).interleave(uv);
+        let halves = each!(half in [first, last, other_first, other_last] => quads(simd, half));
+        for i in 0..LANES {
+            let (one, other) = out[i].numbers.split_at_mut(LANES / 2);
+            halves[i / 4][i % 4].store_slice(one);
+            halves[2 + i / 4][i % 4].store_slice(other);
+        }
+    }
+}
+
+/// Two columns of floats as one of pairs, in the bits of a double each.
+#[inline(always)]
+fn pairs<S: Simd>(simd: S, a: F32<S>, b: F32<S>) -> F64<S> {
+    let (first, last) = a.interleave(b);
+    simd.combine_f64x4(first.bitcast(), last.bitcast())
+}
+
+/// The four pairs of pairs of floats in the bits of eight doubles.
+#[inline(always)]
+fn quads<S: Simd>(simd: S, doubles: F64<S>) -> [f32x4<S>; 4] {
+    let (first, last) = simd.split_f64x8(doubles);
+    let ((a, b), (c, d)) = (simd.split_f64x4(first), simd.split_f64x4(last));
+    [a.bitcast(), b.bitcast(), c.bitcast(), d.bitcast()]
+}
+
 impl Job<'_> {
+    /// Transforms a batch and says whether any vertex lies outside the frustum.
     #[inline(always)]
-    fn run<S: Simd>(&self, simd: S, batch: Batch<'_, '_>) {
-        let Batch { draw, first, vertices, surfaces, outcodes } = batch;
+    fn run<S: Simd>(&self, simd: S, batch: Batch<'_, '_>) -> bool {
+        let Batch { draw, first, vertices, surfaces, outcodes, .. } = batch;
         let mesh = draw.mesh;
-        let positions = &mesh.positions[first..first + vertices.len()];
         let (reads_normals, reads_uvs) = (draw.plan.runs(Part::Normals), draw.plan.runs(Part::TextureCoordinates));
-        let reads_colors = draw.plan.runs(Part::VertexColors);
-        let color_space = self.settings.color_space;
-        for (group, out) in vertices.chunks_mut(LANES).enumerate() {
-            let (start, end) = (first + group * LANES, first + group * LANES + out.len());
-            let normals = if reads_normals { &mesh.normals[start..end] } else { &[] };
-            let uvs = if reads_uvs { &mesh.uvs[start..end] } else { &[] };
-            let normals = self.vertices(simd, draw, &mesh.positions[start..end], normals, uvs, out);
+        let mut leaves_frustum = false;
+        let (mut positions, mut normals, mut uvs) = Default::default();
+        for start in (0..vertices.len()).step_by(LANES) {
+            let from = first + start;
+            let group = Group {
+                positions: eight(&mesh.positions, from, &mut positions),
+                normals: if reads_normals { Some(eight(&mesh.normals, from, &mut normals)) } else { None },
+                uvs: if reads_uvs { Some(eight(&mesh.uvs, from, &mut uvs)) } else { None },
+            };
+            let (columns, clip, normals) = self.vertices(simd, draw, group);
+            let out = &mut vertices[start..];
+            if let Some(whole) = out.first_chunk_mut() {
+                columns.store(simd, whole);
+            } else {
+                let mut padded = [Vertex::default(); LANES];
+                columns.store(simd, &mut padded);
+                put(out, &padded);
+            }
+            if draw.may_cross() {
+                let (codes, any) = Outcode::of_lanes(simd, clip, self.widening);
+                put(&mut outcodes[start..], &codes);
+                leaves_frustum |= any;
+            }
             if !surfaces.is_empty() {
-                for (i, surface) in surfaces[group * LANES..][..out.len()].iter_mut().enumerate() {
-                    let color =
-                        if reads_colors { to_working_space(mesh.colors[start + i], color_space) } else { Vec3::ONE };
-                    *surface = Surface::new(Vec3::from_array(normals.map(|axis| axis[i])), color);
-                }
+                let normals = each!(axis in [0, 1, 2] => normals[axis].to_array());
+                let len = LANES.min(surfaces.len() - start);
+                self.surfaces(draw, from, normals, &mut surfaces[start..start + len]);
             }
         }
-        if draw.may_cross() {
-            for (position, outcode) in positions.iter().zip(outcodes) {
-                let position = draw.matrices.clip_from_model * position.extend(1.0);
-                let vertex = ClipVertex { position, cut_at: None, varyings: Varyings::default() };
-                *outcode = Outcode::new(&vertex, self.widening);
-            }
+        leaves_frustum
+    }
+
+    /// Further attributes of up to eight vertices with these world-space normals.
+    fn surfaces(&self, draw: &Draw<'_>, first: usize, normals: [[f32; LANES]; 3], out: &mut [Surface]) {
+        let reads_colors = draw.plan.runs(Part::VertexColors);
+        for (i, surface) in out.iter_mut().enumerate() {
+            let color = if reads_colors {
+                to_working_space(draw.mesh.colors[first + i], self.settings.color_space)
+            } else {
+                Vec3::ONE
+            };
+            *surface = Surface::new(Vec3::from_array(normals.map(|axis| axis[i])), color);
         }
     }
 
-    /// Eight vertices, whose world-space unit normals are handed back; zero if none are read.
-    #[inline(never)]
-    fn vertices<S: Simd>(
-        &self,
-        simd: S,
-        draw: &Draw<'_>,
-        positions: &[Vec3],
-        normals: &[Vec3],
-        uvs: &[Vec2],
-        out: &mut [Vertex],
-    ) -> [[f32; LANES]; 3] {
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let ([x, y], depth, inv_w) = self.project(simd, draw, positions);
-                let mut unit_normals = [[0.0; LANES]; 3];
-                let mut light = F32::splat(simd, 0.0);
-                if !normals.is_empty() {
-                    let [nx, ny, nz] = split(simd, normals);
-                    let columns = draw.matrices.world_from_model_normal.to_cols_array_2d();
-                    let turned = each!(row in [0, 1, 2] => widen(simd, nx * columns[0][row] + ny * columns[1][row] + nz * columns[2][row]));
-                    let normal = unit_or_lanes(simd, turned, Vec3::ZERO);
-                    unit_normals = each!(axis in [0, 1, 2] => normal[axis].to_array());
-                    if self.settings.shading == Shading::Gouraud {
-                        light = lambert_lanes(normal, self.light_direction, self.settings.light.ambient);
-                    }
-                }
-                let mut uv = [[0.0; LANES]; 2];
-                for (i, v) in uvs.iter().enumerate().take(LANES) {
-                    (uv[0][i], uv[1][i]) = (v.x, v.y);
-                }
-                let [u, v] = each!(axis in [0, 1] => F32::load_array(simd, uv[axis]));
-                let (first, second) = simd.split_f64x8(depth);
-                let (low, high) = first.bitcast::<F32<S>>().deinterleave(second.bitcast::<F32<S>>());
-                let front = rows_of_quads([x, y, low, high]);
-                let back = rows_of_quads([inv_w, light, u, v]);
-                for (i, vertex) in out.iter_mut().enumerate().take(LANES) {
-                    let (one, other) = vertex.numbers.split_at_mut(LANES / 2);
-                    front[i].store_slice(one);
-                    back[i].store_slice(other);
-                }
-                unit_normals
-            },
-        )
-    }
-
-    /// Model space to the screen: snapped position, depth and 1/w.
+    /// Eight vertices, with their positions in clip space and their world-space unit normals: zero if none are read.
     #[inline(always)]
-    fn project<S: Simd>(&self, simd: S, draw: &Draw<'_>, positions: &[Vec3]) -> ([F32<S>; 2], F64<S>, F32<S>) {
-        let [px, py, pz] = split(simd, positions);
-        let columns = draw.matrices.clip_from_model.to_cols_array_2d();
-        let [x, y, z, w] = each!(row in [0, 1, 2, 3] => {
-            px * columns[0][row] + py * columns[1][row] + pz * columns[2][row] + columns[3][row]
-        });
+    fn vertices<S: Simd>(&self, simd: S, draw: &Draw<'_>, group: Group<'_>) -> (Columns<S>, [F32<S>; 4], [F32<S>; 3]) {
+        let zero = F32::splat(simd, 0.0);
+        let clip = clip_positions(simd, draw, group.positions);
+        let (position, depth, inv_w) = self.project(simd, clip);
+        let (mut normal, mut light) = ([zero; 3], zero);
+        if let Some(normals) = group.normals {
+            let [x, y, z] = split(simd, normals);
+            let columns = draw.matrices.world_from_model_normal.to_cols_array_2d();
+            let turned =
+                each!(row in [0, 1, 2] => widen(simd, x * columns[0][row] + y * columns[1][row] + z * columns[2][row]));
+            normal = unit_or_lanes(simd, turned, Vec3::ZERO);
+            if self.settings.shading == Shading::Gouraud {
+                light = lambert_lanes(normal, self.light_direction, self.settings.light.ambient);
+            }
+        }
+        let mut uv = F64::splat(simd, 0.0);
+        if let Some(uvs) = group.uvs {
+            let [a, b, c, d] = each!(i in [0, 2, 4, 6] => {
+                f32x4::load_array(simd, [uvs[i].x, uvs[i].y, uvs[i + 1].x, uvs[i + 1].y])
+            });
+            uv = simd.combine_f64x4(a.combine(b).bitcast(), c.combine(d).bitcast());
+        }
+        (Columns { position, depth, inv_w, light, uv }, clip, normal)
+    }
+
+    /// Clip space to the screen: snapped position, depth and 1/w.
+    #[inline(always)]
+    fn project<S: Simd>(&self, simd: S, [x, y, z, w]: [F32<S>; 4]) -> ([F32<S>; 2], F64<S>, F32<S>) {
         let inv_w = F32::splat(simd, 1.0) / w;
+        // The number of grid steps in a pixel is a power of two: it multiplies without rounding.
         let Viewport { width, height } = self.viewport;
-        let steps = SUBPIXELS as f32;
-        let x = ((x * inv_w * 0.5 + 0.5) * width as f32 * steps).round_ties_even();
-        let y = ((F32::splat(simd, 0.5) - y * inv_w * 0.5) * height as f32 * steps).round_ties_even();
+        let [width, height] = [width, height].map(|pixels| pixels as f32 * SUBPIXELS as f32);
+        let x = ((x * inv_w * 0.5 + 0.5) * width).round_ties_even();
+        let y = ((F32::splat(simd, 0.5) - y * inv_w * 0.5) * height).round_ties_even();
         ([x, y], self.scale.of_lanes(simd, z, w), inv_w)
     }
 }
 
-/// [`lambert`] for eight unit normals.
+/// Model space to clip space, by component.
+#[inline(always)]
+fn clip_positions<S: Simd>(simd: S, draw: &Draw<'_>, positions: &[Vec3; LANES]) -> [F32<S>; 4] {
+    let [x, y, z] = split(simd, positions);
+    let columns = draw.matrices.clip_from_model.to_cols_array_2d();
+    each!(row in [0, 1, 2, 3] => x * columns[0][row] + y * columns[1][row] + z * columns[2][row] + columns[3][row])
+}
+
+/// [`lambert`] for as many unit normals as there are lanes.
 ///
 /// [`lambert`]: crate::pipeline::shade::lambert
 #[inline(always)]
-pub(super) fn lambert_lanes<S: Simd>([x, y, z]: [F32<S>; 3], direction: Vec3, ambient: f32) -> F32<S> {
+pub(super) fn lambert_lanes<S: Simd, V: SimdFloat<S> + SimdBase<S, Element = f32>>(
+    [x, y, z]: [V; 3],
+    direction: Vec3,
+    ambient: f32,
+) -> V {
     let cosine = x * direction.x + y * direction.y + z * direction.z;
     cosine.max(0.0) * (1.0 - ambient) + ambient
 }
 
-/// Eight vectors by component; what is missing is zero.
+/// Eight vectors by component.
 #[inline(always)]
-fn split<S: Simd>(simd: S, vectors: &[Vec3]) -> [F32<S>; 3] {
-    let mut parts = [[0.0_f32; LANES]; 3];
-    for (i, vector) in vectors.iter().enumerate().take(LANES) {
-        for (part, value) in parts.iter_mut().zip(vector.to_array()) {
-            part[i] = value;
-        }
-    }
-    each!(axis in [0, 1, 2] => F32::load_array(simd, parts[axis]))
+fn split<S: Simd>(simd: S, vectors: &[Vec3; LANES]) -> [F32<S>; 3] {
+    // Four floats in a row each, the last of which is of the next vector: one load.
+    let rows = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
+        let Vec3 { x, y, z } = vectors[i];
+        f32x4::load_array(simd, [x, y, z, vectors[(i + 1) % LANES].x])
+    });
+    let [x, y, z, _] = transpose_quads(rows);
+    [x, y, z]
 }

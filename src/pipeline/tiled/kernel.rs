@@ -1,4 +1,4 @@
-//! Shading eight samples of a row at a time: once per visible sample.
+//! Shading sixteen samples at a time, eight of each of two rows: once per visible sample.
 //!
 //! The arithmetic is that of [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by operation. Shadings
 //! that show a single quantity are left to those functions themselves.
@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::Frame;
 use super::geometry::lambert_lanes;
 use super::lattice::{BLOCK, Lattice, TILE};
-use super::record::{Record, Source, edge_values};
+use super::record::{Entrants, Record, Source, Subject};
 use super::setup::Edges;
 use super::shader::{DrawShader, Light, Plan};
 use super::texture::Taps;
@@ -20,27 +20,33 @@ use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::ColorSpace;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Rows of samples that wait for their texels. Where texels lie is found out for all rows before the first texel is read,
-/// so that what one read waits for, another one does not.
+/// Rows of samples that wait for their texels, two by two. Where texels lie is found out for all of them before the first
+/// texel is read, so that what one read waits for, another one does not.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
-    rows: [QueuedRow; QUEUED],
+    pairs: [QueuedPair; QUEUED],
     len: usize,
     /// Position of the shader of all rows.
     shader: usize,
 }
 
-/// Rows that wait together: those of a block.
-const QUEUED: usize = BLOCK;
+/// Pairs of rows that wait together: those of a block.
+const QUEUED: usize = 4 * BLOCK / 2;
 
-/// Eight samples of a row.
+/// Eight samples of each of two rows.
 #[derive(Clone, Debug, Default)]
-#[repr(align(32))]
-struct QueuedRow {
+#[repr(align(64))]
+struct QueuedPair {
     taps: Taps,
-    light: [f32; LANES],
+    light: [f32; WIDE],
     /// The surface's colour without the texture, where it varies.
-    color: [[f32; LANES]; 3],
+    color: [[f32; WIDE]; 3],
+    rows: [QueuedRow; 2],
+}
+
+/// Where eight colours go.
+#[derive(Clone, Copy, Debug, Default)]
+struct QueuedRow {
     /// Position of the first sample in the tile's rows of the picture.
     start: usize,
     /// Samples that lie within the picture.
@@ -92,7 +98,7 @@ pub(super) const ALL: u32 = (1 << LANES) - 1;
 pub(super) fn shade_uniform<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
-    record: &Record,
+    subject: &Subject<'_>,
     patch: &Patch,
     queue: &mut Queue,
     band: &mut Band<'_>,
@@ -100,78 +106,89 @@ pub(super) fn shade_uniform<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let shader = frame.shader(record.draw);
+            let Subject { one, edges, .. } = *subject;
             let lattice = &frame.lattice;
-            if shader.on_lanes && record.fits_i32 {
-                let edges = IntegerRows::new(simd, lattice, record, patch);
+            let Some(edges) = edges else {
+                let edges = IntegerRows::new(simd, lattice, one.record, patch);
                 return shade_rows(
                     simd,
                     frame,
-                    record,
+                    subject,
                     patch,
                     (queue, band),
                     #[inline(always)]
-                    |row| edges.at(row),
+                    |rows| edges.at(rows),
                 );
-            }
-            let Edges { a, b, c, .. } = record.edges;
+            };
+            let Edges { a, b, c, .. } = *edges;
             let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
             let along = each!(i in [0, 1, 2] => columns * a[i]);
             let y = F64::load_array(simd, lattice.rows) + patch.first as f64 * lattice.row_step;
             let shift = F64::load_array(simd, lattice.shifts(patch.first));
             let down = each!(i in [0, 1, 2] => (y * b[i] + shift * a[i] + c[i]).to_array());
-            if !shader.on_lanes {
-                let whole = frame.screen_triangle(record.key, record.draw);
+            if !frame.shader(subject.draw).on_lanes {
+                let whole = frame.screen_triangle(subject.key, subject.draw);
                 for (i, row) in (patch.first..patch.end).enumerate() {
                     let e = each!(edge in [0, 1, 2] => (along[edge] + down[edge][i]).to_array());
-                    one_by_one(frame, shader, &whole, patch, row, &e, band.row(patch, row));
+                    one_by_one(frame, frame.shader(subject.draw), &whole, patch, row, &e, band.row(patch, row));
                 }
                 return;
             }
             shade_rows(
                 simd,
                 frame,
-                record,
+                subject,
                 patch,
                 (queue, band),
                 #[inline(always)]
-                |row| each!(edge in [0, 1, 2] => narrow(simd, along[edge] + down[edge][row])),
+                |[upper, lower]| {
+                    each!(edge in [0, 1, 2] => {
+                        let upper = narrow(simd, along[edge] + down[edge][upper]);
+                        upper.combine(narrow(simd, along[edge] + down[edge][lower]))
+                    })
+                },
             );
         },
     );
 }
 
-/// Rows of samples that belong to one triangle, by its edge values in each of the rows.
+/// Rows of samples that belong to one triangle, by its edge values in each pair of rows.
 #[inline(always)]
 fn shade_rows<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
-    record: &Record,
+    subject: &Subject<'_>,
     patch: &Patch,
     (queue, band): (&mut Queue, &mut Band<'_>),
-    edges: impl Fn(usize) -> [F32<S>; 3],
+    edges: impl Fn([usize; 2]) -> [f32x16<S>; 3],
 ) {
-    let shader = frame.shader(record.draw);
-    let rows = make_room(simd, frame, frame.shader_of_draw[record.draw], patch.end - patch.first, queue, band);
-    let relative_inv_w = record.relative_inv_w(simd);
+    let Subject { one, draw, .. } = *subject;
+    let shader = frame.shader(draw);
+    let rows = patch.end - patch.first;
+    let pairs = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band);
+    let relative_inv_w = one.relative_inv_w(simd);
     let plan = shader.plan;
     let mut start = band.start(patch, patch.first);
-    for (i, row) in rows.iter_mut().enumerate() {
-        let weights = corner_weights(simd, edges(i), relative_inv_w);
-        (row.start, row.count, row.mine) = (start, patch.count, patch.mine);
-        start += band.width;
+    for (i, pair) in pairs.iter_mut().enumerate() {
+        // A last row that has no other beside it is computed twice, and written once.
+        let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
+        let weights = corner_weights(simd, edges([upper, lower]), relative_inv_w);
+        let row = QueuedRow { start, count: patch.count, mine: patch.mine };
+        let below = QueuedRow { start: start + band.width, ..row };
+        pair.rows = [row, if lower > upper { below } else { QueuedRow::default() }];
+        start += 2 * band.width;
         match plan {
-            Plan::COMMON => interpolate_row(simd, shader, Plan::COMMON, record, weights, row),
-            plan => interpolate_row(simd, shader, plan, record, weights, row),
+            Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, one, weights, pair),
+            plan => interpolate_pair(simd, shader, plan, one, weights, pair),
         }
     }
 }
 
-/// Edge values of up to eight rows of a triangle that [`Record::fits_i32`]: sums that wrap around, and are right where the
-/// triangle covers the sample.
+/// Edge values of up to eight rows of a triangle for which 32 bits are enough: sums that wrap around, and are right where
+/// the triangle covers the sample.
 struct IntegerRows<S: Simd> {
-    /// Of the eight samples of a row, from its start.
-    along: [i32x8<S>; 2],
+    /// Of the eight samples of a row, from its start, twice.
+    along: [i32x16<S>; 2],
     /// Of the starts of the rows.
     down: [[i32; LANES]; 2],
     doubled_area: i32,
@@ -180,41 +197,46 @@ struct IntegerRows<S: Simd> {
 impl<S: Simd> IntegerRows<S> {
     #[inline(always)]
     fn new(simd: S, lattice: &Lattice, record: &Record, patch: &Patch) -> Self {
-        let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
-        let columns: i32x8<S> = narrow(simd, columns).to_int();
-        let y = F64::load_array(simd, lattice.rows) + patch.first as f64 * lattice.row_step;
-        let y: i32x8<S> = narrow(simd, y).to_int();
-        let shift: i32x8<S> = narrow(simd, F64::load_array(simd, lattice.shifts(patch.first))).to_int();
+        let columns = lattice.columns_i32(simd, patch.column);
+        let [y, shift] = lattice.rows_i32(simd, patch.first);
         let ([a0, b0, c0], [a1, b1, c1], doubled_area) = record.integer_edges();
         let down = each!((a, b, c) in [(a0, b0, c0), (a1, b1, c1)] => (y * b + shift * a + c).to_array());
-        Self { along: [columns * a0, columns * a1], down, doubled_area }
+        let along = each!(a in [a0, a1] => {
+            let along = columns * a;
+            along.combine(along)
+        });
+        Self { along, down, doubled_area }
     }
 
     #[inline(always)]
-    fn at(&self, row: usize) -> [F32<S>; 3] {
-        let [first, second] = each!(edge in [0, 1] => self.along[edge] + self.down[edge][row]);
-        let third = i32x8::splat(first.simd, self.doubled_area) - first - second;
-        each!(e in [first, second, third] => e.to_float::<F32<S>>())
+    fn at(&self, [upper, lower]: [usize; 2]) -> [f32x16<S>; 3] {
+        let [first, second] = each!(edge in [0, 1] => {
+            let simd = self.along[edge].simd;
+            let down = i32x8::splat(simd, self.down[edge][upper]).combine(i32x8::splat(simd, self.down[edge][lower]));
+            self.along[edge] + down
+        });
+        let third = i32x16::splat(first.simd, self.doubled_area) - first - second;
+        each!(e in [first, second, third] => e.to_float::<f32x16<S>>())
     }
 }
 
-/// Places in the queue for some rows that a shader is for.
+/// Places in the queue for some pairs of rows that a shader is for.
 #[inline(always)]
 fn make_room<'q, S: Simd>(
     simd: S,
     frame: &Frame<'_>,
     shader: usize,
-    rows: usize,
+    pairs: usize,
     queue: &'q mut Queue,
     band: &mut Band<'_>,
-) -> &'q mut [QueuedRow] {
-    if queue.shader != shader || queue.len + rows > QUEUED {
+) -> &'q mut [QueuedPair] {
+    if queue.shader != shader || queue.len + pairs > QUEUED {
         flush(simd, frame, queue, band.pixels);
         queue.shader = shader;
     }
     let from = queue.len;
-    queue.len += rows;
-    &mut queue.rows[from..from + rows]
+    queue.len += pairs;
+    &mut queue.pairs[from..from + pairs]
 }
 
 /// Shades a row by the classic way's own functions.
@@ -237,36 +259,43 @@ fn one_by_one(
     }
 }
 
-/// Eight samples of eight triangles that one shader is for.
+/// Samples of sixteen triangles that one shader is for: eight in `row`, with a bit for each that is shaded, and eight in the row
+/// below, if any are.
 #[inline(never)]
 pub(super) fn shade_gathered<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
     shader: usize,
-    records: &[&Record; LANES],
-    patch: &Patch,
+    (entrants, slots): (&Entrants, &[u32; WIDE]),
+    (patch, row, mine): (&Patch, usize, [u32; 2]),
     queue: &mut Queue,
     band: &mut Band<'_>,
 ) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let [queued] = make_room(simd, frame, shader, 1, queue, band) else { return };
-            let (lattice, row) = (&frame.lattice, patch.first);
-            let x = F64::load_array(simd, lattice.lanes) + (lattice.column(patch.column) + lattice.shift(row));
-            let x: i32x8<S> = narrow(simd, x).to_int();
-            let y = i32x8::splat(simd, (row as f64 * lattice.row_step) as i32);
-            let e = edge_values(simd, *records, x, y);
-            let e = each!(i in [0, 1, 2] => e[i].to_float::<F32<S>>());
-            let weights = corner_weights(simd, e, records.relative_inv_w(simd));
-            let wanted = mask32x8::from_bitmask(simd, patch.mine.into());
+            let [pair] = make_room(simd, frame, shader, 1, queue, band) else { return };
+            let lattice = &frame.lattice;
+            let columns = lattice.columns_i32(simd, patch.column);
+            let [upper, lower] = each!(below in [0, 1] => {
+                let y = (row + below) as i32 * lattice.row_step as i32;
+                (columns + lattice.shift(row + below) as i32, i32x8::splat(simd, y))
+            });
+            let (x, y) = (upper.0.combine(lower.0), upper.1.combine(lower.1));
+            let many = entrants.many(slots);
+            let e = many.edge_values(simd, x, y);
+            let e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
+            let weights = corner_weights(simd, e, many.relative_inv_w(simd));
+            let wanted = mask32x16::from_bitmask(simd, (mine[0] | mine[1] << LANES).into());
             // The first corner stands for samples that are not wanted: what is computed there must not lead astray.
-            let weights = each!(i in [0, 1] => wanted.select(weights[i], F32::splat(simd, 0.0)));
-            (queued.start, queued.count, queued.mine) = (band.start(patch, row), patch.count, patch.mine);
+            let weights = each!(i in [0, 1] => wanted.select(weights[i], f32x16::splat(simd, 0.0)));
+            let upper = QueuedRow { start: band.start(patch, row), count: patch.count, mine: mine[0] };
+            let lower = QueuedRow { start: upper.start + band.width, count: patch.count, mine: mine[1] };
+            pair.rows = [upper, if mine[1] == 0 { QueuedRow::default() } else { lower }];
             let shader = &frame.shaders[shader];
             match shader.plan {
-                Plan::COMMON => interpolate_row(simd, shader, Plan::COMMON, *records, weights, queued),
-                plan => interpolate_row(simd, shader, plan, *records, weights, queued),
+                Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, many, weights, pair),
+                plan => interpolate_pair(simd, shader, plan, many, weights, pair),
             }
         },
     );
@@ -274,41 +303,41 @@ pub(super) fn shade_gathered<S: Simd>(
 
 /// Weights of the second and third corner.
 #[inline(always)]
-fn corner_weights<S: Simd>(simd: S, e: [F32<S>; 3], relative_inv_w: [F32<S>; 3]) -> [F32<S>; 2] {
+fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w: [f32x16<S>; 3]) -> [f32x16<S>; 2] {
     let q = each!(i in [0, 1, 2] => e[i] * relative_inv_w[i]);
-    let inverse_sum = F32::splat(simd, 1.0) / (q[0] + q[1] + q[2]);
+    let inverse_sum = f32x16::splat(simd, 1.0) / (q[0] + q[1] + q[2]);
     [q[1] * inverse_sum, q[2] * inverse_sum]
 }
 
 /// From weights to everything that is interpolated.
 #[inline(always)]
-fn interpolate_row<S: Simd>(
+fn interpolate_pair<S: Simd>(
     simd: S,
     shader: &DrawShader<'_>,
     plan: Plan,
     source: impl Source,
-    weights: [F32<S>; 2],
-    row: &mut QueuedRow,
+    weights: [f32x16<S>; 2],
+    pair: &mut QueuedPair,
 ) {
     if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
         let [u, v] = source.uv(simd);
-        texture.locate(simd, layout, [u.at(weights), v.at(weights)], &mut row.taps);
+        texture.locate(simd, layout, [u.at(weights), v.at(weights)], &mut pair.taps);
     }
     match plan.light {
         Light::None => {}
-        Light::Vertices => source.light(simd).at(weights).store_array(&mut row.light),
+        Light::Vertices => source.light(simd).at(weights).store_array(&mut pair.light),
         Light::Normals => {
             let normal = source.normal(simd);
             let normal = each!(axis in [0, 1, 2] => normal[axis].at(weights));
             let ambient = shader.shader.settings.light.ambient;
-            lambert(simd, normal, shader.shader.light_direction, ambient).store_array(&mut row.light);
+            lambert(simd, normal, shader.shader.light_direction, ambient).store_array(&mut pair.light);
         }
     }
     if plan.colored {
         let (diffuse, color) = (shader.shader.diffuse.to_array(), source.color(simd));
         for channel in 0..3 {
-            let color = F32::splat(simd, diffuse[channel]) * color[channel].at(weights);
-            color.store_array(&mut row.color[channel]);
+            let color = f32x16::splat(simd, diffuse[channel]) * color[channel].at(weights);
+            color.store_array(&mut pair.color[channel]);
         }
     }
 }
@@ -319,22 +348,22 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
     simd.vectorize(
         #[inline(always)]
         || {
-            let rows = std::mem::take(&mut queue.len);
-            if rows == 0 {
+            let pairs = std::mem::take(&mut queue.len);
+            if pairs == 0 {
                 return;
             }
             let shader = &frame.shaders[queue.shader];
-            let rows = &queue.rows[..rows];
+            let pairs = &queue.pairs[..pairs];
             // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
             match shader.plan {
                 Plan::COMMON => {
-                    for row in rows {
-                        finish_row(simd, shader, Plan::COMMON, row, pixels);
+                    for pair in pairs {
+                        finish_pair(simd, shader, Plan::COMMON, pair, pixels);
                     }
                 }
                 plan => {
-                    for row in rows {
-                        finish_row(simd, shader, plan, row, pixels);
+                    for pair in pairs {
+                        finish_pair(simd, shader, plan, pair, pixels);
                     }
                 }
             }
@@ -344,43 +373,60 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
 
 /// Multiplies colour, texture and light, and writes the codes.
 #[inline(always)]
-fn finish_row<S: Simd>(simd: S, shader: &DrawShader<'_>, plan: Plan, row: &QueuedRow, pixels: &mut [Rgba8]) {
+fn finish_pair<S: Simd>(simd: S, shader: &DrawShader<'_>, plan: Plan, pair: &QueuedPair, pixels: &mut [Rgba8]) {
     let mut color = if plan.colored {
-        each!(channel in [0, 1, 2] => F32::load_array_ref(simd, &row.color[channel]))
+        each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &pair.color[channel]))
     } else {
         let diffuse = shader.shader.diffuse.to_array();
-        each!(channel in [0, 1, 2] => F32::splat(simd, diffuse[channel]))
+        each!(channel in [0, 1, 2] => f32x16::splat(simd, diffuse[channel]))
     };
     if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-        let texel = texture.read(simd, layout, plan.space, &row.taps);
+        let texel = texture.read(simd, layout, plan.space, &pair.taps);
         color = each!(channel in [0, 1, 2] => color[channel] * texel[channel]);
     }
     if plan.light != Light::None {
-        let light = F32::load_array_ref(simd, &row.light);
+        let light = f32x16::load_array_ref(simd, &pair.light);
         color = each!(channel in [0, 1, 2] => color[channel] * light);
     }
-    let codes = code(simd, color, plan.space);
+    let (upper, lower) = code(simd, color, plan.space).split();
+    write_row(simd, upper, &pair.rows[0], pixels);
+    write_row(simd, lower, &pair.rows[1], pixels);
+}
+
+#[inline(always)]
+fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [Rgba8]) {
     let out = &mut pixels[row.start..row.start + row.count];
-    if row.mine == ALL && row.count == LANES {
-        codes.bitcast::<u8x32<S>>().store_slice(out.as_flattened_mut());
-    } else {
+    let Ok(out) = <&mut [Rgba8; LANES]>::try_from(&mut *out) else {
         let codes = codes.to_array();
         for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| row.mine >> lane & 1 != 0) {
             *pixel = codes[lane].to_le_bytes();
         }
-    }
+        return;
+    };
+    let bytes = out.as_flattened_mut();
+    let codes = if row.mine == ALL {
+        codes
+    } else {
+        let there = u8x32::from_slice(simd, bytes).bitcast::<u32x8<S>>();
+        mask32x8::from_bitmask(simd, row.mine.into()).select(codes, there)
+    };
+    codes.bitcast::<u8x32<S>>().store_slice(bytes);
 }
 
-/// Colours of eight samples, packed.
+/// Colours of sixteen samples, packed.
 #[inline(always)]
-fn code<S: Simd>(simd: S, color: [F32<S>; 3], space: ColorSpace) -> u32x8<S> {
+fn code<S: Simd>(simd: S, color: [f32x16<S>; 3], space: ColorSpace) -> u32x16<S> {
     let codes = match space {
-        ColorSpace::Bytes => {
-            each!(c in [0, 1, 2] => (color[c] * 255.0 + 0.5).max(0.0).min(255.0).to_int::<i32x8<S>>().bitcast::<u32x8<S>>())
-        }
+        ColorSpace::Bytes => each!(c in [0, 1, 2] => {
+            let code = (color[c] * 255.0 + 0.5).max(0.0).min(255.0);
+            code.to_int::<i32x16<S>>().bitcast::<u32x16<S>>()
+        }),
         ColorSpace::Linear => {
             let tables = Tables::get();
-            each!(c in [0, 1, 2] => tables.encode_lanes(simd, color[c]))
+            each!(c in [0, 1, 2] => {
+                let (first, second) = color[c].split();
+                tables.encode_lanes(simd, first).combine(tables.encode_lanes(simd, second))
+            })
         }
     };
     codes[0] | codes[1] << 8 | codes[2] << 16 | 0xFF00_0000
@@ -388,10 +434,10 @@ fn code<S: Simd>(simd: S, color: [F32<S>; 3], space: ColorSpace) -> u32x8<S> {
 
 /// Light on normals that are not of unit length; no direct light on those of none.
 #[inline(always)]
-fn lambert<S: Simd>(simd: S, normal: [F32<S>; 3], direction: Vec3, ambient: f32) -> F32<S> {
+fn lambert<S: Simd>(simd: S, normal: [f32x16<S>; 3], direction: Vec3, ambient: f32) -> f32x16<S> {
     let [x, y, z] = normal;
-    let reciprocal = F32::splat(simd, 1.0) / (x * x + y * y + z * z).sqrt();
+    let reciprocal = f32x16::splat(simd, 1.0) / (x * x + y * y + z * z).sqrt();
     let has_length = reciprocal.is_finite() & reciprocal.simd_gt(0.0);
-    let unit = each!(component in [x, y, z] => has_length.select(component * reciprocal, F32::splat(simd, 0.0)));
+    let unit = each!(component in [x, y, z] => has_length.select(component * reciprocal, f32x16::splat(simd, 0.0)));
     lambert_lanes(unit, direction, ambient)
 }

@@ -1,7 +1,7 @@
 //! Where the samples of a tile lie: the packed samples of a [`SampleGrid`] in steps that lanes can take.
 
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
-use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _};
+use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _, i32x8};
 use crate::pipeline::grid::SampleGrid;
 
 /// Side of a tile in packed samples.
@@ -13,6 +13,9 @@ pub(super) const BLOCK: usize = LANES;
 /// Blocks along a side of a tile.
 pub(super) const BLOCKS: usize = TILE / BLOCK;
 
+/// Rows after which shifts repeat.
+const SHIFTS: usize = 4;
+
 /// Samples by their distance from a tile's first one, in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lattice {
@@ -21,8 +24,12 @@ pub(super) struct Lattice {
     pub(super) lanes: [f64; LANES],
     /// Of the eight rows of a block, from the first.
     pub(super) rows: [f64; LANES],
-    /// How far the samples of a block's rows stand to the right of those of a tile's first row.
-    row_shifts: [f64; LANES],
+    /// The same two as integers.
+    lanes_i32: [i32; LANES],
+    rows_i32: [i32; LANES],
+    /// How far the samples of eight rows stand to the right of those of a tile's first row, by the first of the rows.
+    shifts: [[f64; LANES]; SHIFTS],
+    shifts_i32: [[i32; LANES]; SHIFTS],
     /// Of four samples of a row and the four below: columns, rows.
     pub(super) two_rows: [[f64; LANES]; 2],
     /// Of the first samples of the blocks of a row.
@@ -31,6 +38,8 @@ pub(super) struct Lattice {
     pub(super) block_step: f64,
     /// From one row to the next.
     pub(super) row_step: f64,
+    /// Whether that is a power of two.
+    has_exact_reciprocal: bool,
     /// From the first sample of a block's row to the last one, and what shifts rows against each other.
     pub(super) block_width: f64,
     /// From the first row of a block to the last one.
@@ -62,7 +71,10 @@ impl Lattice {
             grid,
             lanes: std::array::from_fn(|lane| column(lane as u32)),
             rows: std::array::from_fn(|index| row(index as u32)),
-            row_shifts: std::array::from_fn(|index| shift_of(grid, index)),
+            lanes_i32: std::array::from_fn(|lane| column(lane as u32) as i32),
+            rows_i32: std::array::from_fn(|index| row(index as u32) as i32),
+            shifts: std::array::from_fn(|first| std::array::from_fn(|index| shift_of(grid, first + index))),
+            shifts_i32: std::array::from_fn(|first| std::array::from_fn(|index| shift_of(grid, first + index) as i32)),
             two_rows: [
                 std::array::from_fn(|lane| column(lane as u32 % 4)),
                 std::array::from_fn(|lane| row(lane as u32 / 4)),
@@ -70,6 +82,7 @@ impl Lattice {
             blocks: std::array::from_fn(|block| column((block * BLOCK) as u32)),
             block_step: column(BLOCK as u32),
             row_step: row(1),
+            has_exact_reciprocal: (row(1) as u64).is_power_of_two(),
             block_width: column(last) + shift,
             block_height: row(last),
         }
@@ -98,10 +111,20 @@ impl Lattice {
     /// The shifts of eight rows.
     #[inline(always)]
     pub(super) fn shifts(&self, first: usize) -> [f64; LANES] {
-        let mut shifts = self.row_shifts;
-        // They repeat after four rows.
-        shifts.rotate_left(first % 4);
-        shifts
+        self.shifts[first % SHIFTS]
+    }
+
+    /// Eight columns of a row from `column` on, not shifted, as integers.
+    #[inline(always)]
+    pub(super) fn columns_i32<S: Simd>(&self, simd: S, column: usize) -> i32x8<S> {
+        i32x8::load_array(simd, self.lanes_i32) + self.column(column) as i32
+    }
+
+    /// Eight rows from `first` on, and how far their samples are shifted to the right, as integers.
+    #[inline(always)]
+    pub(super) fn rows_i32<S: Simd>(&self, simd: S, first: usize) -> [i32x8<S>; 2] {
+        let rows = i32x8::load_array(simd, self.rows_i32) + first as i32 * self.row_step as i32;
+        [rows, i32x8::load_array(simd, self.shifts_i32[first % SHIFTS])]
     }
 
     /// Distance of a column from a tile's first one.
@@ -135,6 +158,13 @@ impl Lattice {
 }
 
 impl Lattice {
+    /// Grid steps divided by those between rows. Where that is a power of two its reciprocal is exact, and multiplies faster.
+    #[inline(always)]
+    fn per_row<S: Simd>(&self, steps: F32<S>) -> F32<S> {
+        let step = self.row_step as f32;
+        if self.has_exact_reciprocal { steps * (1.0 / step) } else { steps / step }
+    }
+
     /// [`Lattice::range`] for eight ranges.
     #[inline(always)]
     pub(super) fn range_lanes<S: Simd>(&self, simd: S, axis: usize, least: F32<S>, greatest: F32<S>) -> [F32<S>; 2] {
@@ -144,10 +174,7 @@ impl Lattice {
                 let per_four = 1.0 / (4.0 * SUBPIXELS as f32);
                 [((least - half) * per_four).floor() * 2.0, ((greatest - half) * per_four).floor() * 2.0 + 1.0]
             }
-            _ => {
-                let step = F32::splat(simd, self.row_step as f32);
-                [((least - half) / step).ceil(), ((greatest - half) / step).floor()]
-            }
+            _ => [self.per_row(least - half).ceil(), self.per_row(greatest - half).floor()],
         }
     }
 }

@@ -12,9 +12,11 @@
 //! the number of threads and whatever the instructions of the processor.
 
 mod bins;
+mod gather;
 mod geometry;
 mod kernel;
 mod lattice;
+mod outcode;
 mod record;
 mod see_through;
 mod setup;
@@ -32,10 +34,10 @@ use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
-use record::{Entrant, Entrants, Slot};
+use record::{Entrant, Entrants, Slot, SurfaceRecord};
 use setup::{Batch, Corner, Setup};
 use shade::{Canvas, shade_tile};
-use shader::DrawShader;
+use shader::{DrawShader, Light};
 use tile::{DepthRules, Tile};
 
 use super::clip::guard_band_widening;
@@ -50,6 +52,7 @@ use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
 use crate::math::lanes::{LANES, Lanes, Simd, on_lanes};
+use crate::math::prefetch::prefetch;
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene, TriangleId};
 
@@ -153,7 +156,7 @@ impl Memory {
 struct Workspace {
     tile: Tile,
     entrants: Entrants,
-    batch: Batch,
+    batches: [Batch; BATCHES],
     queue: Queue,
     /// Triangles that are blended over the rest.
     blended: Vec<Slot>,
@@ -164,7 +167,7 @@ impl Workspace {
         Self {
             tile: Tile::new(),
             entrants: Entrants::default(),
-            batch: Batch::default(),
+            batches: Default::default(),
             queue: Queue::default(),
             blended: Vec::new(),
         }
@@ -173,7 +176,7 @@ impl Workspace {
     fn bytes(&self) -> usize {
         self.tile.bytes()
             + self.entrants.bytes()
-            + size_of::<Batch>()
+            + size_of::<[Batch; BATCHES]>()
             + size_of::<Queue>()
             + self.blended.capacity() * size_of::<Slot>()
     }
@@ -191,6 +194,12 @@ struct Frame<'a> {
     draws: &'a [Draw<'a>],
     arrays: &'a Arrays,
     chunks: &'a [Chunk],
+    /// Nothing is cut out or blended.
+    all_opaque: bool,
+    /// Some draw reads normals in pixels.
+    reads_normals: bool,
+    /// Some draw reads colours of vertices.
+    reads_colors: bool,
     /// One for each draw.
     shaders: Vec<DrawShader<'a>>,
     /// For each draw the first one that is shaded alike.
@@ -244,6 +253,9 @@ pub fn draw(
         draws: &draws,
         arrays,
         chunks,
+        all_opaque: shaders.iter().all(|shader| shader.shader.transparency() == Transparency::Opaque),
+        reads_normals: shaders.iter().any(|shader| shader.plan.light == Light::Normals),
+        reads_colors: shaders.iter().any(|shader| shader.plan.colored),
         shader_of_draw: DrawShader::first_alike(&shaders),
         shaders,
     };
@@ -266,6 +278,7 @@ pub fn draw(
         let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
         let mut workspace = taken.unwrap_or_else(Workspace::new);
         while let Some((row, (colors, mut depths))) = next() {
+            colors.fill(job.background);
             for column in 0..tile_counts.0 {
                 let number = row * tile_counts.0 + column;
                 on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, (column, row), number, colors, &mut depths, &work));
@@ -330,6 +343,28 @@ pub fn tile_loads(
     })
 }
 
+/// The parts of eight records that are read.
+#[inline(never)]
+fn fill_parts<S: Simd>(
+    simd: S,
+    records: &mut [SurfaceRecord; LANES],
+    triangles: &[[&Surface; 3]; LANES],
+    normals: bool,
+    colors: bool,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            if normals {
+                SurfaceRecord::fill_eight(simd, records, triangles, record::Part::Normal);
+            }
+            if colors {
+                SurfaceRecord::fill_eight(simd, records, triangles, record::Part::Color);
+            }
+        },
+    );
+}
+
 /// What all threads add to.
 #[derive(Debug, Default)]
 struct Work {
@@ -382,6 +417,12 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
     draws.iter().map(shader).collect()
 }
 
+/// Batches of triangles of a tile whose corners are looked for together.
+const BATCHES: usize = 4;
+
+/// Triangles of so many batches.
+const GROUP: usize = BATCHES * LANES;
+
 /// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
 const CROWDED: usize = 192;
 
@@ -399,43 +440,34 @@ impl Frame<'_> {
         work: &Work,
     ) {
         let start = Instant::now();
-        let Workspace { tile, entrants, batch, queue, blended } = workspace;
-        let crowd = self.chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>();
-        tile.clear(&self.rules, crowd < CROWDED);
+        let Workspace { tile, entrants, batches, queue, blended } = workspace;
+        self.let_enter(number, entrants);
+        tile.clear(&self.rules, entrants.len() < CROWDED);
         let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
-        entrants.clear();
         blended.clear();
-        let nowhere = Vertex::default();
-        let mut keys = self.chunks.iter().flat_map(|chunk| chunk.keys(number)).copied();
-        let mut draw = 0;
-        loop {
-            let mut triangles = [[&nowhere; 3]; LANES];
-            let first = entrants.len();
-            for (triangle, key) in triangles.iter_mut().zip(&mut keys) {
-                if !self.is_of_draw(key, draw) {
-                    draw = self.draw_of(key);
-                }
-                *triangle = self.vertices(key, draw);
-                entrants.push(key, draw);
-            }
-            let count = entrants.len() - first;
-            if count == 0 {
-                break;
-            }
-            let settings = self.settings;
-            let alive = batch.set_up(simd, &triangles, settings.fill_rule, &self.scale, &self.lattice, origin);
-            for lane in (0..count).filter(|lane| alive >> lane & 1 != 0) {
-                let slot = Slot((first + lane) as u32);
-                let triangle = batch.triangle(lane, slot);
-                let owner = |slot| self.set_up_again(entrants, slot, origin);
-                let Entrant { key, draw, .. } = entrants.get(slot);
-                match self.shader(draw as usize).shader.transparency() {
-                    Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, owner),
-                    Transparency::CutOut => {
-                        let keep = self.keeper(key, draw as usize, place);
-                        tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, owner, keep);
+        for group in (0..entrants.len()).step_by(GROUP) {
+            let alive = self.set_up_group(simd, entrants, batches, group, origin);
+            let owner = |slot| self.set_up_again(entrants, slot, origin);
+            for (number, batch) in batches.iter().enumerate() {
+                let mut alive = alive[number];
+                while alive != 0 {
+                    let lane = alive.trailing_zeros() as usize;
+                    alive &= alive - 1;
+                    let slot = Slot((group + number * LANES + lane) as u32);
+                    let triangle = batch.triangle(lane, slot);
+                    if self.all_opaque {
+                        tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner);
+                        continue;
                     }
-                    Transparency::Blended => blended.push(slot),
+                    let Entrant { key, draw, .. } = entrants.get(slot);
+                    match self.shader(draw as usize).shader.transparency() {
+                        Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner),
+                        Transparency::CutOut => {
+                            let keep = self.keeper(key, draw as usize, place);
+                            tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, &owner, keep);
+                        }
+                        Transparency::Blended => blended.push(slot),
+                    }
                 }
             }
         }
@@ -464,12 +496,114 @@ impl Frame<'_> {
         work.texels.fetch_add(shaded.texels, Ordering::Relaxed);
     }
 
+    /// Lists the triangles of a tile.
+    #[inline(always)]
+    fn let_enter(&self, number: usize, entrants: &mut Entrants) {
+        entrants.clear();
+        let mut draw = 0;
+        for chunk in self.chunks {
+            for key in chunk.keys(number) {
+                if !self.is_of_draw(*key, draw) {
+                    draw = self.draw_of(*key);
+                }
+                entrants.push(*key, draw);
+            }
+        }
+    }
+
+    /// Sets up a group of triangles of a tile before the first of them is drawn, as results come late, and says by bits which
+    /// of each eight may have a sample in the tile.
+    #[inline(always)]
+    fn set_up_group<S: Simd>(
+        &self,
+        simd: S,
+        entrants: &mut Entrants,
+        batches: &mut [Batch; BATCHES],
+        group: usize,
+        origin: ([f64; 2], [f32; 2]),
+    ) -> [u64; BATCHES] {
+        let nowhere = Vertex::default();
+        let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
+        self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
+        let mut alive = [0; BATCHES];
+        for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
+            let first = group + number * LANES;
+            let count = entrants.len().saturating_sub(first).min(LANES);
+            let Some(records) = entrants.eight_records(first).filter(|_| count > 0) else { break };
+            let of_batch = batches[number].set_up(
+                simd,
+                triangles,
+                (records, divides_by_w >> (number * LANES)),
+                self.settings.fill_rule,
+                &self.scale,
+                &self.lattice,
+                origin,
+            );
+            let large = of_batch.1;
+            alive[number] = of_batch.0 & (u64::from(u32::MAX) >> (u32::BITS as usize - count));
+            for lane in (0..count).filter(|lane| large >> lane & 1 != 0) {
+                entrants.note_large(Slot((first + lane) as u32));
+            }
+            if alive[number] != 0 && !self.arrays.surfaces.is_empty() {
+                self.fill_surfaces(simd, entrants, first, count);
+            }
+        }
+        alive
+    }
+
+    /// Finds the corners of a group of triangles of a tile, and a bit for each that is divided by w. They lie all over the
+    /// memory: all indices are asked for before the first is read, and then all vertices.
+    #[inline(always)]
+    fn find_vertices<'a>(
+        &'a self,
+        entrants: &Entrants,
+        group: usize,
+        triangles: &mut [[&'a Vertex; 3]; GROUP],
+        divides_by_w: &mut u64,
+    ) {
+        let entrants = entrants.group(group, GROUP);
+        for entrant in entrants {
+            if entrant.key.as_piece().is_none() {
+                self.draws[entrant.draw as usize].prefetch(entrant.key.0);
+            }
+        }
+        for (i, (triangle, entrant)) in triangles.iter_mut().zip(entrants).enumerate() {
+            let draw = entrant.draw as usize;
+            *triangle = self.vertices(entrant.key, draw);
+            for vertex in triangle {
+                prefetch(std::slice::from_ref(*vertex), 0);
+            }
+            *divides_by_w |= u64::from(self.shader(draw).divides_by_w) << i;
+        }
+    }
+
+    /// Records what shading reads besides of some triangles of a tile from `first` on, eight at most.
+    #[inline(always)]
+    fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut Entrants, first: usize, count: usize) {
+        let nothing = Surface::default();
+        let mut triangles = [[&nothing; 3]; LANES];
+        for (lane, triangle) in triangles.iter_mut().enumerate().take(count) {
+            let Entrant { key, draw, .. } = entrants.get(Slot((first + lane) as u32));
+            let [a, b, c] = self.records(key, draw as usize);
+            if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {
+                *triangle = [a, b, c];
+            }
+        }
+        let Some(records) = entrants.eight_surfaces(first) else { return };
+        fill_parts(simd, records, &triangles, self.reads_normals, self.reads_colors);
+    }
+
     /// A triangle that the tile was asked to draw before.
     #[inline(always)]
     fn set_up_again(&self, entrants: &Entrants, slot: Slot, origin: ([f64; 2], [f32; 2])) -> Option<Setup> {
         let entrant = entrants.get(slot);
         let corners = self.corners(entrant.key, entrant.draw as usize);
         Setup::new(slot, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
+    }
+
+    /// Whether samples can be shaded together whatever draws they are of.
+    fn are_all_alike(&self) -> bool {
+        self.shader_of_draw.iter().all(|first| *first == 0) && self.shaders.iter().all(|shader| shader.on_lanes)
     }
 
     #[inline(always)]

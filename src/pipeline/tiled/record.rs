@@ -1,25 +1,18 @@
 //! What the tiles' shading reads of a triangle, in the order in which lanes load it.
 
-use super::Frame;
 use super::bins::Key;
-use super::geometry::{Surface, Vertex};
-use super::setup::{Corner, Edges};
+use super::geometry::Surface;
+use super::setup::Edges;
 use crate::math::lanes::*;
 
 /// Four numbers that are loaded together.
 type Quad = [f32; 4];
 
-/// A triangle as one tile sees it, made when the first of its samples there is shaded.
+/// A triangle as one tile sees it.
 #[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(32))]
+#[repr(C, align(16))]
 pub(super) struct Record {
     quads: [Quad; Self::QUADS],
-    pub(super) edges: Edges,
-    pub(super) key: Key,
-    /// Position in the list of draws.
-    pub(super) draw: usize,
-    /// Edge values at covered samples lie below 2³¹, so that 32 bits hold them whatever their terms are.
-    pub(super) fits_i32: bool,
 }
 
 impl Record {
@@ -33,51 +26,8 @@ impl Record {
     const UV_DELTAS: usize = 3;
     /// Light at the first corner, and what it changes by to each of the others.
     const LIGHT: usize = 4;
-    /// The same of the components of the normal.
-    const NORMAL: usize = 5;
-    /// The same of the channels of the colour.
-    const COLOR: usize = 8;
-    const QUADS: usize = 11;
+    const QUADS: usize = 5;
 
-    /// Becomes that of a triangle of a tile at `origin`, in place, as it is large. Without area it stays as it is, which is said.
-    #[inline(always)]
-    fn fill(&mut self, frame: &Frame<'_>, key: Key, draw: usize, origin: [f64; 2]) -> bool {
-        let corners = frame.corners(key, draw);
-        let Some(edges) = Edges::new(&corners, origin) else { return false };
-        let [a, b, c] = frame.records(key, draw);
-        let [r0, r1, r2] = if frame.shader(draw).divides_by_w { relative_inv_w(&corners) } else { [1.0; 3] };
-        let vertices = [a.0, b.0, c.0];
-        let along = |place: usize| {
-            let [a, b, c] = vertices.map(|vertex| vertex.numbers[place]);
-            [a, b - a, c - a]
-        };
-        let ([u, du1, du2], [v, dv1, dv2]) = (along(Vertex::UV[0]), along(Vertex::UV[1]));
-        let [light, dl1, dl2] = along(Vertex::LIGHT);
-        let quads = &mut self.quads;
-        quads[Self::FIRST_EDGE] = [edges.a[0], edges.b[0], edges.c[0], edges.doubled_area].map(low_bits);
-        let [a1, b1, c1] = [edges.a[1], edges.b[1], edges.c[1]].map(low_bits);
-        quads[Self::SECOND_EDGE] = [a1, b1, c1, r0];
-        quads[Self::INV_W_AND_UV] = [r1, r2, u, v];
-        quads[Self::UV_DELTAS] = [du1, du2, dv1, dv2];
-        quads[Self::LIGHT] = [light, dl1, dl2, 0.0];
-        if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {
-            let along = |place: usize| {
-                let [a, b, c] = [a, b, c].map(|surface: &Surface| surface.numbers[place]);
-                [a, b - a, c - a, 0.0]
-            };
-            for axis in 0..3 {
-                quads[Self::NORMAL + axis] = along(Surface::NORMAL[axis]);
-                quads[Self::COLOR + axis] = along(Surface::COLOR[axis]);
-            }
-        }
-        (self.key, self.draw) = (key, draw);
-        self.fits_i32 = edges.doubled_area <= f64::from(i32::MAX);
-        self.edges = edges;
-        true
-    }
-}
-
-impl Record {
     /// a, b and c of the first two edges, and the doubled area: low 32 bits.
     #[inline(always)]
     pub(super) fn integer_edges(&self) -> ([i32; 3], [i32; 3], i32) {
@@ -85,44 +35,132 @@ impl Record {
         let [a1, b1, c1, _] = self.quads[Self::SECOND_EDGE].map(|bits| bits.to_bits() as i32);
         ([a0, b0, c0], [a1, b1, c1], area)
     }
+
+    /// Fills the records of eight triangles: two edges (a, b, c) and the doubled area as low 32 bits, and the corners' 1/w,
+    /// light and texture coordinates. A bit for each triangle says whether its attributes are divided by w.
+    #[inline(always)]
+    pub(super) fn fill_eight<S: Simd>(
+        simd: S,
+        records: &mut [Self; LANES],
+        edges: [[i32x8<S>; 3]; 2],
+        doubled_area: i32x8<S>,
+        corners: [[F32<S>; 4]; 3],
+        divides_by_w: u64,
+    ) {
+        let ([a0, b0, c0], [a1, b1, c1]) =
+            (each!(v in [0, 1, 2] => edges[0][v].bitcast()), each!(v in [0, 1, 2] => edges[1][v].bitcast()));
+        let inv_w = each!(corner in [0, 1, 2] => corners[corner][0]);
+        let [r0, r1, r2] = relative_inv_w(simd, inv_w, divides_by_w);
+        let along = each!(value in [1, 2, 3] => {
+            let [a, b, c] = each!(corner in [0, 1, 2] => corners[corner][value]);
+            [a, b - a, c - a]
+        });
+        let [[light, dl1, dl2], [u, du1, du2], [v, dv1, dv2]] = along;
+        let zero = F32::splat(simd, 0.0);
+        let quads = [
+            (Self::FIRST_EDGE, [a0, b0, c0, doubled_area.bitcast()]),
+            (Self::SECOND_EDGE, [a1, b1, c1, r0]),
+            (Self::INV_W_AND_UV, [r1, r2, u, v]),
+            (Self::UV_DELTAS, [du1, du2, dv1, dv2]),
+            (Self::LIGHT, [light, dl1, dl2, zero]),
+        ];
+        for (quad, columns) in quads {
+            let rows = rows_of_quads(columns);
+            for lane in 0..LANES {
+                rows[lane].store_array(&mut records[lane].quads[quad]);
+            }
+        }
+    }
 }
 
-/// The low 32 bits of a whole number between ±2⁵¹. Corners keep to ±2²⁴ steps of each other, so all terms of edges are.
+/// As [`crate::pipeline::viewport::relative_inv_w`]; 1 where there is no bit.
 #[inline(always)]
-fn low_bits(number: f64) -> f32 {
-    /// Added to such a number, it leaves it in the low bits of the sum.
-    const SHIFT: f64 = ((1_u64 << 52) + (1_u64 << 51)) as f64;
-    f32::from_bits((number + SHIFT).to_bits() as u32)
-}
-
-/// As [`crate::pipeline::viewport::relative_inv_w`].
-#[inline(always)]
-fn relative_inv_w(corners: &[Corner; 3]) -> [f32; 3] {
-    let inv_w = corners.map(|corner| corner.inv_w);
+fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F32<S>; 3] {
     let largest = inv_w[0].max(inv_w[1]).max(inv_w[2]);
-    inv_w.map(|i| (i / largest).max(f32::MIN_POSITIVE))
+    let divides = mask32x8::from_bitmask(simd, divides_by_w);
+    each!(i in [0, 1, 2] => divides.select((inv_w[i] / largest).max(f32::MIN_POSITIVE), F32::splat(simd, 1.0)))
+}
+
+/// What shading reads of a triangle's corners besides, where a draw of the frame asks for it.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C, align(16))]
+pub(super) struct SurfaceRecord {
+    quads: [Quad; Self::QUADS],
+}
+
+impl SurfaceRecord {
+    /// The components of the normal at the first corner, and what they change by to each of the others.
+    const NORMAL: usize = 0;
+    /// The same of the channels of the colour.
+    const COLOR: usize = 3;
+    const QUADS: usize = 6;
+
+    /// Fills the normals or the colours of the records of eight triangles.
+    #[inline(always)]
+    pub(super) fn fill_eight<S: Simd>(
+        simd: S,
+        records: &mut [Self; LANES],
+        triangles: &[[&Surface; 3]; LANES],
+        part: Part,
+    ) {
+        let (first_number, first_quad) = match part {
+            Part::Normal => (Surface::NORMAL[0], Self::NORMAL),
+            Part::Color => (Surface::COLOR[0], Self::COLOR),
+        };
+        let corners = each!(corner in [0, 1, 2] => transpose_quads(each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+            f32x4::from_slice(simd, &triangles[lane][corner].numbers[first_number..][..LANES / 2])
+        })));
+        let [first, second, third] = corners;
+        for (axis, ((a, b), c)) in first.into_iter().zip(second).zip(third).take(3).enumerate() {
+            let rows = rows_of_quads([a, b - a, c - a, F32::splat(simd, 0.0)]);
+            for lane in 0..LANES {
+                rows[lane].store_array(&mut records[lane].quads[first_quad + axis]);
+            }
+        }
+    }
+}
+
+/// What a [`SurfaceRecord`] is made of.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Part {
+    Normal,
+    Color,
+}
+
+/// One triangle that samples are shaded for.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Subject<'a> {
+    pub(super) one: One<'a>,
+    pub(super) key: Key,
+    /// Position in the list of draws.
+    pub(super) draw: usize,
+    /// Its edges, if 32 bits don't hold their values, or its samples are not shaded on lanes.
+    pub(super) edges: Option<&'a Edges>,
 }
 
 /// An attribute at the first corner, and what it changes by from there to each of the others.
 #[derive(Clone, Copy)]
-pub(super) struct Attribute<S: Simd>(F32<S>, F32<S>, F32<S>);
+pub(super) struct Attribute<S: Simd>(f32x16<S>, f32x16<S>, f32x16<S>);
 
 impl<S: Simd> Attribute<S> {
     /// At samples with these weights of the second and the third corner.
     #[inline(always)]
-    pub(super) fn at(self, weights: [F32<S>; 2]) -> F32<S> {
+    pub(super) fn at(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
         self.0 + self.1 * weights[0] + self.2 * weights[1]
     }
 }
 
-/// Where eight samples have their triangles from.
+/// Where sixteen samples have what is read of their triangles from.
 pub(super) trait Source: Copy {
-    /// Four numbers of each sample's triangle.
-    fn quad<S: Simd>(self, simd: S, quad: usize) -> [F32<S>; 4];
+    /// Four numbers of the [`Record`] of each sample's triangle.
+    fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
+
+    /// Four numbers of the [`SurfaceRecord`] of each sample's triangle.
+    fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
     /// 1/w of the corners relative to the largest.
     #[inline(always)]
-    fn relative_inv_w<S: Simd>(self, simd: S) -> [F32<S>; 3] {
+    fn relative_inv_w<S: Simd>(self, simd: S) -> [f32x16<S>; 3] {
         let [_, _, _, r0] = self.quad(simd, Record::SECOND_EDGE);
         let [r1, r2, ..] = self.quad(simd, Record::INV_W_AND_UV);
         [r0, r1, r2]
@@ -139,55 +177,85 @@ pub(super) trait Source: Copy {
     /// Light.
     #[inline(always)]
     fn light<S: Simd>(self, simd: S) -> Attribute<S> {
-        self.attribute(simd, Record::LIGHT)
+        let [base, first, second, _] = self.quad(simd, Record::LIGHT);
+        Attribute(base, first, second)
     }
 
     /// Normal.
     #[inline(always)]
     fn normal<S: Simd>(self, simd: S) -> [Attribute<S>; 3] {
-        each!(axis in [0, 1, 2] => self.attribute(simd, Record::NORMAL + axis))
+        each!(axis in [0, 1, 2] => self.surface_attribute(simd, SurfaceRecord::NORMAL + axis))
     }
 
     /// Colour.
     #[inline(always)]
     fn color<S: Simd>(self, simd: S) -> [Attribute<S>; 3] {
-        each!(channel in [0, 1, 2] => self.attribute(simd, Record::COLOR + channel))
+        each!(channel in [0, 1, 2] => self.surface_attribute(simd, SurfaceRecord::COLOR + channel))
     }
 
-    /// An attribute that has a quad of its own.
+    /// An attribute of the surface.
     #[inline(always)]
-    fn attribute<S: Simd>(self, simd: S, quad: usize) -> Attribute<S> {
-        let [base, first, second, _] = self.quad(simd, quad);
+    fn surface_attribute<S: Simd>(self, simd: S, quad: usize) -> Attribute<S> {
+        let [base, first, second, _] = self.surface_quad(simd, quad);
         Attribute(base, first, second)
     }
 }
 
 /// All samples are of one triangle.
-impl Source for &Record {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct One<'a> {
+    pub(super) record: &'a Record,
+    surface: &'a SurfaceRecord,
+}
+
+impl Source for One<'_> {
     #[inline(always)]
-    fn quad<S: Simd>(self, simd: S, quad: usize) -> [F32<S>; 4] {
-        each!(i in [0, 1, 2, 3] => F32::splat(simd, self.quads[quad][i]))
+    fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
+        each!(i in [0, 1, 2, 3] => f32x16::splat(simd, self.record.quads[quad][i]))
+    }
+
+    #[inline(always)]
+    fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
+        each!(i in [0, 1, 2, 3] => f32x16::splat(simd, self.surface.quads[quad][i]))
     }
 }
 
 /// Each sample is of a triangle of its own.
-impl Source for [&Record; LANES] {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Many<'a> {
+    records: [&'a Record; WIDE],
+    entrants: &'a Entrants,
+    slots: &'a [u32; WIDE],
+}
+
+impl Source for Many<'_> {
     #[inline(always)]
-    fn quad<S: Simd>(self, simd: S, quad: usize) -> [F32<S>; 4] {
-        transpose_quads(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::load_array_ref(simd, &self[i].quads[quad])))
+    fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
+        transpose_wide(each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
+            f32x4::load_array_ref(simd, &self.records[i].quads[quad])
+        }))
+    }
+
+    #[inline(always)]
+    fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
+        transpose_wide(each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
+            f32x4::load_array_ref(simd, &self.entrants.surface(Slot(self.slots[i])).quads[quad])
+        }))
     }
 }
 
-/// Edge values of eight triangles, all of which [`Record::fits_i32`], at offsets from the tile's first sample. They are right
-/// where a triangle covers its sample; elsewhere they may be any.
-#[inline(always)]
-pub(super) fn edge_values<S: Simd>(simd: S, records: [&Record; LANES], x: i32x8<S>, y: i32x8<S>) -> [i32x8<S>; 3] {
-    let [a0, b0, c0, area] =
-        each!(v in [0, 1, 2, 3] => records.quad(simd, Record::FIRST_EDGE)[v].bitcast::<i32x8<S>>());
-    let [a1, b1, c1] = each!(v in [0, 1, 2] => records.quad(simd, Record::SECOND_EDGE)[v].bitcast::<i32x8<S>>());
-    let first = a0 * x + b0 * y + c0;
-    let second = a1 * x + b1 * y + c1;
-    [first, second, area - first - second]
+impl Many<'_> {
+    /// Edge values of triangles whose values 32 bits hold, at offsets from the tile's first sample. They are right where a
+    /// triangle covers its sample; elsewhere they may be any.
+    #[inline(always)]
+    pub(super) fn edge_values<S: Simd>(self, simd: S, x: i32x16<S>, y: i32x16<S>) -> [i32x16<S>; 3] {
+        let [a0, b0, c0, area] =
+            each!(v in [0, 1, 2, 3] => self.quad(simd, Record::FIRST_EDGE)[v].bitcast::<i32x16<S>>());
+        let [a1, b1, c1] = each!(v in [0, 1, 2] => self.quad(simd, Record::SECOND_EDGE)[v].bitcast::<i32x16<S>>());
+        let first = a0 * x + b0 * y + c0;
+        let second = a1 * x + b1 * y + c1;
+        [first, second, area - first - second]
+    }
 }
 
 /// A triangle that a tile was asked to draw.
@@ -196,8 +264,6 @@ pub(super) struct Entrant {
     pub(super) key: Key,
     /// Position in the list of draws.
     pub(super) draw: u32,
-    /// Position of its record, if that was made.
-    record: u32,
 }
 
 /// Names an [`Entrant`] of a tile.
@@ -209,33 +275,37 @@ impl Slot {
     pub(super) const NONE: Self = Self(u32::MAX);
 }
 
-/// The triangles that a tile was asked to draw, in their order.
+/// The triangles that a tile was asked to draw, in their order, with what shading reads of them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entrants {
     list: Vec<Entrant>,
-    /// Those that are in use, and some that were.
+    /// One for each triangle, and some that are not in use.
     records: Vec<Record>,
-    used: usize,
+    /// The same, in frames that read them.
+    surfaces: Vec<SurfaceRecord>,
+    /// Those with edge values of more than 32 bits, in their order.
+    large: Vec<Slot>,
 }
 
 impl Entrants {
-    const NO_RECORD: u32 = u32::MAX;
-
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.list.clear();
-        self.used = 0;
+        self.large.clear();
     }
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
-        self.list.capacity() * size_of::<Entrant>() + self.records.capacity() * size_of::<Record>()
+        self.list.capacity() * size_of::<Entrant>()
+            + self.records.capacity() * size_of::<Record>()
+            + self.surfaces.capacity() * size_of::<SurfaceRecord>()
+            + self.large.capacity() * size_of::<Slot>()
     }
 
     /// Adds one.
     #[inline(always)]
     pub(super) fn push(&mut self, key: Key, draw: usize) {
-        self.list.push(Entrant { key, draw: draw as u32, record: Self::NO_RECORD });
+        self.list.push(Entrant { key, draw: draw as u32 });
     }
 
     /// How many there are; the next one's slot.
@@ -250,38 +320,69 @@ impl Entrants {
         self.list[slot.0 as usize]
     }
 
-    /// Makes sure that a triangle's record is there, and says where. Triangles without area get none, and are never seen.
+    /// Some of them, from `first` on.
     #[inline(always)]
-    pub(super) fn make_record<S: Simd>(
-        &mut self,
-        simd: S,
-        frame: &Frame<'_>,
-        slot: Slot,
-        origin: [f64; 2],
-    ) -> Option<u32> {
-        let entrant = &mut self.list[slot.0 as usize];
-        if entrant.record == Self::NO_RECORD {
-            if self.records.len() == self.used {
-                self.records.push(Record::default());
-            }
-            let record = &mut self.records[self.used];
-            let Entrant { key, draw, .. } = *entrant;
-            let is_filled = simd.vectorize(
-                #[inline(always)]
-                || record.fill(frame, key, draw as usize, origin),
-            );
-            if !is_filled {
-                return None;
-            }
-            entrant.record = self.used as u32;
-            self.used += 1;
-        }
-        Some(entrant.record)
+    pub(super) fn group(&self, first: usize, most: usize) -> &[Entrant] {
+        &self.list[first..(first + most).min(self.list.len())]
     }
 
-    /// A record that [`Entrants::make_record`] made.
+    /// The records of eight triangles from `first` on, to be filled.
     #[inline(always)]
-    pub(super) fn record(&self, position: u32) -> &Record {
-        &self.records[position as usize]
+    pub(super) fn eight_records(&mut self, first: usize) -> Option<&mut [Record; LANES]> {
+        eight(&mut self.records, first)
     }
+
+    /// The same of what else is read.
+    #[inline(always)]
+    pub(super) fn eight_surfaces(&mut self, first: usize) -> Option<&mut [SurfaceRecord; LANES]> {
+        eight(&mut self.surfaces, first)
+    }
+
+    /// Notes that a triangle has edge values of more than 32 bits.
+    #[inline(always)]
+    pub(super) fn note_large(&mut self, slot: Slot) {
+        self.large.push(slot);
+    }
+
+    /// Whether some triangle has edge values of more than 32 bits.
+    pub(super) fn any_large(&self) -> bool {
+        !self.large.is_empty()
+    }
+
+    /// Whether a triangle has.
+    #[inline(always)]
+    pub(super) fn is_large(&self, slot: Slot) -> bool {
+        self.large.binary_search_by_key(&slot.0, |slot| slot.0).is_ok()
+    }
+
+    /// What is read of one triangle.
+    #[inline(always)]
+    pub(super) fn one(&self, slot: Slot) -> One<'_> {
+        One { record: &self.records[slot.0 as usize], surface: self.surface(slot) }
+    }
+
+    /// What is read of sixteen triangles.
+    #[inline(always)]
+    pub(super) fn many<'a>(&'a self, slots: &'a [u32; WIDE]) -> Many<'a> {
+        let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
+            &self.records[slots[i] as usize]
+        });
+        Many { records, entrants: self, slots }
+    }
+
+    #[inline(always)]
+    fn surface(&self, slot: Slot) -> &SurfaceRecord {
+        self.surfaces
+            .get(slot.0 as usize)
+            .unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
+    }
+}
+
+/// Eight items from `first` on of a list that grows to hold them.
+#[inline(always)]
+fn eight<T: Clone + Default>(list: &mut Vec<T>, first: usize) -> Option<&mut [T; LANES]> {
+    if list.len() < first + LANES {
+        list.resize(first + LANES, T::default());
+    }
+    list[first..].first_chunk_mut()
 }

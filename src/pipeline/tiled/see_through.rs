@@ -83,7 +83,7 @@ impl Frame<'_> {
         for (_, draw, setup, triangle) in &sorted {
             let shader = &self.shader(*draw).shader;
             let owner = |slot| self.set_up_again(entrants, slot, origin);
-            tile.draw_kept(simd, setup, &self.lattice, &self.rules, owner, |edges, (column, row), passed| {
+            tile.draw_kept(simd, setup, &self.lattice, &self.rules, &owner, |edges, (column, row), passed| {
                 for lane in set_bits(passed) {
                     let column = column + lane;
                     if left + column < width && row < height {

@@ -2,7 +2,7 @@
 
 use super::geometry::Vertex;
 use super::lattice::{Lattice, TILE};
-use super::record::Slot;
+use super::record::{Record, Slot};
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::raster::numbers::Inward;
@@ -145,23 +145,30 @@ pub(super) struct Batch {
 }
 
 impl Batch {
-    /// Sets up eight triangles by their corners as [`Setup::new`] does, and says which of them may have a sample in the tile.
+    /// Sets up eight triangles by their corners as [`Setup::new`] does, fills their records, and says by bits which of them
+    /// may have a sample in the tile, and which of those have edge values of more than 32 bits.
     #[inline(never)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "eight triangles, their records, and what is the same for all triangles"
+    )]
     pub(super) fn set_up<S: Simd>(
         &mut self,
         simd: S,
         triangles: &[[&Vertex; 3]; LANES],
+        (records, divides_by_w): (&mut [Record; LANES], u64),
         rule: FillRule,
         scale: &DepthScale,
         lattice: &Lattice,
         (origin, first): ([f64; 2], [f32; 2]),
-    ) -> u64 {
+    ) -> (u64, u64) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let corners = each!(corner in [0, 1, 2] => {
-                    Vertex::positions_and_depths(simd, &each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner]))
+                let vertices = each!(corner in [0, 1, 2] => {
+                    each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner])
                 });
+                let corners = each!(corner in [0, 1, 2] => Vertex::positions_and_depths(simd, &vertices[corner]));
                 let mut alive = u64::MAX;
                 for (axis, out) in [(0, &mut self.columns), (1, &mut self.rows)] {
                     let [a, b, c] = each!(i in [0, 1, 2] => corners[i].0[axis]);
@@ -171,11 +178,12 @@ impl Batch {
                     from.to_int::<i32x8<S>>().store_array(&mut out[0]);
                     to.to_int::<i32x8<S>>().store_array(&mut out[1]);
                 }
-                let p = each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
+                let p =
+                    each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
                 let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
                 alive &= area.simd_ne(0.0).to_bitmask();
                 if alive == 0 {
-                    return 0;
+                    return (0, 0);
                 }
                 let turned = area.simd_lt(0.0);
                 let doubled_area = area.abs();
@@ -202,7 +210,11 @@ impl Batch {
                         }
                     }
                 }
-                alive
+                let edges = integer_edges(simd, each!(i in [0, 1, 2] => corners[i].0), origin, turned.to_bitmask());
+                let attributes = each!(corner in [0, 1, 2] => Vertex::attributes(simd, &vertices[corner]));
+                let (first_two, doubled_area_i32) = edges;
+                Record::fill_eight(simd, records, first_two, doubled_area_i32, attributes, divides_by_w);
+                (alive, alive & doubled_area.simd_gt(f64::from(i32::MAX)).to_bitmask())
             },
         )
     }
@@ -224,6 +236,27 @@ impl Batch {
             rows: range(&self.rows),
         }
     }
+}
+
+/// a, b and c of the first two edges of eight triangles, and their doubled areas, by positions in grid steps: low 32 bits.
+#[inline(always)]
+fn integer_edges<S: Simd>(
+    simd: S,
+    corners: [[F32<S>; 2]; 3],
+    origin: [f64; 2],
+    turned: u64,
+) -> ([[i32x8<S>; 3]; 2], i32x8<S>) {
+    let p =
+        each!(i in [0, 1, 2] => each!(axis in [0, 1] => corners[i][axis].to_int::<i32x8<S>>() - origin[axis] as i32));
+    let turned = mask32x8::from_bitmask(simd, turned);
+    let edges = each!((from, to) in [(1, 2), (2, 0)] => {
+        let (from, to) = (p[from], p[to]);
+        let (a, b) = (from[1] - to[1], to[0] - from[0]);
+        let (a, b) = (turned.select(-a, a), turned.select(-b, b));
+        [a, b, -(a * from[0] + b * from[1])]
+    });
+    let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
+    (edges, turned.select(-area, area))
 }
 
 /// 0 where the rule gives the edge to the triangle, else 1: [`Inward::owned`] for eight edges.

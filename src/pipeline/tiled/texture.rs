@@ -1,7 +1,9 @@
-//! Texture reads for eight samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
+//! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
+use super::gather::{gather, gather_pairs};
 use crate::image::color::Tables;
 use crate::math::lanes::*;
+use crate::math::prefetch::prefetch;
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 use crate::scene::Texture;
@@ -13,13 +15,13 @@ struct Neighbours<S: Simd> {
     weight: F32<S>,
 }
 
-/// Which texels eight samples read, and how near each sample is to the right and to the lower ones.
+/// Which texels sixteen samples read, and how near each sample is to the right and to the lower ones.
 #[derive(Clone, Copy, Debug, Default)]
-#[repr(align(32))]
+#[repr(align(64))]
 pub(super) struct Taps {
-    index: [[u32; LANES]; 4],
-    right: [f32; LANES],
-    down: [f32; LANES],
+    index: [[u32; WIDE]; 4],
+    right: [f32; WIDE],
+    down: [f32; WIDE],
 }
 
 /// How texels are found in memory.
@@ -71,75 +73,82 @@ impl<'a> TextureReader<'a> {
         self.texels.as_ptr().addr()
     }
 
-    /// Which texels eight samples read (v down). Told apart from reading them, so that many reads can be under way.
+    /// Which texels sixteen samples read (v down). Told apart from reading them, so that many reads can be under way.
     #[inline(always)]
-    pub(super) fn locate<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [F32<S>; 2], taps: &mut Taps) {
-        let (width, height) = self.size;
-        let Sampler { address, .. } = self.sampler;
-        match layout {
-            Layout::Single => {
-                let x = nearest(simd, bring_into_unit(simd, u, address), width);
-                let y = nearest(simd, bring_into_unit(simd, v, address), height);
-                self.index(x, y).store_array(&mut taps.index[0]);
-            }
-            Layout::Four => {
-                let (x, y) = (neighbours(simd, u, width, address), neighbours(simd, v, height, address));
-                let index = each!((x, y) in [
-                    (x.first, y.first),
-                    (x.second, y.first),
-                    (x.first, y.second),
-                    (x.second, y.second),
-                ] => self.index(x, y));
-                for (index, out) in index.into_iter().zip(&mut taps.index) {
-                    index.store_array(out);
-                }
-                x.weight.store_array(&mut taps.right);
-                y.weight.store_array(&mut taps.down);
-            }
-            Layout::Pairs => {
-                let (x, y) = (neighbours(simd, u, width, address), neighbours(simd, v, height, address));
-                self.store_pairs(x.first, [y.first, y.second], [x.weight, y.weight], taps);
-            }
-            Layout::PowerOfTwoPairs => {
-                let [(x, right), (y, down)] =
-                    each!((u, size) in [(u, width), (v, height)] => below_repeated(simd, u, size));
-                let (x, lowest) = (x & (width as i32 - 1), height as i32 - 1);
-                // Rows are one longer than a power of two: quicker by a shift and a sum than by a product.
-                let shift = width.trailing_zeros();
-                let [upper, lower] = each!(y in [y & lowest, (y + 1) & lowest] => (y << shift) + (y + x));
-                upper.bitcast::<u32x8<S>>().store_array(&mut taps.index[0]);
-                lower.bitcast::<u32x8<S>>().store_array(&mut taps.index[1]);
-                right.store_array(&mut taps.right);
-                down.store_array(&mut taps.down);
-            }
+    pub(super) fn locate<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
+        if layout == Layout::PowerOfTwoPairs {
+            self.locate_power_of_two(simd, [u, v], taps);
+            return;
         }
+        let (u, v) = (u.split(), v.split());
+        self.locate_eight(simd, layout, [u.0, v.0], taps, 0);
+        self.locate_eight(simd, layout, [u.1, v.1], taps, LANES);
     }
 
     #[inline(always)]
-    fn store_pairs<S: Simd>(&self, x: i32x8<S>, y: [i32x8<S>; 2], [right, down]: [F32<S>; 2], taps: &mut Taps) {
-        self.index(x, y[0]).store_array(&mut taps.index[0]);
-        self.index(x, y[1]).store_array(&mut taps.index[1]);
+    fn locate_power_of_two<S: Simd>(&self, simd: S, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
+        let (width, height) = self.size;
+        let [(x, right), (y, down)] = each!((u, size) in [(u, width), (v, height)] => below_repeated(simd, u, size));
+        let (x, lowest) = (x & (width as i32 - 1), height as i32 - 1);
+        // Rows are one longer than a power of two: quicker by a shift and a sum than by a product.
+        let shift = width.trailing_zeros();
+        let [upper, lower] = each!(y in [y & lowest, (y + 1) & lowest] => (y << shift) + (y + x));
+        upper.bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
+        lower.bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
         right.store_array(&mut taps.right);
         down.store_array(&mut taps.down);
+        for (row, lane) in [(0, 0), (0, LANES - 1), (1, LANES), (1, WIDE - 1)] {
+            prefetch(self.texels, taps.index[row][lane] as usize);
+        }
+    }
+
+    /// Eight of the samples, from `first` on.
+    #[inline(always)]
+    fn locate_eight<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [F32<S>; 2], taps: &mut Taps, first: usize) {
+        let (width, height) = self.size;
+        let Sampler { address, .. } = self.sampler;
+        let eight = first..first + LANES;
+        if layout == Layout::Single {
+            let x = nearest(simd, bring_into_unit(simd, u, address), width);
+            let y = nearest(simd, bring_into_unit(simd, v, address), height);
+            self.index(x, y).store_slice(&mut taps.index[0][eight]);
+            return;
+        }
+        let (x, y) = (neighbours(simd, u, width, address), neighbours(simd, v, height, address));
+        x.weight.store_slice(&mut taps.right[eight.clone()]);
+        y.weight.store_slice(&mut taps.down[eight.clone()]);
+        if layout == Layout::Four {
+            for (tap, (x, y)) in [(x.first, y.first), (x.second, y.first), (x.first, y.second), (x.second, y.second)]
+                .into_iter()
+                .enumerate()
+            {
+                self.index(x, y).store_slice(&mut taps.index[tap][eight.clone()]);
+            }
+        } else {
+            self.index(x.first, y.first).store_slice(&mut taps.index[0][eight.clone()]);
+            self.index(x.first, y.second).store_slice(&mut taps.index[1][eight]);
+        }
     }
 
     /// Red, green and blue from texels, in the numbers of the colour space.
     #[inline(always)]
-    pub(super) fn read<S: Simd>(&self, simd: S, layout: Layout, space: ColorSpace, taps: &Taps) -> [F32<S>; 3] {
+    pub(super) fn read<S: Simd>(&self, simd: S, layout: Layout, space: ColorSpace, taps: &Taps) -> [f32x16<S>; 3] {
         if layout == Layout::Single {
-            let values = self.values(simd, space, self.fetch(simd, &taps.index[0]));
+            let values = self.values(simd, space, self.fetch(simd, taps, 0));
             return each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale);
         }
-        let (right, down) = (F32::load_array_ref(simd, &taps.right), F32::load_array_ref(simd, &taps.down));
-        let one = F32::splat(simd, 1.0);
+        let (right, down) = (f32x16::load_array_ref(simd, &taps.right), f32x16::load_array_ref(simd, &taps.down));
+        let one = f32x16::splat(simd, 1.0);
         let (left, up) = (one - right, one - down);
         let weights = [left * up, right * up, left * down, right * down];
         if space == ColorSpace::Linear {
-            let sums = self.mix_linear(simd, layout, weights, &taps.index);
-            return each!(channel in [0, 1, 2] => sums[channel] * self.sampler.scale);
+            let weights = each!(tap in [0, 1, 2, 3] => weights[tap].to_array());
+            let [first, second] =
+                each!(first in [0, LANES] => self.mix_linear(simd, layout, &weights, &taps.index, first));
+            return each!(channel in [0, 1, 2] => first[channel].combine(second[channel]) * self.sampler.scale);
         }
         let texels = match layout {
-            Layout::Single | Layout::Four => each!(tap in [0, 1, 2, 3] => self.fetch(simd, &taps.index[tap])),
+            Layout::Single | Layout::Four => each!(tap in [0, 1, 2, 3] => self.fetch(simd, taps, tap)),
             Layout::Pairs | Layout::PowerOfTwoPairs => self.fetch_pairs(simd, taps),
         };
         let values = each!(tap in [0, 1, 2, 3] => self.values(simd, space, texels[tap]));
@@ -152,29 +161,32 @@ impl<'a> TextureReader<'a> {
         })
     }
 
-    /// Four texels of each sample in linear light, weighed and added: sample by sample with all channels at once, as looking
-    /// up twelve channels for each would take longer.
+    /// Four texels of each of eight samples from `first` on in linear light, weighed and added: sample by sample with all
+    /// channels at once, as looking up twelve channels for each would take longer.
     #[inline(always)]
     fn mix_linear<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
-        weights: [F32<S>; 4],
-        index: &[[u32; LANES]; 4],
+        weights: &[[f32; WIDE]; 4],
+        index: &[[u32; WIDE]; 4],
+        first: usize,
     ) -> [F32<S>; 4] {
-        let weights = each!(tap in [0, 1, 2, 3] => weights[tap].to_array());
         let rows = match layout {
             Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
                 let [a, b, c, d] = each!(tap in [0, 1, 2, 3] => {
-                    f32x4::load_array_ref(simd, &self.linear[index[tap][lane] as usize]) * weights[tap][lane]
+                    let texel = &self.linear[index[tap][first + lane] as usize];
+                    f32x4::load_array_ref(simd, texel) * weights[tap][first + lane]
                 });
                 a + b + c + d
             }),
             Layout::Pairs | Layout::PowerOfTwoPairs => {
-                let pairs = each!(row in [0, 1] => neighbours_at(simd, self.linear, &index[row]));
+                let pairs = each!(row in [0, 1] => {
+                    neighbours_at(simd, self.linear, u32x8::from_slice(simd, &index[row][first..first + LANES]))
+                });
                 each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
                     let [a, b, c, d] = each!((tap, row, column) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1)] => {
-                        f32x4::load_array_ref(simd, &pairs[row][lane][column]) * weights[tap][lane]
+                        f32x4::load_array_ref(simd, &pairs[row][lane][column]) * weights[tap][first + lane]
                     });
                     a + b + c + d
                 })
@@ -185,14 +197,18 @@ impl<'a> TextureReader<'a> {
 
     /// Upper left, upper right, lower left and lower right texels.
     #[inline(always)]
-    fn fetch_pairs<S: Simd>(&self, simd: S, taps: &Taps) -> [u32x8<S>; 4] {
-        let [(a, b), (c, d)] = each!(row in [0, 1] => {
-            let pairs = neighbours_at(simd, self.texels, &taps.index[row]);
-            halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-                u64::from(pairs[lane][0]) | u64::from(pairs[lane][1]) << 32
-            }))
+    fn fetch_pairs<S: Simd>(&self, simd: S, taps: &Taps) -> [u32x16<S>; 4] {
+        let [[a, b], [c, d]] = each!(row in [0, 1] => {
+            gather_pairs(simd, self.texels, u32x16::load_array_ref(simd, &taps.index[row]))
         });
         [a, b, c, d]
+    }
+
+    /// One texel of each sample.
+    #[inline(always)]
+    fn fetch<S: Simd>(&self, simd: S, taps: &Taps, tap: usize) -> u32x16<S> {
+        let (first, second) = u32x16::load_array_ref(simd, &taps.index[tap]).split();
+        gather(simd, self.texels, first).combine(gather(simd, self.texels, second))
     }
 
     #[inline(always)]
@@ -200,25 +216,23 @@ impl<'a> TextureReader<'a> {
         (y * self.stride + x).bitcast()
     }
 
-    /// Eight texels, each packed into one number.
-    #[inline(always)]
-    fn fetch<S: Simd>(&self, simd: S, index: &[u32; LANES]) -> u32x8<S> {
-        u32x8::load_array(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => self.texels[index[lane] as usize]))
-    }
-
     /// The numbers that texels are mixed in.
     #[inline(always)]
-    fn values<S: Simd>(&self, simd: S, space: ColorSpace, texels: u32x8<S>) -> [F32<S>; 3] {
+    fn values<S: Simd>(&self, simd: S, space: ColorSpace, texels: u32x16<S>) -> [f32x16<S>; 3] {
         let codes = each!(shift in [0, 8, 16] => (texels >> shift) & 255);
         match space {
             ColorSpace::Bytes => {
-                each!(c in [0, 1, 2] => codes[c].bitcast::<i32x8<S>>().to_float::<F32<S>>())
+                each!(c in [0, 1, 2] => codes[c].bitcast::<i32x16<S>>().to_float::<f32x16<S>>())
             }
             ColorSpace::Linear => {
                 let table = &Tables::get().linear_of_code;
                 each!(channel in [0, 1, 2] => {
                     let codes = codes[channel].to_array();
-                    F32::load_array(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => table[usize::from(codes[lane] as u8)]))
+                    let mut values = [0.0; WIDE];
+                    for (value, code) in values.iter_mut().zip(codes) {
+                        *value = table[usize::from(code as u8)];
+                    }
+                    f32x16::load_array(simd, values)
                 })
             }
         }
@@ -234,10 +248,11 @@ impl<'a> TextureReader<'a> {
     unsafe_code,
     reason = "one test for eight reads: a picture that is all texture is drawn an eighth faster than with a test for each"
 )]
-fn neighbours_at<S: Simd, T: Copy>(simd: S, texels: &[T], index: &[u32; LANES]) -> [[T; 2]; LANES] {
+fn neighbours_at<S: Simd, T: Copy>(_: S, texels: &[T], index: u32x8<S>) -> [[T; 2]; LANES] {
     // Lengths are below 2³²: texture sizes are limited.
     let last = texels.len().saturating_sub(1) as u32;
-    assert!(u32x8::load_array_ref(simd, index).simd_lt(last).to_bitmask() == 0xFF, "all texels are within the texture");
+    assert!(index.simd_lt(last).to_bitmask() == 0xFF, "all texels are within the texture");
+    let index = index.to_array();
     each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
         // SAFETY: `index[lane]` is less than the place of the last texel, as was just made sure, so that it and the texel
         // after it lie within the slice; an array asks for no other alignment than its items do.
@@ -294,17 +309,18 @@ fn below<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> (F32<S>, F
 /// Where coordinates are not negative, every step is exact in f32 but the last sum, which rounds what f64 rounds at its end:
 /// the product with a power of two is exact, and so are its whole and its broken part, which whole repeats do not change.
 #[inline(always)]
-fn below_repeated<S: Simd>(simd: S, u: F32<S>, size: u32) -> (i32x8<S>, F32<S>) {
+fn below_repeated<S: Simd>(simd: S, u: f32x16<S>, size: u32) -> (i32x16<S>, f32x16<S>) {
     let position = u * size as f32;
-    if (position.simd_ge(0.0) & position.simd_lt(ALL_INTEGERS)).to_bitmask() != 0xFF {
-        let (below, weight) = below(simd, u, size, Address::Repeat);
-        return (below.to_int(), weight);
+    if !(position.simd_ge(0.0) & position.simd_lt(ALL_INTEGERS)).all_true() {
+        let (first, second) = u.split();
+        let [(first, right), (second, more)] = each!(u in [first, second] => below(simd, u, size, Address::Repeat));
+        return (first.combine(second).to_int(), right.combine(more));
     }
-    let texel: i32x8<S> = position.to_int();
-    let within = position - texel.to_float::<F32<S>>();
+    let texel: i32x16<S> = position.to_int();
+    let within = position - texel.to_float::<f32x16<S>>();
     let first_half = within.simd_lt(0.5);
-    let before = first_half.select(i32x8::splat(simd, -1), i32x8::splat(simd, 0));
-    (texel + before, within + first_half.select(F32::splat(simd, 0.5), F32::splat(simd, -0.5)))
+    let before = first_half.select(i32x16::splat(simd, -1), i32x16::splat(simd, 0));
+    (texel + before, within + first_half.select(f32x16::splat(simd, 0.5), f32x16::splat(simd, -0.5)))
 }
 
 /// From here on every float is a whole number.

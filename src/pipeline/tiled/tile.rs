@@ -129,7 +129,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         let [first, last] = triangle.columns;
         let start = first & !1;
@@ -149,7 +149,7 @@ impl Tile {
         start: usize,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -170,7 +170,7 @@ impl Tile {
                     for by in top / BLOCK..=bottom / BLOCK {
                         for bx in columns[0]..=((start + LANES - 1) / BLOCK).min(BLOCKS - 1) {
                             let block = by * BLOCKS + bx;
-                            self.write_out(simd, block, lattice, rules, &owner);
+                            self.write_out(simd, block, lattice, rules, owner);
                             self.widen_bounds(triangle, block, rules);
                         }
                     }
@@ -181,11 +181,9 @@ impl Tile {
                     return;
                 }
                 let x = F64::load_array(simd, lattice.lanes) + lattice.column(start);
-                let along = each!(i in [0, 1, 2] => x * edges.a[i] + edges.c[i]);
+                let mut rows = Rows::new(simd, edges, x, top, lattice);
                 for row in top..=bottom {
-                    let y = row as f64 * lattice.row_step;
-                    let shift = lattice.shift(row);
-                    let e = each!(i in [0, 1, 2] => along[i] + (edges.b[i] * y + edges.a[i] * shift));
+                    let e = rows.next(edges, row, lattice);
                     let covered = inside(simd, triangle, e);
                     if covered != 0 {
                         self.write(simd, triangle, e, covered, (start, row), rules);
@@ -258,7 +256,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -320,7 +318,7 @@ impl Tile {
                     while partial != 0 {
                         let bx = partial.trailing_zeros() as usize;
                         partial &= partial - 1;
-                        self.write_out(simd, by * BLOCKS + bx, lattice, rules, &owner);
+                        self.write_out(simd, by * BLOCKS + bx, lattice, rules, owner);
                         self.draw_block(simd, triangle, (bx, by), lattice, rules);
                     }
                 }
@@ -337,7 +335,7 @@ impl Tile {
         triangle: &Setup,
         lattice: &Lattice,
         rules: &DepthRules,
-        owner: impl Fn(Slot) -> Option<Setup>,
+        owner: &impl Fn(Slot) -> Option<Setup>,
         mut keep: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
     ) {
         simd.vectorize(
@@ -348,7 +346,7 @@ impl Tile {
                     if !self.may_show(triangle, block, rules) {
                         continue;
                     }
-                    self.write_out(simd, block, lattice, rules, &owner);
+                    self.write_out(simd, block, lattice, rules, owner);
                     for row in rows_in(triangle, by) {
                         let place = (bx * BLOCK, row);
                         let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
@@ -403,11 +401,9 @@ impl Tile {
     ) {
         let Setup { edges, .. } = triangle;
         let x = F64::load_array(simd, lattice.lanes) + bx as f64 * lattice.block_step;
-        let along = each!(i in [0, 1, 2] => x * edges.a[i] + edges.c[i]);
+        let mut rows = Rows::new(simd, edges, x, by * BLOCK, lattice);
         for row in by * BLOCK..(by + 1) * BLOCK {
-            let y = row as f64 * lattice.row_step;
-            let shift = lattice.shift(row);
-            let e = each!(i in [0, 1, 2] => along[i] + (edges.b[i] * y + edges.a[i] * shift));
+            let e = rows.next(edges, row, lattice);
             let covered = inside(simd, triangle, e);
             if covered != 0 {
                 self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
@@ -543,6 +539,38 @@ fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> u64 {
         Comparison::LessEqual => new.simd_le(stored).to_bitmask(),
         Comparison::Greater => new.simd_gt(stored).to_bitmask(),
         Comparison::GreaterEqual => new.simd_ge(stored).to_bitmask(),
+    }
+}
+
+/// Edge values at eight samples of one row after the other. They are whole numbers, so that steps add no error.
+struct Rows<S: Simd> {
+    /// Of the next row, but for its shift.
+    next: [F64<S>; 3],
+    /// From row to row.
+    step: [F64<S>; 3],
+}
+
+impl<S: Simd> Rows<S> {
+    /// Begins with row `first`, whose samples lie in columns `x` of a row that is not shifted.
+    #[inline(always)]
+    fn new(simd: S, edges: &Edges, x: F64<S>, first: usize, lattice: &Lattice) -> Self {
+        let y = first as f64 * lattice.row_step;
+        Self {
+            next: each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y)),
+            step: each!(i in [0, 1, 2] => F64::splat(simd, edges.b[i] * lattice.row_step)),
+        }
+    }
+
+    /// Edge values of the next row, which is `row`.
+    #[inline(always)]
+    fn next(&mut self, edges: &Edges, row: usize, lattice: &Lattice) -> [F64<S>; 3] {
+        let e = self.next;
+        self.next = each!(i in [0, 1, 2] => e[i] + self.step[i]);
+        if lattice.is_straight() {
+            return e;
+        }
+        let shift = lattice.shift(row);
+        each!(i in [0, 1, 2] => e[i] + edges.a[i] * shift)
     }
 }
 

@@ -1,0 +1,18 @@
+//! Asking for memory before it is read.
+
+/// Asks for an item that will be read soon, so that it may be there by then. A place outside of the items does no harm.
+#[inline(always)]
+#[cfg_attr(
+    target_arch = "x86_64",
+    expect(unsafe_code, reason = "what is larger than the caches is drawn up to a half faster")
+)]
+pub fn prefetch<T>(items: &[T], place: usize) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: nothing is read, whatever the address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(items.as_ptr().wrapping_add(place).cast()) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (items, place);
+}

@@ -1,0 +1,164 @@
+//! On which sides of the frustum vertices lie, and what that leaves of triangles: the questions of [`clip`] for eight
+//! vertices at a time.
+//!
+//! [`clip`]: crate::pipeline::clip
+
+use std::ops::BitOr;
+
+use crate::math::lanes::*;
+use crate::pipeline::clip::{LEAST_W, Plane};
+
+/// Where a vertex lies: a bit for each plane of the frustum that it is beyond.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Outcode(u16);
+
+impl Outcode {
+    const NOT_FINITE: u16 = 1 << 14;
+    const CROSSES: u16 = 1 << 15;
+    const PLANES: u16 = (1 << Plane::ALL.len()) - 1;
+
+    /// Of eight vertices in clip space, by component, and whether any is not all zero. The sides of the frustum are moved out
+    /// by the factor `widening` where what crosses them must be cut.
+    #[inline(always)]
+    pub(super) fn of_lanes<S: Simd>(simd: S, [x, y, z, w]: [F32<S>; 4], widening: f32) -> ([Self; LANES], bool) {
+        let between_sides = w.simd_ge(x.abs()) & w.simd_ge(y.abs());
+        let in_depth = z.simd_ge(0.0) & w.simd_ge(z) & w.simd_ge(LEAST_W) & w.simd_le(f32::MAX);
+        if (between_sides & in_depth).all_true() {
+            return ([Self::default(); LANES], false);
+        }
+        // Distances are differences of floats, whose signs are those of comparisons.
+        let depth = each!(beyond in [z.simd_lt(0.0), w.simd_lt(LEAST_W), w.simd_lt(z)] => beyond.to_bitmask());
+        let offsets = [-x, x, -y, y];
+        let sides = each!(i in [0, 1, 2, 3] => w.simd_lt(offsets[i]).to_bitmask());
+        // Products of floats are exact in doubles.
+        let band = widen(simd, w) * f64::from(widening);
+        let cut = each!(i in [0, 1, 2, 3] => sides[i] & band.simd_lt(widen(simd, offsets[i])).to_bitmask());
+        let is_finite = (x.is_finite() & y.is_finite() & z.is_finite() & w.is_finite()).to_bitmask();
+        let crosses = depth[0] | depth[1] | depth[2] | cut[0] | cut[1] | cut[2] | cut[3];
+        // In the order of `Plane::ALL`.
+        let planes = [depth[0], depth[1], depth[2], sides[0], sides[1], sides[2], sides[3]];
+        let mut codes = [Self(Self::NOT_FINITE | Self::CROSSES); LANES];
+        for (lane, code) in codes.iter_mut().enumerate().filter(|(lane, _)| is_finite >> lane & 1 != 0) {
+            code.0 = if crosses >> lane & 1 != 0 { Self::CROSSES } else { 0 };
+            for (bit, beyond) in planes.iter().enumerate() {
+                code.0 |= ((beyond >> lane & 1) << bit) as u16;
+            }
+        }
+        (codes, true)
+    }
+
+    /// What becomes of a triangle with these corners.
+    #[inline(always)]
+    pub(super) fn verdict(corners: [Self; 3]) -> Crossing {
+        let any = corners[0].0 | corners[1].0 | corners[2].0;
+        let all = corners[0].0 & corners[1].0 & corners[2].0;
+        if any & Self::NOT_FINITE != 0 || all & Self::PLANES != 0 {
+            Crossing::Gone
+        } else if any & Self::CROSSES != 0 {
+            Crossing::Cut
+        } else {
+            Crossing::Whole
+        }
+    }
+
+    /// Whether the vertex lies within the frustum.
+    #[inline(always)]
+    pub(super) fn is_inside(self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl BitOr for Outcode {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+/// What the frustum leaves of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Crossing {
+    /// Nothing.
+    Gone,
+    /// A part.
+    Cut,
+    /// All of it.
+    Whole,
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec4;
+
+    use super::*;
+
+    /// By the distances that clipping computes.
+    fn expected(position: Vec4, widening: f32) -> Outcode {
+        if !position.is_finite() {
+            return Outcode(Outcode::NOT_FINITE | Outcode::CROSSES);
+        }
+        let mut bits = 0;
+        for (bit, plane) in Plane::ALL.iter().enumerate() {
+            if plane.distance(position, 1.0) < 0.0 {
+                bits |= 1 << bit;
+                if plane.distance(position, widening) < 0.0 {
+                    bits |= Outcode::CROSSES;
+                }
+            }
+        }
+        Outcode(bits)
+    }
+
+    #[test]
+    fn lanes_lie_where_clipping_has_them() {
+        const WIDENING: f32 = 34.133_335;
+        const SPECIAL: [f32; 12] = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            0.999_999_94,
+            WIDENING,
+            -1.5,
+            f32::MIN_POSITIVE,
+            1e-45,
+            f32::MAX,
+            f32::INFINITY,
+            f32::NAN,
+        ];
+        let mut random = fastrand::Rng::with_seed(11);
+        let mut number = || match random.u32(..4) {
+            0 => SPECIAL[random.usize(..SPECIAL.len())],
+            1 => random.f32() * 80.0 - 40.0,
+            _ => random.f32(),
+        };
+        let mut seen = 0;
+        for _ in 0..20_000 {
+            let group: [Vec4; LANES] = std::array::from_fn(|_| Vec4::from_array(std::array::from_fn(|_| number())));
+            let expected = group.map(|position| expected(position, WIDENING));
+            let columns: [[f32; LANES]; 4] = std::array::from_fn(|axis| group.map(|position| position[axis]));
+            for lanes in Lanes::all() {
+                let found = on_lanes!(lanes, simd => {
+                    let columns = each!(axis in [0, 1, 2, 3] => F32::load_array(simd, columns[axis]));
+                    Outcode::of_lanes(simd, columns, WIDENING)
+                });
+                assert_eq!(found, (expected, expected.iter().any(|code| !code.is_inside())), "{group:?}");
+            }
+            seen |= expected.iter().fold(0, |all, code| all | code.0);
+        }
+        assert_eq!(seen, Outcode::PLANES | Outcode::CROSSES | Outcode::NOT_FINITE);
+    }
+
+    #[test]
+    fn what_is_inside_has_no_bit() {
+        let inside = Vec4::new(-1.0, 0.25, 0.0, 1.0).to_array();
+        for lanes in Lanes::all() {
+            let (codes, any) = on_lanes!(lanes, simd => {
+                let columns = each!(axis in [0, 1, 2, 3] => F32::splat(simd, inside[axis]));
+                Outcode::of_lanes(simd, columns, 2.0)
+            });
+            assert!(!any && codes.iter().all(|code| code.is_inside()));
+        }
+    }
+}
