@@ -11,7 +11,9 @@
 
 use arrayvec::ArrayVec;
 
-use super::{Anchor, Before, Drawn, Lattice, Light, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling, bands};
+use super::{
+    Anchor, Before, Drawn, Lattice, Light, Motion, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling, bands,
+};
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
@@ -113,13 +115,6 @@ fn place(frames: u32) -> [f64; 2] {
     places[(frames % PLACES) as usize]
 }
 
-fn number(light: Light, code: u8) -> f32 {
-    match light {
-        Light::Linear => Tables::get().linear_of_code[code as usize],
-        Light::Bytes => f32::from(code),
-    }
-}
-
 /// Where an output pixel lies among the samples of this frame: the sample before it on an axis, which may be outside, and how
 /// far on.
 fn among(lattice: Lattice, place: f64, at: u32) -> (i64, f32) {
@@ -137,37 +132,53 @@ struct Now<'a> {
     size: (u32, u32),
     /// Where in its pixel this frame samples.
     place: [f64; 2],
+    /// What the frames before found, and where.
+    past: Option<(Motion<'a>, &'a Image<[f32; 4]>)>,
+    tables: &'static Tables,
 }
 
 impl<'a> Now<'a> {
     fn new(how: Upscaling, drawn: &'a Drawn<'a>, size: (u32, u32)) -> Self {
         let place = drawn.seen.map_or(super::CENTRE, |seen| place(seen.frames()));
-        Self { light: how.light(), lattice: how.lattice(), drawn, size, place }
+        let past = drawn.seen.and_then(|seen| Some((seen.motion(size)?, seen.past?.memory.as_ref()?)));
+        Self { light: how.light(), lattice: how.lattice(), drawn, size, place, past, tables: Tables::get() }
+    }
+
+    fn number(&self, code: u8) -> f32 {
+        match self.light {
+            Light::Linear => self.tables.linear_of_code[code as usize],
+            Light::Bytes => f32::from(code),
+        }
     }
 
     fn pixel(&self, at: (u32, u32)) -> Rgba8 {
-        let [r, g, b, _] = self.accumulated(at);
+        let present = self.present(at);
+        let [r, g, b, _] = self.mixed(at, &present);
         let encode = |value: f32| match self.light {
-            Light::Linear => Tables::get().encode(value),
+            Light::Linear => self.tables.encode(value),
             Light::Bytes => (value + 0.5) as u8,
         };
-        let (taps, _) = self.present(at);
+        let (taps, _) = present;
         let alpha: f32 = taps.iter().map(|tap| tap.weight * f32::from(self.drawn.color.at(tap.x, tap.y)[3])).sum();
         [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
     }
 
     /// The mean at a pixel, with this frame, and how many samples it is of.
     fn accumulated(&self, at: (u32, u32)) -> [f32; 4] {
-        let (taps, counts_for) = self.present(at);
-        let color = |x: u32, y: u32| self.drawn.color.at(x, y).map(|code| number(self.light, code));
+        self.mixed(at, &self.present(at))
+    }
+
+    /// [`Self::accumulated`], from what [`Self::present`] says.
+    fn mixed(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
+        let counts_for = *counts_for;
+        let color = |x: u32, y: u32| self.drawn.color.at(x, y).map(|code| self.number(code));
         let mut now = [0.0; 3];
-        for tap in &taps {
+        for tap in taps {
             let sample = color(tap.x, tap.y);
             (0..3).for_each(|channel| now[channel] += tap.weight * sample[channel]);
         }
-        let remembered = self.drawn.seen.and_then(|seen| {
-            let memory = seen.past?.memory.as_ref()?;
-            let before = seen.before(self.size, at)?;
+        let remembered = self.past.and_then(|(motion, memory)| {
+            let before = motion.before(at)?;
             Some((before, before.read(self.size, |x, y| memory.at(x, y))))
         });
         let Some((before, [mut r, mut g, mut b, count])) = remembered else {

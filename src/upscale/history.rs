@@ -68,22 +68,48 @@ impl Seen<'_> {
         self.past.map_or(0, |past| past.frames + 1)
     }
 
-    /// Where the frame before showed what pixel `at` shows, px from the corner of the picture, if it showed it at all.
-    pub fn before(&self, (width, height): (u32, u32), at: (u32, u32)) -> Option<Before> {
+    /// Where the frame before showed what pixel `at` shows, px from the corner of the picture, if it showed it at all. For
+    /// many pixels ask [`Self::motion`] once.
+    pub fn before(&self, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
+        self.motion(size)?.before(at)
+    }
+}
+
+impl<'a> Seen<'a> {
+    /// How places of a picture have moved since the frame before, if there is one.
+    pub fn motion(&self, size: (u32, u32)) -> Option<Motion<'a>> {
         let past = self.past?;
+        let path = (past.camera != *self.camera).then(|| Path::new([self.camera, &past.camera], size));
+        Some(Motion { past, surfaces: self.surfaces, size, path })
+    }
+}
+
+/// How places of a picture have moved since the frame before.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion<'a> {
+    /// The frame before.
+    pub past: &'a History,
+    surfaces: &'a Surfaces,
+    size: (u32, u32),
+    /// None while the view stands still.
+    path: Option<Path>,
+}
+
+impl Motion<'_> {
+    /// Where the frame before showed what pixel `at` shows, px from the corner of the picture, if it showed it at all.
+    pub fn before(&self, at: (u32, u32)) -> Option<Before> {
         let center = [f64::from(at.0) + 0.5, f64::from(at.1) + 0.5];
-        if past.camera == *self.camera {
+        let Some(path) = &self.path else {
             return Some(Before { place: center, is_still: true });
-        }
+        };
         let distance = self.surfaces.distance.at(at.0, at.1);
-        let lenses = [self.camera, &past.camera].map(|camera| Lens::new(camera, (width, height)));
-        let (place, expected) = moved(lenses, [self.camera, &past.camera], center, distance.into())?;
+        let (place, expected) = path.moved(center, distance.into())?;
         let inside = |at: f64, length: u32| at >= 0.0 && at < f64::from(length);
-        if !inside(place[0], width) || !inside(place[1], height) {
+        if !inside(place[0], self.size.0) || !inside(place[1], self.size.1) {
             return None;
         }
         let pixel = (place[0] as u32, place[1] as u32);
-        let same = past.surfaces.shows(pixel, self.surfaces.object.at(at.0, at.1), expected as f32);
+        let same = self.past.surfaces.shows(pixel, self.surfaces.object.at(at.0, at.1), expected as f32);
         same.then_some(Before { place, is_still: false })
     }
 }
@@ -155,11 +181,24 @@ impl Lens {
     }
 }
 
-/// Where the second view sees what the first one sees at a place and a distance.
-fn moved(lenses: [Lens; 2], cameras: [&Camera; 2], place: [f64; 2], distance: f64) -> Option<([f64; 2], f64)> {
-    let [from, to] = cameras.map(Camera::view_from_world_f64);
-    let to_from: DMat4 = to * from.inverse();
-    lenses[1].place(to_from.transform_point3(lenses[0].point(place, distance)))
+/// The way from one view to another.
+#[derive(Clone, Copy, Debug)]
+struct Path {
+    lenses: [Lens; 2],
+    to_from: DMat4,
+}
+
+impl Path {
+    fn new(cameras: [&Camera; 2], size: (u32, u32)) -> Self {
+        let [from, to] = cameras.map(Camera::view_from_world_f64);
+        Self { lenses: cameras.map(|camera| Lens::new(camera, size)), to_from: to * from.inverse() }
+    }
+
+    /// Where the second view sees what the first one sees at a place and a distance.
+    fn moved(&self, place: [f64; 2], distance: f64) -> Option<([f64; 2], f64)> {
+        let [from, to] = &self.lenses;
+        to.place(self.to_from.transform_point3(from.point(place, distance)))
+    }
 }
 
 #[cfg(test)]
@@ -186,8 +225,7 @@ mod tests {
             for _ in 0..200 {
                 let point = Vec3::new(random.f32(), random.f32(), random.f32()) - 0.5;
                 let (place, distance) = project(&cameras[0], point);
-                let lenses = cameras.each_ref().map(|camera| Lens::new(camera, size));
-                let (found, how_far) = moved(lenses, cameras.each_ref(), place, distance).unwrap();
+                let (found, how_far) = Path::new(cameras.each_ref(), size).moved(place, distance).unwrap();
                 let (expected, expected_distance) = project(&cameras[1], point);
                 assert!((how_far - expected_distance).abs() < 1e-4);
                 assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.01), "{found:?} {expected:?}");

@@ -42,7 +42,7 @@ pub use checkerboard::{CHECKERBOARD, CHECKERBOARD_EDGES, CHECKERBOARD_SURFACES, 
 pub use choice::{Light, Upscaling};
 pub use cubic::{CATMULL_ROM, MITCHELL};
 pub use fsr::FSR1;
-pub use history::{Before, History, Seen, Surfaces};
+pub use history::{Before, History, Motion, Seen, Surfaces};
 pub use lanczos::{LANCZOS2, LANCZOS3};
 pub use lattice::{Anchor, Lattice, Place};
 pub use native::NATIVE;

@@ -8,7 +8,7 @@
 use super::{OFFERS, around, surfaces};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::{Before, CENTRE, Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling, bands};
+use crate::upscale::{Before, CENTRE, Drawn, Motion, Offers, Reads, Sampling, Tap, Upscaler, Upscaling, bands};
 
 /// Missing squares of a checkerboard, taken from the frame before.
 pub static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
@@ -54,11 +54,12 @@ impl Upscaler for CheckerboardTemporal {
 
     fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
         let size = full.size();
-        bands::fill_pixels(full, |at| filled(drawn, size, at));
+        let motion = motion(drawn, size);
+        bands::fill_pixels(full, |at| filled(drawn, motion.as_ref(), size, at));
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
-        filled(drawn, size, at)
+        filled(drawn, motion(drawn, size).as_ref(), size, at)
     }
 
     /// The samples of this frame; what the frame before adds is no sample.
@@ -88,19 +89,24 @@ fn grid_of(drawn: &Drawn<'_>) -> SampleGrid {
     grid(drawn.seen.map_or(0, |seen| seen.frames()))
 }
 
-fn filled(drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
+fn motion<'a>(drawn: &Drawn<'a>, size: (u32, u32)) -> Option<Motion<'a>> {
+    drawn.seen.and_then(|seen| seen.motion(size))
+}
+
+fn filled(drawn: &Drawn<'_>, motion: Option<&Motion<'_>>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
     let grid = grid_of(drawn);
     if let Some((column, row)) = grid.sample_at(at.0, at.1) {
         return drawn.color.at(column, row);
     }
-    remembered(drawn, size, at).unwrap_or_else(|| surfaces::filled(grid, drawn, size, at))
+    motion
+        .and_then(|motion| remembered(drawn, motion, size, at))
+        .unwrap_or_else(|| surfaces::filled(grid, drawn, size, at))
 }
 
 /// What the frame before tells of a missing pixel, if it showed the same surface.
-fn remembered(drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
-    let seen = drawn.seen?;
-    let past = seen.past?;
-    let before = seen.before(size, at)?;
+fn remembered(drawn: &Drawn<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
+    let past = motion.past;
+    let before = motion.before(at)?;
     if before.is_still {
         return Some(past.picture.at(at.0, at.1));
     }

@@ -10,6 +10,9 @@ use crate::math::lanes::*;
 /// The most negative weight, relative to the middle: ¼ would divide by nothing.
 const MOST: f32 = -(0.25 - 1.0 / 16.0);
 
+/// Pixels that are sharpened at a time.
+const WIDE: usize = 16;
+
 /// The weight of the four around relative to the middle's, from codes in the order above, left, middle, right, below.
 fn lobe(cross: [[f32; 3]; 5], strength: f32) -> f32 {
     let [above, left, middle, right, below] = cross;
@@ -60,19 +63,16 @@ pub(super) fn fill(lanes: Lanes, picture: &Image<Rgba8>, above: u32, strength: f
     }
 }
 
-/// Eight pixels at a time where all around them lie within the row, the others one by one.
+/// Sixteen pixels at a time where all around them lie within the row, the others one by one.
 #[inline(always)]
 fn fill_row<S: Simd>(simd: S, [above, own, below]: [&[Rgba8]; 3], strength: f32, row: &mut [Rgba8]) {
     let last = row.len() - 1;
     let mut x = 1;
-    while x + LANES <= last {
-        let beside = (run(simd, own, x - 1), run(simd, own, x + 1));
-        let codes = lanes(simd, run(simd, own, x), (run(simd, above, x), run(simd, below, x)), beside, strength);
-        let codes: [u32; LANES] = codes.into();
-        for index in 0..LANES {
-            row[x + index] = codes[index].to_le_bytes();
-        }
-        x += LANES;
+    while x + WIDE <= last {
+        let around = [run(simd, above, x), run(simd, own, x - 1), run(simd, own, x + 1), run(simd, below, x)];
+        let codes = lanes(simd, run(simd, own, x), around, strength).bitcast::<u8x64<S>>();
+        codes.store_slice(row[x..x + WIDE].as_flattened_mut());
+        x += WIDE;
     }
     for x in (0..1).chain(x..last + 1) {
         let (left, right) = (own[x.saturating_sub(1)], own[(x + 1).min(last)]);
@@ -80,56 +80,69 @@ fn fill_row<S: Simd>(simd: S, [above, own, below]: [&[Rgba8]; 3], strength: f32,
     }
 }
 
-/// Eight pixels from place `at` on, each as its four codes, the first in the lowest byte.
+/// Sixteen pixels from place `at` on.
 #[inline(always)]
-fn run<S: Simd>(simd: S, of: &[Rgba8], at: usize) -> u32x8<S> {
-    let colors = &of[at..at + LANES];
-    let mut codes = [0; LANES];
-    for index in 0..LANES {
-        codes[index] = u32::from_le_bytes(colors[index]);
+fn run<S: Simd>(simd: S, of: &[Rgba8], at: usize) -> u8x64<S> {
+    u8x64::from_slice(simd, of[at..at + WIDE].as_flattened())
+}
+
+/// A channel of sixteen pixels.
+#[inline(always)]
+fn channel<S: Simd>(of: u8x64<S>, channel: u32) -> f32x16<S> {
+    f32x16::float_from((of.bitcast::<u32x16<S>>() >> (8 * channel)) & 255)
+}
+
+/// Quotients, not divided yet: of those that are compared but one counts.
+#[derive(Clone, Copy)]
+struct Quotient<S: Simd> {
+    above: f32x16<S>,
+    below: f32x16<S>,
+}
+
+impl<S: Simd> Quotient<S> {
+    /// The smaller ones. The products are of codes, so they are exact, and rounding keeps the order of quotients: the smallest
+    /// one divided is the smallest of all divided.
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        let less = (other.above * self.below).simd_lt(self.above * other.below);
+        Self { above: less.select(other.above, self.above), below: less.select(other.below, self.below) }
     }
-    u32x8::simd_from(simd, codes)
 }
 
-/// A channel of eight pixels.
+/// The steps of [`pixel`] in lanes: the same divisions, of those that decide, and the same sums.
 #[inline(always)]
-fn channel<S: Simd>(of: u32x8<S>, channel: u32) -> f32x8<S> {
-    f32x8::float_from((of >> (8 * channel)) & 255)
-}
-
-/// The least lobe that a channel allows.
-#[inline(always)]
-fn limit<S: Simd>(simd: S, [above, left, own, right, below]: [u32x8<S>; 5], index: u32) -> f32x8<S> {
-    let (zero, full) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 255.0));
-    let (a, b, c, d) = (channel(above, index), channel(left, index), channel(right, index), channel(below, index));
-    let e = channel(own, index);
-    let least = a.min(b).min(c.min(d));
-    let greatest = a.max(b).max(c.max(d));
-    let to_black = zero.simd_lt(greatest).select(least.min(e) / (greatest * -4.0), zero);
-    let to_white = least.simd_lt(full).select((full - greatest.max(e)) / (least * 4.0 - 1020.0), zero);
-    to_black.max(to_white)
-}
-
-/// The steps of [`pixel`] in lanes, with the same sums in the same order.
-#[inline(always)]
-fn lanes<S: Simd>(
-    simd: S,
-    own: u32x8<S>,
-    (above, below): (u32x8<S>, u32x8<S>),
-    (left, right): (u32x8<S>, u32x8<S>),
-    strength: f32,
-) -> u32x8<S> {
-    let (zero, full) = (f32x8::splat(simd, 0.0), f32x8::splat(simd, 255.0));
-    let cross = [above, left, own, right, below];
-    let limits = limit(simd, cross, 0).max(limit(simd, cross, 1)).max(limit(simd, cross, 2));
-    let lobe = f32x8::splat(simd, MOST).max(limits);
+fn lanes<S: Simd>(simd: S, own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4], strength: f32) -> u32x16<S> {
+    let (zero, full) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 255.0));
+    let least = above.min(left).min(right.min(below));
+    let greatest = above.max(left).max(right.max(below));
+    // How far the middle may sink and how far it may rise, over four times the greatest and four times what the least lacks.
+    // Where that is nothing the other is, too, and one in its place makes the quotient nothing.
+    let one = u8x64::splat(simd, 1);
+    let (black, white) = (least.min(own), !greatest.max(own));
+    let (of_black, of_white) = (greatest.max(one), (!least).max(one));
+    let [red, green, blue] = each!(index in [0, 1, 2] => {
+        let black = Quotient { above: channel(black, index), below: channel(of_black, index) };
+        black.min(Quotient { above: channel(white, index), below: channel(of_white, index) })
+    });
+    let limit = red.min(green).min(blue);
+    let lobe = f32x16::splat(simd, MOST).max(limit.above / (limit.below * -4.0));
     let lobe = lobe.min(zero) * strength;
-    let share = f32x8::splat(simd, 1.0) / (lobe * 4.0 + 1.0);
-    let mut codes = own & 0xff00_0000;
+    let share = f32x16::splat(simd, 1.0) / (lobe * 4.0 + 1.0);
+    let mut codes = own.bitcast::<u32x16<S>>() & 0xff00_0000;
+    // Sums of codes are exact in any order: two channels at a time.
+    let even = (pairs(above, 0) + pairs(left, 0)) + (pairs(right, 0) + pairs(below, 0));
+    let odd = (pairs(above, 8) + pairs(left, 8)) + (pairs(right, 8) + pairs(below, 8));
+    let sums = [even & 0xffff, odd & 0xffff, even >> 16];
     for index in 0..3 {
-        let around = (channel(above, index) + channel(left, index)) + (channel(right, index) + channel(below, index));
-        let value = (lobe * around + channel(own, index)) * share;
-        codes |= u32x8::truncate_from(value.max(zero).min(full) + 0.5) << (8 * index);
+        let around = f32x16::float_from(sums[index]);
+        let value = (lobe * around + channel(own, index as u32)) * share;
+        codes |= u32x16::truncate_from(value.max(zero).min(full) + 0.5) << (8 * index as u32);
     }
     codes
+}
+
+/// Every other channel of sixteen pixels, in sixteen bits each: from bit `first` on.
+#[inline(always)]
+fn pairs<S: Simd>(of: u8x64<S>, first: u32) -> u32x16<S> {
+    (of.bitcast::<u32x16<S>>() >> first) & 0x00ff_00ff
 }

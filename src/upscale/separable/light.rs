@@ -4,16 +4,17 @@
 //! are taken one by one in the order written here, so that wider lanes give the same bits. Alpha is linear as it stands.
 
 use fearless_simd::Level;
-#[cfg(target_arch = "x86_64")]
-use fearless_simd::kernel;
 
 use super::cells::Pass;
+#[cfg(target_arch = "x86_64")]
+use super::light_avx2;
 use crate::image::Rgba8;
 use crate::image::color::Tables;
+use crate::upscale::Scale;
 use crate::upscale::lattice::Place;
 
 /// Light of each channel, and alpha.
-type Light = [f32; 4];
+pub(super) type Light = [f32; 4];
 
 /// Values of a row that are finished at a time: few enough to stay in the nearest cache.
 const CHUNK: usize = 1024;
@@ -23,6 +24,8 @@ pub(super) struct Linear<const N: usize> {
     /// Weights at the phases of the lattice.
     weights: Vec<[f32; N]>,
     columns: Vec<Place>,
+    /// Pixels from one to the next of the same phase, and samples.
+    period: (usize, usize),
     decode: &'static [f32; 256],
     deringing: bool,
     level: Level,
@@ -36,9 +39,11 @@ pub(super) struct Row {
 }
 
 impl<const N: usize> Linear<N> {
-    /// For the output columns at these places.
-    pub(super) fn new(level: Level, weights: &[[f64; N]], columns: Vec<Place>, deringing: bool) -> Self {
+    /// For the output columns at these places, one after the other.
+    pub(super) fn new(level: Level, weights: &[[f64; N]], scale: Scale, columns: Vec<Place>, deringing: bool) -> Self {
+        let (pixels, samples) = scale.ratio();
         Self {
+            period: (pixels as usize, samples as usize),
             weights: weights.iter().map(|weights| weights.map(|weight| weight as f32)).collect(),
             columns,
             decode: &Tables::get().linear_of_code,
@@ -49,7 +54,7 @@ impl<const N: usize> Linear<N> {
 
     fn light_of(&self, [r, g, b, a]: Rgba8) -> Light {
         let light = |code: u8| self.decode[code as usize];
-        [light(r), light(g), light(b), f32::from(a) / 255.0]
+        [light(r), light(g), light(b), f32::from(a) * (1.0 / 255.0)]
     }
 }
 
@@ -65,10 +70,23 @@ impl<const N: usize> Pass for Linear<N> {
         light.extend(samples.iter().map(|sample| self.light_of(*sample)));
         light.resize(samples.len() + N, self.light_of(samples[samples.len() - 1]));
         row.wide.resize(self.columns.len(), Light::default());
-        for (pixel, Place { cell, phase }) in row.wide.iter_mut().zip(&self.columns) {
-            // The first of the samples around the cell, past as many as were put before.
-            let around = &row.samples[(cell + 1) as usize..][..N];
-            *pixel = weigh(&self.weights[*phase as usize], around, self.deringing);
+        // Phase after phase: every so many pixels the pattern repeats, so many samples on.
+        let (pixels, samples) = self.period;
+        for (first, Place { cell, phase }) in self.columns.iter().enumerate().take(pixels) {
+            let weights = &self.weights[*phase as usize];
+            // From the first of the samples around the cell on, past as many as were put before.
+            let light = &row.samples[(cell + 1) as usize..];
+            let wide = &mut row.wide[first..];
+            #[cfg(target_arch = "x86_64")]
+            let done = match self.level.as_avx2() {
+                Some(avx2) if samples == 1 => light_avx2::widen(avx2, weights, light, self.deringing, pixels, wide),
+                _ => 0,
+            };
+            #[cfg(not(target_arch = "x86_64"))]
+            let done = 0;
+            for (index, pixel) in wide.iter_mut().step_by(pixels).enumerate().skip(done) {
+                *pixel = weigh(weights, &light[index * samples..][..N], self.deringing);
+            }
         }
     }
 
@@ -110,67 +128,71 @@ fn between(value: f32, a: f32, b: f32) -> f32 {
 /// Part of a row from those of the widened rows around; at most [`CHUNK`] values.
 fn blend(level: Level, weights: &[f32], around: &[&[f32]], deringing: bool, row: &mut [Rgba8]) {
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = level.as_avx2() {
-        return blend_avx2(avx2, weights, around, deringing, row);
-    }
-    blend_lanes(weights, around, deringing, row);
-}
-
-#[cfg(target_arch = "x86_64")]
-kernel! {
-    /// [`blend_lanes`], compiled for eight lanes.
-    fn blend_avx2(avx2: Avx2, weights: &[f32], around: &[&[f32]], deringing: bool, row: &mut [Rgba8]) {
-        let _ = avx2;
-        blend_lanes(weights, around, deringing, row);
-    }
-}
-
-/// Loops over whole rows, tap by tap: these a compiler turns into lanes as wide as there are.
-#[inline(always)]
-fn blend_lanes(weights: &[f32], around: &[&[f32]], deringing: bool, row: &mut [Rgba8]) {
+    let done = level.as_avx2().map_or(0, |avx2| light_avx2::blend(avx2, weights, around, deringing, row));
+    #[cfg(not(target_arch = "x86_64"))]
+    let done = 0;
     let mut sums = [0.0_f32; CHUNK];
-    let sums = &mut sums[..4 * row.len()];
-    for (sum, value) in sums.iter_mut().zip(around[0]) {
+    let sums = &mut sums[..4 * (row.len() - done)];
+    for (sum, value) in sums.iter_mut().zip(&around[0][4 * done..]) {
         *sum = weights[0] * value;
     }
     for (weight, values) in weights.iter().zip(around).skip(1) {
-        for (sum, value) in sums.iter_mut().zip(*values) {
+        for (sum, value) in sums.iter_mut().zip(&values[4 * done..]) {
             *sum += weight * value;
         }
     }
     if deringing {
         let inner = around.len() / 2;
-        for ((sum, a), b) in sums.iter_mut().zip(around[inner - 1]).zip(around[inner]) {
+        let beside = around[inner - 1][4 * done..].iter().zip(&around[inner][4 * done..]);
+        for (sum, (a, b)) in sums.iter_mut().zip(beside) {
             *sum = between(*sum, *a, *b);
         }
     }
-    for (code, light) in row.as_flattened_mut().iter_mut().zip(sums.iter()) {
-        *code = encode(*light);
-    }
-    for (pixel, light) in row.iter_mut().zip(sums.as_chunks::<4>().0) {
-        pixel[3] = round(255.0 * light[3].clamp(0.0, 1.0));
+    for (pixel, light) in row[done..].iter_mut().zip(sums.as_chunks().0) {
+        *pixel = encode(*light);
     }
 }
 
-/// The code nearest to linear light: the formula of sRGB, its power as a polynomial in the fourth root, which is within
-/// 0.02 codes.
-#[inline(always)]
-fn encode(light: f32) -> u8 {
-    /// 255 (1.055 r^(5/3) − 0.055) for r from 0.0031308^(1/4) to 1: interpolated at Chebyshev's points, off by 0.0021.
-    const POWER: [f32; 6] = [-15.678_251, 41.691_35, 318.693_9, -144.683_87, 71.647_62, -16.672_062];
-    let light = light.clamp(0.0, 1.0);
-    let root = light.sqrt().sqrt();
-    let mut power = POWER[5];
-    for coefficient in [POWER[4], POWER[3], POWER[2], POWER[1], POWER[0]] {
-        power = power * root + coefficient;
-    }
-    round(if light <= 0.003_130_8 { 255.0 * 12.92 * light } else { power })
-}
+/// Codes per unit of light at the dark end of sRGB, and of alpha everywhere.
+pub(super) const PER_LIGHT: [f32; 4] = [255.0 * 12.92, 255.0 * 12.92, 255.0 * 12.92, 255.0];
 
-/// The whole number nearest to a value in [0, 255]; halves to the even one.
-#[inline(always)]
-fn round(value: f32) -> u8 {
-    /// Here floats are whole numbers, so that a sum rounds to one, which stands in its last byte.
-    const WHOLE: f32 = (1 << 23) as f32;
-    (value + WHOLE).to_bits() as u8
+/// Light from which codes are those of a power.
+pub(super) const LEAST_OF_POWER: f32 = 0.003_130_8;
+
+/// The greatest light below one, which has its code, too: so that all exponents are negative.
+pub(super) const MOST: f32 = 1.0_f32.next_down();
+
+/// Exponent, as floats keep it, of the octave of light that begins at 2⁻⁸. What lies below is taken with it.
+pub(super) const FIRST_OCTAVE: u32 = 119;
+
+/// 2⁻ᵉ for octaves e from −7 to −1, then for −8: in the order of the last three bits of the exponent.
+pub(super) const PER_OCTAVE: [f32; 8] = [128.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0, 256.0];
+
+/// 255 · 1.055 · 2^(5 e / 12) for the same octaves.
+pub(super) const OF_OCTAVE: [f32; 8] =
+    [35.627_758, 47.557_35, 63.481_445, 84.737_564, 113.111_08, 150.985_18, 201.541_03, 26.690_66];
+
+/// m^(5/12) for m from 1 to 2: the polynomial that is off by the least, 1.1 · 10⁻⁵; down to 0.8, 7 · 10⁻⁴.
+pub(super) const POWER: [f32; 5] = [0.411_229_34, 0.828_860_2, -0.318_287_25, 0.089_037_69, -0.010_829_55];
+
+/// What the power is less.
+pub(super) const OFFSET: f32 = 255.0 * 0.055;
+
+/// The codes nearest to linear light: the formula of sRGB, its power by a polynomial for each octave, within a fiftieth of a code.
+///
+/// Up to where the power begins the straight line is the smaller of the two, and from there on the power is; the straight line of
+/// alpha is smaller than the power everywhere.
+fn encode(light: Light) -> Rgba8 {
+    std::array::from_fn(|channel| {
+        let light = light[channel].clamp(0.0, MOST);
+        let from = light.max(LEAST_OF_POWER);
+        let octave = ((from.to_bits() >> 23).max(FIRST_OCTAVE) & 7) as usize;
+        let m = from * PER_OCTAVE[octave];
+        let mut power = POWER[4];
+        for coefficient in [POWER[3], POWER[2], POWER[1], POWER[0]] {
+            power = power * m + coefficient;
+        }
+        let code = (power * OF_OCTAVE[octave] - OFFSET).min(light * PER_LIGHT[channel]);
+        code.round_ties_even() as u8
+    })
 }

@@ -11,6 +11,8 @@ mod fixed;
 #[cfg(target_arch = "x86_64")]
 mod fixed_avx2;
 mod light;
+#[cfg(target_arch = "x86_64")]
+mod light_avx2;
 #[cfg(test)]
 mod tests;
 
@@ -118,7 +120,8 @@ fn fill_linear<const N: usize>(
     full: &mut Image<Rgba8>,
 ) {
     let lattice = how.lattice();
-    let pass = Linear::new(level, &table(weights, lattice), columns(lattice, full.width()), how.deringing());
+    let pass =
+        Linear::new(level, &table(weights, lattice), lattice.scale, columns(lattice, full.width()), how.deringing());
     fill(&pass, drawn, lattice, full);
 }
 
@@ -142,13 +145,13 @@ fn pixel_of(weights: Weights, how: Upscaling, drawn: &Image<Rgba8>, (x, y): (u32
     let columns = vec![lattice.place(x)];
     match (how.light(), weights) {
         (Light::Linear, Weights::Two(w)) => {
-            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+            pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
         (Light::Linear, Weights::Four(w)) => {
-            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+            pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
         (Light::Linear, Weights::Six(w)) => {
-            pixel(&Linear::new(Level::new(), &table(w, lattice), columns, deringing), drawn, lattice, y)
+            pixel(&Linear::new(Level::new(), &table(w, lattice), lattice.scale, columns, deringing), drawn, lattice, y)
         }
         (Light::Bytes, Weights::Two(_)) => pixel(&Exact { steps: lattice.phases() as u16, columns }, drawn, lattice, y),
         (Light::Bytes, Weights::Four(w)) => {
