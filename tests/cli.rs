@@ -394,10 +394,17 @@ fn what_leaving_out_saves_is_told_for_every_scene() {
         assert!(text.lines().any(|line| line.starts_with(&format!("{} ", builtin.id))), "{} in {text}", builtin.id);
     }
     assert!(!text.contains("PICTURE"), "{text}");
+    assert!(text.lines().any(|line| line.starts_with("sheet in view ") && line.contains("needed")), "{text}");
     let output = run(&folder(), &[&args[..], &["--json"]].concat());
     assert_success(&output);
     let rows: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
-    assert_eq!(rows.as_array().unwrap().len(), builtin::ALL.len());
+    assert_eq!(rows.as_array().unwrap().len(), builtin::ALL.len() + 2);
+    let behind = &rows.as_array().unwrap()[builtin::ALL.len() + 1];
+    assert_eq!(behind["scene"], "sheet behind");
+    assert_eq!(
+        (&behind["savings"]["needed"], &behind["savings"]["savings"][0]["part"]),
+        (&serde_json::json!([]), &"vertices".into())
+    );
     assert_failure(&run(&folder(), &["plan", "chess", "--table"]), 2, "--table");
 }
 

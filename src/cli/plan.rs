@@ -10,9 +10,9 @@ use rasterscope::measure::leaving_out::{Saving, Savings, savings};
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::prepare;
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::report::leaving_out::{Row, table};
+use rasterscope::report::leaving_out::{Row, table, views};
 use rasterscope::report::plan::{Group, Whole, groups, text, whole, whole_text};
-use rasterscope::scene::builtin::{self, Builtin};
+use rasterscope::scene::{Camera, Scene};
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -29,7 +29,8 @@ pub(crate) struct PlanArgs {
     #[arg(long, group = "measuring")]
     measure: bool,
 
-    /// Measure it on every built-in scene instead, in its own view: a table of scenes and parts
+    /// Measure it on every built-in scene instead, in its own view, and on a sheet of many triangles in view and behind the
+    /// viewer: a table of scenes and parts
     #[arg(long, group = "measuring", conflicts_with_all = ["scene", "camera", "mirror_z"])]
     table: bool,
 
@@ -91,17 +92,18 @@ fn tell(share: f32) {
     }
 }
 
-/// Measures what leaving out saves on every built-in scene.
+/// Measures what leaving out saves on many scenes.
 fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Result<(), Failure> {
-    let measure = |(number, builtin): (usize, &Builtin)| {
-        let scene = Arc::new(builtin.build());
-        let tell = |share: f32| tell((number as f32 + share) / builtin::ALL.len() as f32);
+    let views = views();
+    let count = views.len() as f32;
+    let measure = |(number, (name, scene, camera)): (usize, (&'static str, Scene, Camera))| {
+        let tell = |share: f32| tell((number as f32 + share) / count);
         // Nobody cancels but with the program.
         let never = AtomicBool::new(false);
-        let savings = savings(&scene, &scene.home, recipe, viewport, args.rounds as usize, &tell, &never)?;
-        Some(Row { scene: builtin.id, savings })
+        let savings = savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &tell, &never)?;
+        Some(Row { scene: name, savings })
     };
-    let rows: Vec<Row> = builtin::ALL.iter().enumerate().filter_map(measure).collect();
+    let rows: Vec<Row> = views.into_iter().enumerate().filter_map(measure).collect();
     if args.json {
         let json = serde_json::to_string_pretty(&rows).map_err(|e| Failure::Output(e.into()))?;
         return output::print(&(json + "\n"));

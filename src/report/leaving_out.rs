@@ -5,6 +5,8 @@ use serde::Serialize;
 use crate::measure::leaving_out::{Saving, Savings};
 use crate::pipeline::plan::Part;
 use crate::pipeline::viewport::Viewport;
+use crate::scene::builtin::workload::sheet;
+use crate::scene::{Camera, Scene, builtin};
 
 /// What was measured on one scene.
 #[derive(Clone, Debug, Serialize)]
@@ -13,6 +15,24 @@ pub struct Row {
     pub scene: &'static str,
     /// What leaving out saves there.
     pub savings: Savings,
+}
+
+/// Triangles of the sheet: so many that what is done for each of them shows.
+const SHEET_TRIANGLES: usize = 100_000;
+
+/// What is measured on: every built-in scene in its own view, and a sheet of many triangles, in view and behind the viewer.
+pub fn views() -> Vec<(&'static str, Scene, Camera)> {
+    let of = |id, scene: Scene| {
+        let home = scene.home;
+        (id, scene, home)
+    };
+    let mut views: Vec<_> = builtin::ALL.iter().map(|builtin| of(builtin.id, builtin.build())).collect();
+    let sheet = sheet(SHEET_TRIANGLES);
+    let Camera { eye, target, .. } = sheet.home;
+    let away = Camera { target: eye + (eye - target), ..sheet.home };
+    views.push(of("sheet in view", sheet.clone()));
+    views.push(("sheet behind", sheet, away));
+    views
 }
 
 /// Parts that can be forced, and what their columns are headed.

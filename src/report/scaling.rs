@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::html::{document, escaped, tiles};
-use super::plot::{Axis, MARK, Plot, svg, tick};
+use super::plot::{Axis, MARK, Plot, svg};
 use super::stability::machine::Machine;
 use crate::measure::scaling::{Point, Quantity, Scaling, Series};
 
@@ -57,16 +57,79 @@ pub fn finding(series: &Series) -> String {
             format!("{threads} threads are {times:.2} times as fast as one.")
         });
     }
-    match series.line() {
-        Some(line) => {
-            let bend = if line.fixed_ms > 0.0 {
-                format!(" Both are equal at {}: below, cost hardly depends on it.", short(line.bend()))
-            } else {
-                String::new()
-            };
-            format!("{:.3} ms whatever it is, and {} ns for each {one}.{bend}", line.fixed_ms, short(line.ns_each))
+    let Some(line) = series.line() else { return format!("Cost does not grow with the number of {one}s.") };
+    let each = duration(line.ns_each);
+    if line.fixed_ms <= 0.0 {
+        return format!("{each} for each {one}, and nothing besides.");
+    }
+    format!(
+        "{:.3} ms however many {one}s, and {each} for each. Both parts are equal at {}: below, cost hardly depends on their number.",
+        line.fixed_ms,
+        short(line.bend())
+    )
+}
+
+/// What a series is held against: the line through its ends, or n threads that are n times as fast as one. Values and
+/// milliseconds of points so close that they make a curve where both axes are logarithmic; none if there is nothing.
+pub fn guide(series: &Series) -> Vec<(f64, f64)> {
+    /// Pieces of the curve.
+    const PIECES: i32 = 60;
+    let (Some(first), Some(last)) = (series.points.first(), series.points.last()) else { return Vec::new() };
+    let line = series.line();
+    let ms = |value: f64| match series.quantity {
+        Quantity::Threads => Some(first.ms.median * first.value / value),
+        _ => line.map(|line| line.fixed_ms + line.ns_each * value / 1e6),
+    };
+    let ratio = last.value / first.value;
+    let along = (0..=PIECES).map(|i| first.value * ratio.powf(f64::from(i) / f64::from(PIECES)));
+    along.filter_map(|value| Some((value, ms(value)?))).collect()
+}
+
+/// What the curve of [`guide`] is, in words.
+fn guide_words(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Threads => "Dashed: n threads n times as fast as one.",
+        _ => "Dashed: the fixed part and as much for each one, through the first point and the last.",
+    }
+}
+
+/// What each one costs that is more than at the point before, ns.
+fn ns_each_more(series: &Series, place: usize) -> Option<f64> {
+    let (point, before) = (series.points.get(place)?, series.points.get(place.checked_sub(1)?)?);
+    Some((point.ms.median - before.ms.median) * 1e6 / (point.value - before.value))
+}
+
+/// How many, as short as the marks of an axis must be: 20 k, 8.3 M.
+pub fn amount(value: f64) -> String {
+    let (scaled, unit) = match value {
+        v if v >= 1e6 => (v / 1e6, " M"),
+        v if v >= 1e3 => (v / 1e3, " k"),
+        v => (v, ""),
+    };
+    format!("{}{unit}", (scaled * 100.0).round() / 100.0)
+}
+
+/// How many, exactly, in groups of three digits.
+fn grouped(value: f64) -> String {
+    /// As people set numbers: neither comma nor point.
+    const THIN_SPACE: char = '\u{2009}';
+    let digits = format!("{value:.0}");
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(THIN_SPACE);
         }
-        None => "Cost does not grow with it.".to_owned(),
+        text.push(digit);
+    }
+    text
+}
+
+/// A time in the unit that makes it short.
+fn duration(ns: f64) -> String {
+    match ns {
+        ns if ns.abs() >= 1e7 => format!("{} ms", short(ns / 1e6)),
+        ns if ns.abs() >= 1e4 => format!("{} µs", short(ns / 1e3)),
+        ns => format!("{} ns", short(ns)),
     }
 }
 
@@ -90,19 +153,21 @@ pub fn text(scaling: &Scaling) -> String {
         let View { title, of, .. } = view(series.quantity);
         let _ = write!(
             text,
-            "\n{title}: {of}\n{:>12} {:>10} {:>10} {:>10} {:>12} {:>10}\n",
+            "\n{title}: {of}\n{:>12} {:>10} {:>10} {:>10} {:>12} {:>14} {:>10}\n",
             series.quantity.name(),
             "ms",
             "p10",
             "p90",
             "ns each",
+            "ns each more",
             "MB"
         );
-        for point in &series.points {
+        for (place, point) in series.points.iter().enumerate() {
             let ms = point.ms;
+            let more = ns_each_more(series, place).map_or_else(|| "–".to_owned(), |ns| format!("{ns:.2}"));
             let _ = writeln!(
                 text,
-                "{:12} {:10.3} {:10.3} {:10.3} {:12.2} {:10.1}",
+                "{:12} {:10.3} {:10.3} {:10.3} {:12.2} {more:>14} {:10.1}",
                 point.value,
                 ms.median,
                 ms.p10,
@@ -162,28 +227,39 @@ pub fn page(scaling: &Scaling) -> String {
 fn section(series: &Series) -> String {
     let View { title, of, one } = view(series.quantity);
     let mut rows = String::new();
-    for point in &series.points {
+    let by_threads = series.quantity == Quantity::Threads;
+    for (place, point) in series.points.iter().enumerate() {
         let ms = point.ms;
-        let times = speed_up(series, point).filter(|_| series.quantity == Quantity::Threads);
-        let each = times.map_or_else(|| short(ns_each(point)), |times| format!("{times:.2} ×"));
+        let each = match speed_up(series, point).filter(|_| by_threads) {
+            Some(times) => format!("<td>{times:.2} ×</td>"),
+            None => {
+                let more = ns_each_more(series, place).map_or_else(|| "–".to_owned(), duration);
+                format!("<td>{}</td><td>{more}</td>", duration(ns_each(point)))
+            }
+        };
         let _ = writeln!(
             rows,
-            "<tr><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td><td>{each}</td><td>{:.1}</td></tr>",
-            point.value,
+            "<tr><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{:.3}</td>{each}<td>{:.1}</td></tr>",
+            grouped(point.value),
             ms.median,
             ms.p10,
             ms.p90,
             point.bytes as f64 / 1e6
         );
     }
-    let each = if series.quantity == Quantity::Threads { "speed-up".to_owned() } else { format!("ns per {one}") };
+    let each = if by_threads {
+        "<th>speed-up</th>".to_owned()
+    } else {
+        format!("<th>for each {one}</th><th>for each more than above</th>")
+    };
     format!(
-        "<section>\n<h2>{title}</h2>\n<p class=\"soft\">Drawn: {}. {}</p>\n<div class=\"panels\"><figure>{}</figure></div>\n\
+        "<section>\n<h2>{title}</h2>\n<p class=\"soft\">Drawn: {}. {}</p>\n<div class=\"panels\"><figure>{}<figcaption class=\"soft\">{}</figcaption></figure></div>\n\
          <div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>{}</th><th>median ms</th><th>p10</th><th>p90</th>\
-         <th>{each}</th><th>MB</th></tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n</section>\n",
+         {each}<th>MB</th></tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n</section>\n",
         escaped(of),
         escaped(&finding(series)),
         drawing(series),
+        guide_words(series.quantity),
         series.quantity.name()
     )
 }
@@ -191,29 +267,25 @@ fn section(series: &Series) -> String {
 /// Times against the quantity, both logarithmic, with the line through the ends.
 fn drawing(series: &Series) -> String {
     let times = series.points.iter().flat_map(|point| [point.ms.p10, point.ms.median, point.ms.p90]);
+    let times = times.chain(guide(series).into_iter().map(|(_, ms)| ms));
     let Some((x, y)) = Axis::log(series.points.iter().map(|point| point.value)).zip(Axis::log(times)) else {
         return String::new();
     };
     let plot = Plot { x, y, lane: 0.0 };
-    let mut content = plot.axes(series.quantity.name(), "median time of a frame, ms", tick);
+    let mut content = plot.axes(series.quantity.name(), "median time of a frame, ms", amount);
     let at = |value: f64, ms: f64| format!("{:.1},{:.1}", plot.x(value), plot.y(ms));
-    if let (Some(line), Some(first), Some(last)) = (series.line(), series.points.first(), series.points.last()) {
-        /// Pieces of the line: it is no straight one where both axes are logarithmic.
-        const PIECES: i32 = 60;
-        let ratio = last.value / first.value;
-        let along = (0..=PIECES).map(|i| first.value * ratio.powf(f64::from(i) / f64::from(PIECES)));
-        let points: Vec<_> = along.map(|value| at(value, line.fixed_ms + line.ns_each * value / 1e6)).collect();
-        let _ = write!(content, "<polyline class=\"line\" points=\"{}\"/>", points.join(" "));
-    }
+    let guide: Vec<_> = guide(series).into_iter().map(|(value, ms)| at(value, ms)).collect();
+    let _ = write!(content, "<polyline class=\"line\" points=\"{}\"/>", guide.join(" "));
     let points: Vec<_> = series.points.iter().map(|point| at(point.value, point.ms.median)).collect();
     let _ = write!(content, "<polyline class=\"points\" points=\"{}\"/>", points.join(" "));
     for point in &series.points {
         let (x, y) = (plot.x(point.value), plot.y(point.ms.median));
         let _ = write!(
             content,
-            "<g><title>{}: {:.3} ms</title><line class=\"bar\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>\
+            "<g><title>{} {}: {:.3} ms</title><line class=\"bar\" x1=\"{x:.1}\" x2=\"{x:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>\
              <circle class=\"mark\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{MARK}\"/></g>",
-            point.value,
+            grouped(point.value),
+            series.quantity.name(),
             point.ms.median,
             plot.y(point.ms.p10),
             plot.y(point.ms.p90)
@@ -246,7 +318,8 @@ mod tests {
         let scaling = scaling();
         assert_eq!(
             finding(&scaling.series[0]),
-            "2.000 ms whatever it is, and 1000 ns for each triangle. Both are equal at 2000: below, cost hardly depends on it."
+            "2.000 ms however many triangles, and 1000 ns for each. Both parts are equal at 2000: below, cost hardly depends on \
+             their number."
         );
         assert_eq!(finding(&scaling.series[1]), "2 threads are 1.60 times as fast as one.");
         assert!(text(&scaling).contains("        1000      3.000"), "{}", text(&scaling));
@@ -261,10 +334,23 @@ mod tests {
     }
 
     #[test]
+    fn a_series_is_held_against_the_line_through_its_ends_or_against_ideal_threads() {
+        let scaling = scaling();
+        let of = |place: usize| guide(&scaling.series[place]);
+        let near = |(value, ms): (f64, f64), (x, y): (f64, f64)| (value - x).abs() < 1e-6 && (ms - y).abs() < 1e-6;
+        assert!(near(of(0)[0], (1000.0, 3.0)) && near(of(0)[60], (5000.0, 7.0)), "{:?}", of(0));
+        assert!(near(of(1)[0], (1.0, 8.0)) && near(of(1)[60], (2.0, 4.0)), "{:?}", of(1));
+        assert_eq!((ns_each_more(&scaling.series[0], 0), ns_each_more(&scaling.series[0], 1)), (None, Some(1000.0)));
+    }
+
+    #[test]
     fn large_numbers_are_written_as_people_do() {
         assert_eq!(
             [0.5, 12.34, 999.6, 25_000.0, 3_210_000.0].map(short),
             ["0.50", "12.3", "1000", "25.0 thousand", "3.21 million"]
         );
+        assert_eq!([64.0, 1e3, 2e4, 8_294_400.0].map(amount), ["64", "1 k", "20 k", "8.29 M"]);
+        assert_eq!([12.0, 968.0, 8_294_400.0].map(grouped), ["12", "968", "8\u{2009}294\u{2009}400"]);
+        assert_eq!([38.84, 64_800.0, 2e7].map(duration), ["38.8 ns", "64.8 µs", "20.0 ms"]);
     }
 }

@@ -1,10 +1,10 @@
 //! What a frame costs against triangles, pixels, layers and threads: four small plots, both axes logarithmic.
 
 use eframe::egui::{Button, ProgressBar, RichText, Ui, vec2};
-use egui_plot::{GridMark, Line, Plot, PlotPoints, Points};
+use egui_plot::{GridMark, Line, LineStyle, Plot, PlotPoints, Points};
 
 use crate::measure::scaling::Series;
-use crate::report::scaling::finding;
+use crate::report::scaling::{amount, finding, guide};
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
@@ -61,10 +61,9 @@ fn plot(ui: &mut Ui, series: &Series, size: eframe::egui::Vec2) {
     let color = tokens(ui).series[0];
     let at = |value: f64, ms: f64| [value.log10(), ms.max(f64::MIN_POSITIVE).log10()];
     let points: Vec<[f64; 2]> = series.points.iter().map(|point| at(point.value, point.ms.median)).collect();
-    let number = |mark: GridMark, _: &_| {
-        let value = 10_f64.powf(mark.value);
-        if value >= 1e5 { format!("{value:.0e}") } else { format!("{}", (value * 100.0).round() / 100.0) }
-    };
+    let number = |mark: GridMark, _: &_| amount(10_f64.powf(mark.value));
+    let guide: Vec<[f64; 2]> = guide(series).into_iter().map(|(value, ms)| at(value, ms)).collect();
+    let weak = tokens(ui).text_weak;
     Plot::new(series.quantity.name())
         .width(size.x)
         .height(size.y)
@@ -76,6 +75,7 @@ fn plot(ui: &mut Ui, series: &Series, size: eframe::egui::Vec2) {
         .x_axis_formatter(number)
         .y_axis_formatter(number)
         .show(ui, |plot| {
+            plot.line(Line::new("guide", PlotPoints::from(guide.clone())).color(weak).style(LineStyle::dashed_dense()));
             plot.line(Line::new("median", PlotPoints::from(points.clone())).color(color).width(1.5));
             plot.points(Points::new("median", PlotPoints::from(points.clone())).color(color).radius(3.5));
         });
