@@ -4,7 +4,10 @@
 #[inline(always)]
 #[cfg_attr(
     target_arch = "x86_64",
-    expect(unsafe_code, reason = "what is larger than the caches is drawn up to a half faster")
+    expect(
+        unsafe_code,
+        reason = "a million small triangles, whose vertices lie all over the memory, are rasterized a sixth faster"
+    )
 )]
 pub fn prefetch<T>(items: &[T], place: usize) {
     #[cfg(target_arch = "x86_64")]
