@@ -6,6 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::scenes;
+use glam::Vec3;
 use rasterscope::antialias::settings::Method;
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::math::lanes::Lanes;
@@ -15,7 +16,7 @@ use rasterscope::pipeline::settings::{
     Interpolation, Rasterizer, Shading,
 };
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::{Camera, Scene, builtin};
+use rasterscope::scene::{Camera, Scene, SceneSource, builtin};
 use rasterscope::upscale::Upscaling;
 
 /// Odd on purpose: neither tiles nor blocks divide it.
@@ -159,6 +160,24 @@ fn views_from_within_the_scene_give_the_same_picture() {
             camera.target += common::in_cube(&mut random) * 2.0;
             renderers.check(builtin.id, &scene, &camera, &Recipe::default());
         }
+    }
+}
+
+/// A vertex in the eye has no place on the screen, and takes none of the triangles that it is not a corner of along.
+#[test]
+fn a_vertex_in_the_eye_leaves_the_rest_as_it_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("fan.obj");
+    let corner = |i: u32| format!("v {} {} -5\n", f64::from(i).cos(), f64::from(i).sin());
+    let rim: String = (0..10).map(corner).collect();
+    let faces: String = (2..11).map(|i| format!("f {} {} {}\n", if i == 2 { 1 } else { 2 }, i, i + 1)).collect();
+    std::fs::write(&file, format!("v 0 0 0\n{rim}{faces}")).unwrap();
+    let scene = Arc::new(SceneSource::named(file).load().unwrap().scene);
+    let camera = Camera { eye: Vec3::ZERO, target: Vec3::NEG_Z, ..scene.home };
+    let mut recipe = Recipe::default();
+    for culling in Culling::ALL {
+        recipe.pipeline.culling = *culling;
+        Renderers::new().check("a fan", &scene, &camera, &recipe);
     }
 }
 

@@ -1,4 +1,4 @@
-//! Eight numbers at a time, with instructions that the processor is asked for at run time.
+//! Eight or sixteen numbers at a time, with instructions that the processor is asked for at run time.
 //!
 //! Kernels are written once, generic over [`Simd`], and compiled for AVX-512, for AVX2, and for what every processor of the
 //! architecture has. Additions, products, quotients, square roots and conversions are correctly rounded in all, and none joins

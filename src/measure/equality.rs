@@ -40,6 +40,13 @@ pub struct Difference {
     pub found: String,
 }
 
+impl Difference {
+    /// One that cannot be told sample by sample.
+    fn as_a_whole(quantity: Quantity, [expected, found]: [String; 2]) -> Self {
+        Self { quantity, samples: 1, first: (0, 0), expected, found }
+    }
+}
+
 /// One way to draw tile by tile, and what came of it.
 #[derive(Clone, Debug, Serialize)]
 pub struct Way {
@@ -100,11 +107,25 @@ fn difference(expected: &Frame, found: &Frame) -> Option<Difference> {
         x < expected.raster.width && y < expected.raster.height
     };
     first_of(Quantity::Color, [&expected.drawn.color, &found.drawn.color], is_drawn, |a, b| a == b)
-        .or_else(|| {
-            let depths = [expected.drawn.depth.as_ref()?, found.drawn.depth.as_ref()?];
-            first_of(Quantity::Depth, depths, is_drawn, |a, b| a.to_bits() == b.to_bits())
+        .or_else(|| match [&expected.drawn.depth, &found.drawn.depth] {
+            [Some(expected), Some(found)] => {
+                first_of(Quantity::Depth, [expected, found], is_drawn, |a, b| a.to_bits() == b.to_bits())
+            }
+            [None, None] => None,
+            depths => Some(Difference::as_a_whole(
+                Quantity::Depth,
+                depths.map(|depth| match depth {
+                    Some(depth) => size_in_words(depth),
+                    None => "none".to_owned(),
+                }),
+            )),
         })
         .or_else(|| first_of(Quantity::Picture, [expected.image(), found.image()], |_, _| true, |a, b| a == b))
+}
+
+fn size_in_words<T: Copy>(image: &Image<T>) -> String {
+    let (width, height) = image.size();
+    format!("{width} × {height}")
 }
 
 fn first_of<T: Copy + std::fmt::Debug>(
@@ -113,6 +134,9 @@ fn first_of<T: Copy + std::fmt::Debug>(
     counts: impl Fn(u32, u32) -> bool,
     same: impl Fn(&T, &T) -> bool,
 ) -> Option<Difference> {
+    if expected.size() != found.size() {
+        return Some(Difference::as_a_whole(quantity, [size_in_words(expected), size_in_words(found)]));
+    }
     let (width, height) = expected.size();
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let mut differing = places.filter(|(x, y)| counts(*x, *y) && !same(&expected.at(*x, *y), &found.at(*x, *y)));

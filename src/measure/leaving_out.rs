@@ -50,8 +50,11 @@ impl Savings {
     pub fn noise_of_median(&self) -> f64 {
         /// From the tenth to the ninetieth percentile of a normal distribution, in units of σ.
         const P10_TO_P90: f64 = 2.563;
+        /// What the error of a median is greater by than that of a mean: √(π/2).
+        const MEDIAN_TO_MEAN: f64 = 1.2533;
+        const STANDARD_ERRORS: f64 = 2.0;
         let sigma = (self.noise_ms.p90 - self.noise_ms.p10) / P10_TO_P90;
-        2.0 * 1.2533 * sigma / (self.noise_ms.n as f64).sqrt()
+        STANDARD_ERRORS * MEDIAN_TO_MEAN * sigma / (self.noise_ms.n as f64).sqrt()
     }
 }
 

@@ -259,12 +259,12 @@ fn section(series: &Series) -> String {
         escaped(of),
         escaped(&finding(series)),
         drawing(series),
-        guide_words(series.quantity),
+        if guide(series).is_empty() { "" } else { guide_words(series.quantity) },
         series.quantity.name()
     )
 }
 
-/// Times against the quantity, both logarithmic, with the line through the ends.
+/// Times against the quantity, both logarithmic, with its [`guide`].
 fn drawing(series: &Series) -> String {
     let times = series.points.iter().flat_map(|point| [point.ms.p10, point.ms.median, point.ms.p90]);
     let times = times.chain(guide(series).into_iter().map(|(_, ms)| ms));
@@ -275,7 +275,9 @@ fn drawing(series: &Series) -> String {
     let mut content = plot.axes(series.quantity.name(), "median time of a frame, ms", amount);
     let at = |value: f64, ms: f64| format!("{:.1},{:.1}", plot.x(value), plot.y(ms));
     let guide: Vec<_> = guide(series).into_iter().map(|(value, ms)| at(value, ms)).collect();
-    let _ = write!(content, "<polyline class=\"line\" points=\"{}\"/>", guide.join(" "));
+    if !guide.is_empty() {
+        let _ = write!(content, "<polyline class=\"line\" points=\"{}\"/>", guide.join(" "));
+    }
     let points: Vec<_> = series.points.iter().map(|point| at(point.value, point.ms.median)).collect();
     let _ = write!(content, "<polyline class=\"points\" points=\"{}\"/>", points.join(" "));
     for point in &series.points {

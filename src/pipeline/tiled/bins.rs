@@ -22,10 +22,8 @@ use crate::scene::TriangleId;
 pub(super) struct Key(pub(super) u32);
 
 impl Key {
-    /// No triangle: the background.
-    pub(super) const NONE: Self = Self(u32::MAX);
     const PIECE: u32 = 1 << 31;
-    /// Bits for the number of a piece within its chunk: a triangle gives at most seven.
+    /// Bits for the number of a piece within its chunk: a triangle gives at most eight.
     const PIECE_BITS: u32 = 17;
 
     fn piece(chunk: usize, index: usize) -> Self {
@@ -42,7 +40,7 @@ impl Key {
 }
 
 /// Triangles per chunk: few enough that chunks keep all threads busy, so many that a tile finds its triangles in few places.
-/// Seven pieces of each can be numbered with [`Key::PIECE_BITS`].
+/// Eight pieces of each can be numbered with [`Key::PIECE_BITS`].
 const CHUNK: usize = 16_384;
 
 /// Most triangles of a frame: chunks must be numbered with the bits that a [`Key`] of a piece has left.
@@ -241,7 +239,6 @@ impl Binning<'_> {
             let corners = match group.as_array() {
                 Some(corners) => corners,
                 None => {
-                    // What is left of `padded` has no area.
                     padded[..group.len()].copy_from_slice(group);
                     &padded
                 }
@@ -253,6 +250,8 @@ impl Binning<'_> {
                     continue;
                 }
             }
+            // Not those of `padded`: without a place on the screen, not even they are sure to have no area.
+            whole &= u64::from(u32::MAX) >> (u32::BITS as usize - group.len());
             let (shown, alive, tiles) = self.cull_lanes(simd, vertices, corners, whole);
             chunk.rasterized += shown.count_ones() as usize;
             let count = alive.count_ones();
@@ -366,7 +365,7 @@ impl Binning<'_> {
             starts[tile + 1] += starts[tile];
         }
         keys.clear();
-        keys.resize(starts[tiles] as usize, Key::NONE);
+        keys.resize(starts[tiles] as usize, Key::default());
         for (key, touched) in survivors.iter() {
             touched.for_each(row, |tile| {
                 keys[starts[tile] as usize] = key;

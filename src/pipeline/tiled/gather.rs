@@ -1,4 +1,4 @@
-//! Texels at eight places at once: by the instructions for that where the processor has them, else one after the other.
+//! Texels at eight or sixteen places at once: by the instructions for that where the processor has them, else one after the other.
 
 use crate::math::lanes::*;
 

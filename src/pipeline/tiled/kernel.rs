@@ -30,7 +30,7 @@ pub(super) struct Queue {
     shader: usize,
 }
 
-/// Pairs of rows that wait together: those of a block.
+/// Pairs of rows that wait together: those of four blocks, so that texels are there when the first of them is read.
 const QUEUED: usize = 4 * BLOCK / 2;
 
 /// Eight samples of each of two rows.

@@ -540,7 +540,10 @@ impl Frame<'_> {
         for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
             let first = group + number * LANES;
             let count = entrants.len().saturating_sub(first).min(LANES);
-            let Some(records) = entrants.eight_records(first).filter(|_| count > 0) else { break };
+            if count == 0 {
+                break;
+            }
+            let Some(records) = entrants.eight_records(first) else { break };
             let of_batch = batches[number].set_up(
                 simd,
                 triangles,

@@ -249,9 +249,9 @@ impl Many<'_> {
     /// triangle covers its sample; elsewhere they may be any.
     #[inline(always)]
     pub(super) fn edge_values<S: Simd>(self, simd: S, x: i32x16<S>, y: i32x16<S>) -> [i32x16<S>; 3] {
-        let [a0, b0, c0, area] =
-            each!(v in [0, 1, 2, 3] => self.quad(simd, Record::FIRST_EDGE)[v].bitcast::<i32x16<S>>());
-        let [a1, b1, c1] = each!(v in [0, 1, 2] => self.quad(simd, Record::SECOND_EDGE)[v].bitcast::<i32x16<S>>());
+        let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
+        let [a0, b0, c0, area] = each!(v in [0, 1, 2, 3] => first[v].bitcast::<i32x16<S>>());
+        let [a1, b1, c1] = each!(v in [0, 1, 2] => second[v].bitcast::<i32x16<S>>());
         let first = a0 * x + b0 * y + c0;
         let second = a1 * x + b1 * y + c1;
         [first, second, area - first - second]

@@ -51,7 +51,7 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>
         queue,
         origin: frame.lattice.origin(place),
         alike: frame.are_all_alike() && !entrants.any_large(),
-        large: None,
+        exact: None,
         band: Band { pixels, width },
         shaded: Shaded::default(),
     };
@@ -88,8 +88,8 @@ struct Job<'a> {
     origin: [f64; 2],
     /// All samples can be shaded together, whatever triangles they are of.
     alike: bool,
-    /// The edges of the last triangle that 32 bits were not enough for.
-    large: Option<(Slot, Edges)>,
+    /// The edges of the last triangle that 32 bits were not enough for, or that is not shaded on lanes.
+    exact: Option<(Slot, Edges)>,
     band: Band<'a>,
     shaded: Shaded,
 }
@@ -134,15 +134,15 @@ impl Job<'_> {
             return;
         }
         if !shader.on_lanes || self.entrants.is_large(slot) {
-            if self.large.is_none_or(|(last, _)| last != slot) {
+            if self.exact.is_none_or(|(last, _)| last != slot) {
                 // Triangles without area are never seen.
-                self.large = Edges::new(&self.frame.corners(key, draw), self.origin).map(|edges| (slot, edges));
+                self.exact = Edges::new(&self.frame.corners(key, draw), self.origin).map(|edges| (slot, edges));
             }
         } else {
             let subject = Subject { one, key, draw, edges: None };
             return shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.band);
         }
-        let edges = self.large.as_ref().map(|(_, edges)| edges);
+        let edges = self.exact.as_ref().map(|(_, edges)| edges);
         shade_uniform(simd, self.frame, &Subject { one, key, draw, edges }, patch, self.queue, &mut self.band);
     }
 

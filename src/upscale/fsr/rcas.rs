@@ -10,9 +10,6 @@ use crate::math::lanes::*;
 /// The most negative weight, relative to the middle: ¼ would divide by nothing.
 const MOST: f32 = -(0.25 - 1.0 / 16.0);
 
-/// Pixels that are sharpened at a time.
-const WIDE: usize = 16;
-
 /// The weight of the four around relative to the middle's, from codes in the order above, left, middle, right, below.
 fn lobe(cross: [[f32; 3]; 5], strength: f32) -> f32 {
     let [above, left, middle, right, below] = cross;

@@ -7,10 +7,7 @@ use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, Place};
 
-/// How many pixels of one phase, in neighbouring cells, are made at a time.
-pub(super) const WIDE: usize = 16;
-
-/// How many are prepared together.
+/// How many pixels of one phase, in neighbouring cells, are prepared together; they are made by [`WIDE`].
 pub(super) const AHEAD: usize = 4 * WIDE;
 
 /// Cells of a tile: what is known about the samples of so many stays in the nearest cache from row to row.

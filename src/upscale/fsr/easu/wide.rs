@@ -3,7 +3,7 @@
 //!
 //! Written without closures: those that the standard library calls would be compiled without the wide lanes' features.
 
-use super::source::{AHEAD, MARGIN, RowOfCells, Source, TILE, WIDE, values};
+use super::source::{AHEAD, MARGIN, RowOfCells, Source, TILE, values};
 use super::{LEAST_SLOPE, LOBE_OF_EDGE, Spot, WHOLE};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
