@@ -4,6 +4,7 @@
 //! had stands at the same place while the view stands still, and is else gathered from where the surface was.
 
 use super::{INTERPOLATED, Now, PLACES, among};
+use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::history::NOWHERE;
@@ -151,12 +152,12 @@ impl Frame<'_> {
         let color = self.now.drawn.color;
         let Scratch { present, counts_for, light, .. } = scratch;
         if self.now.lattice.scale == Scale::ONE {
-            self.now.decode(color.row(y), present);
+            self.now.decode(simd, color.row(y), present);
             return;
         }
         let row = self.rows[y as usize];
         for (light, row) in light.iter_mut().zip(row.between) {
-            self.now.decode(color.row(row), light);
+            self.now.decode(simd, color.row(row), light);
         }
         let [above, below] = light;
         let own_row = row.own.map(|own| if own == row.between[0] { above.as_slice() } else { below.as_slice() });
@@ -212,8 +213,8 @@ impl Frame<'_> {
             store_bytes(a.max(b).max(c), greatest, at);
         }
         let [least_light, greatest_light] = &mut scratch.bounds;
-        self.now.decode(&least.as_chunks().0[..width + 2], least_light);
-        self.now.decode(&greatest.as_chunks().0[..width + 2], greatest_light);
+        self.now.decode(simd, &least.as_chunks().0[..width + 2], least_light);
+        self.now.decode(simd, &greatest.as_chunks().0[..width + 2], greatest_light);
         // They bound three channels, and not how many samples a mean is of.
         for (least, greatest) in least_light.iter_mut().zip(greatest_light) {
             (least[3], greatest[3]) = (f32::MIN, f32::MAX);
@@ -303,12 +304,20 @@ impl Frame<'_> {
 impl Now<'_> {
     /// Light of samples, and alpha as its code.
     #[inline(always)]
-    fn decode(&self, samples: &[Rgba8], light: &mut [Quad]) {
+    fn decode<S: Simd>(&self, simd: S, samples: &[Rgba8], light: &mut [Quad]) {
         let table = match self.light {
             Light::Linear => &self.tables.linear_of_code,
             Light::Bytes => &self.tables.code,
         };
-        for (light, [r, g, b, a]) in light.iter_mut().zip(samples) {
+        let (runs, rest) = samples.as_chunks::<WIDE>();
+        let (wide, narrow) = light.split_at_mut((runs.len() * WIDE).min(light.len()));
+        for (light, run) in wide.as_chunks_mut().0.iter_mut().zip(runs) {
+            let words = u8x64::from_slice(simd, run.as_flattened()).bitcast::<u32x16<S>>();
+            let [red, green, blue] =
+                each!(channel in [0, 8, 16] => Tables::lookup(simd, table, (words >> channel) & 255));
+            store(simd, [red, green, blue, f32x16::float_from(words >> 24)], light);
+        }
+        for (light, [r, g, b, a]) in narrow.iter_mut().zip(rest) {
             *light = [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a)];
         }
     }
