@@ -15,6 +15,10 @@ use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparenc
 pub enum Part {
     /// Transforming vertices, and everything after.
     Vertices,
+    /// The same for every cluster of a large mesh. One is left out if all of it lies outside the view. One that faces away as
+    /// a whole is not: whether a triangle does is decided by its *snapped* corners, and a cone around the normals of a cluster
+    /// says nothing about those that are so small or thin on the screen that snapping turns them over.
+    EveryCluster,
     /// Cutting at the planes of the frustum.
     Clipping,
     /// Telling front from back.
@@ -41,8 +45,9 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Vertices,
+        Self::EveryCluster,
         Self::Clipping,
         Self::Culling,
         Self::Depth,
@@ -60,6 +65,7 @@ impl Part {
     pub fn force(self) -> Option<Force> {
         match self {
             Self::Vertices => Some(Force::Vertices),
+            Self::EveryCluster => Some(Force::Clusters),
             Self::Clipping => Some(Force::Clipping),
             Self::PerspectiveDivision => Some(Force::PerspectiveDivision),
             Self::TextureCoordinates => Some(Force::TextureCoordinates),
@@ -84,6 +90,7 @@ impl Part {
     pub fn name(self) -> &'static str {
         match self {
             Self::Vertices => "Vertices",
+            Self::EveryCluster => "Every cluster",
             Self::Clipping => "Clipping",
             Self::Culling => "Culling",
             Self::Depth => "Depth buffer",
@@ -140,11 +147,36 @@ pub enum Containment {
     Crossing,
 }
 
+/// How many clusters of a mesh lie outside the view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Outside {
+    /// Those that are left out.
+    pub left_out: usize,
+    /// All of them.
+    pub all: usize,
+}
+
+impl Outside {
+    /// Of several draws together.
+    pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
+        plans.into_iter().fold(Self::default(), |sum, plan| Self {
+            left_out: sum.left_out + plan.clusters.left_out,
+            all: sum.all + plan.clusters.all,
+        })
+    }
+
+    /// In words, `reason` being that of [`Part::EveryCluster`].
+    pub fn told(self, reason: &str) -> String {
+        format!("{} of {}, {reason}", self.left_out, self.all)
+    }
+}
+
 /// The plan of one draw: a step for every [`Part`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct DrawPlan {
     steps: [Step; Part::ALL.len()],
     transparency: Transparency,
+    clusters: Outside,
 }
 
 impl DrawPlan {
@@ -164,7 +196,33 @@ impl DrawPlan {
             let can_run = outside.is_none() && part.can_run(library, instance, settings);
             Step::unless(reason.filter(|_| !(forced(part) && can_run)))
         });
-        Self { steps, transparency: transparency(library, instance, settings.shading) }
+        let transparency = transparency(library, instance, settings.shading);
+        Self { steps, transparency, clusters: Outside::default() }
+    }
+
+    /// The same with some clusters left out, unless there are none that are outside.
+    pub(super) fn without(mut self, clusters: Outside) -> Self {
+        if clusters.left_out > 0 {
+            self.steps[Part::EveryCluster as usize] = Step::LeftOut("those that are wholly outside the view");
+            self.clusters = clusters;
+        }
+        self
+    }
+
+    /// Whether clusters that are outside may be left out.
+    pub(super) fn may_leave_out_clusters(settings: &Settings, containment: Containment) -> bool {
+        let forced = matches!(settings.force, Force::Everything | Force::Clusters);
+        containment == Containment::Crossing && !forced
+    }
+
+    /// How many clusters are left out, of how many; nothing if none is.
+    pub fn clusters(&self) -> Outside {
+        self.clusters
+    }
+
+    /// Whether the same parts run as in another draw, and for the same reasons, however many clusters of either are outside.
+    pub fn agrees_with(&self, other: &Self) -> bool {
+        (self.steps, self.transparency) == (other.steps, other.transparency)
     }
 
     /// How the draw meets what was drawn before it. Not a matter of what can be left out: it decides the picture.
@@ -199,7 +257,8 @@ fn left_out(
     let lit = matches!(shading, Shading::Gouraud | Shading::Lambert | Shading::Cel);
     let textured = textures_read(library, instance, shading).next().is_some();
     match part {
-        Part::Vertices => None,
+        // Which clusters are outside is known later: `DrawPlan::without`.
+        Part::Vertices | Part::EveryCluster => None,
         Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
         Part::Culling => (settings.culling == super::settings::Culling::None).then_some("culling is off"),
         Part::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),

@@ -12,6 +12,7 @@
 //! the number of threads and whatever the instructions of the processor.
 
 mod bins;
+mod clusters;
 mod gather;
 mod geometry;
 mod kernel;
@@ -31,6 +32,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
+use clusters::Kept;
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
@@ -218,7 +220,7 @@ pub fn draw(
 ) -> TiledReport {
     let start = Instant::now();
     let scale = DepthScale::new(settings.depth_format, camera);
-    let (draws, plans) = plan(scene, camera, settings, viewport);
+    let (draws, plans) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
     let Memory { arrays, chunks, workspaces } = memory;
     let workspaces: &Mutex<Vec<Workspace>> = workspaces;
@@ -318,7 +320,7 @@ pub fn draw(
         plain: work.plain.into_inner(),
         shaded: work.shaded.into_inner(),
         texels: work.texels.into_inner(),
-        vertices: draws.iter().map(|draw| draw.mesh.positions.len() as u64).sum(),
+        vertices: draws.iter().map(|draw| draw.kept.vertices.count() as u64).sum(),
     };
     TiledReport { plans, times, counts }
 }
@@ -335,7 +337,7 @@ pub fn tile_loads(
     (grid, viewport): (SampleGrid, Viewport),
 ) -> Image<u32> {
     let (scale, lanes) = (DepthScale::new(settings.depth_format, camera), Lanes::best());
-    let (draws, _) = plan(scene, camera, settings, viewport);
+    let (draws, _) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
     let Memory { mut arrays, mut chunks, .. } = Memory::default();
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, &mut arrays);
@@ -391,12 +393,18 @@ impl Work {
     }
 }
 
+/// The plans of all instances.
+pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
+    plan(scene, camera, settings, viewport, Lanes::best()).1
+}
+
 /// The draws that are not outside, and the plans of all instances.
 fn plan<'a>(
     scene: &'a Scene,
     camera: &Camera,
     settings: &Settings,
     viewport: Viewport,
+    lanes: Lanes,
 ) -> (Vec<Draw<'a>>, Vec<DrawPlan>) {
     let (mut draws, mut plans) = (Vec::new(), Vec::new());
     let mut first_vertex = 0;
@@ -404,10 +412,16 @@ fn plan<'a>(
         let mesh = scene.library.mesh(instance.mesh);
         let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
         let inside = containment(mesh.bounds(), matrices.clip_from_model);
-        let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
+        let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
+        let mut kept = Kept::all(mesh);
+        if !mesh.clusters().is_empty() && DrawPlan::may_leave_out_clusters(settings, inside) {
+            let outside;
+            (kept, outside) = Kept::without_outside(mesh, matrices.clip_from_model, lanes);
+            plan = plan.without(outside);
+        }
         plans.push(plan);
         if plan.runs(Part::Vertices) && !mesh.triangles.is_empty() {
-            draws.push(Draw::new(index as u32, mesh, plan, matrices, first, first_vertex));
+            draws.push(Draw::new(index as u32, mesh, plan, matrices, first, (first_vertex, kept)));
             first_vertex += mesh.positions.len();
         }
     }
