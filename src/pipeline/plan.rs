@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::settings::{DepthTest, Force, Interpolation, Settings, Shading};
+use super::settings::{Culling, DepthTest, Force, Interpolation, Settings, Shading};
 use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparency};
 
 /// A part of the work that a draw may not need.
@@ -15,9 +15,9 @@ use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparenc
 pub enum Part {
     /// Transforming vertices, and everything after.
     Vertices,
-    /// The same for every cluster of a large mesh. One is left out if all of it lies outside the view. One that faces away as
-    /// a whole is not: whether a triangle does is decided by its *snapped* corners, and a cone around the normals of a cluster
-    /// says nothing about those that are so small or thin on the screen that snapping turns them over.
+    /// The same for every cluster of a large mesh. One is left out if all of it lies outside the view, or if all its triangles
+    /// show the side that is culled. That is decided by their *snapped* corners: those that are so small or so thin on the
+    /// screen that snapping may turn one over are looked at one by one, however much they face away.
     EveryCluster,
     /// Cutting at the planes of the frustum.
     Clipping,
@@ -147,27 +147,36 @@ pub enum Containment {
     Crossing,
 }
 
-/// How many clusters of a mesh lie outside the view.
+/// How many clusters of a mesh show nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Outside {
-    /// Those that are left out.
-    pub left_out: usize,
-    /// All of them.
+pub struct Unseen {
+    /// Those that lie outside the view.
+    pub outside: usize,
+    /// Others that show the side that is culled.
+    pub turned_away: usize,
+    /// All clusters.
     pub all: usize,
 }
 
-impl Outside {
+impl Unseen {
     /// Of several draws together.
     pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
-        plans.into_iter().fold(Self::default(), |sum, plan| Self {
-            left_out: sum.left_out + plan.clusters.left_out,
-            all: sum.all + plan.clusters.all,
+        plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
+            outside: sum.outside + clusters.outside,
+            turned_away: sum.turned_away + clusters.turned_away,
+            all: sum.all + clusters.all,
         })
     }
 
-    /// In words, `reason` being that of [`Part::EveryCluster`].
-    pub fn told(self, reason: &str) -> String {
-        format!("{} of {}, {reason}", self.left_out, self.all)
+    /// Those that are left out.
+    pub fn left_out(&self) -> usize {
+        self.outside + self.turned_away
+    }
+
+    /// In words.
+    pub fn told(self) -> String {
+        let Self { outside, turned_away, all } = self;
+        format!("{} of {all}: {outside} wholly outside the view, {turned_away} turned away", self.left_out())
     }
 }
 
@@ -176,7 +185,7 @@ impl Outside {
 pub struct DrawPlan {
     steps: [Step; Part::ALL.len()],
     transparency: Transparency,
-    clusters: Outside,
+    clusters: Unseen,
 }
 
 impl DrawPlan {
@@ -197,30 +206,36 @@ impl DrawPlan {
             Step::unless(reason.filter(|_| !(forced(part) && can_run)))
         });
         let transparency = transparency(library, instance, settings.shading);
-        Self { steps, transparency, clusters: Outside::default() }
+        Self { steps, transparency, clusters: Unseen::default() }
     }
 
-    /// The same with some clusters left out, unless there are none that are outside.
-    pub(super) fn without(mut self, clusters: Outside) -> Self {
-        if clusters.left_out > 0 {
-            self.steps[Part::EveryCluster as usize] = Step::LeftOut("those that are wholly outside the view");
+    /// The same with some clusters left out, if there are any that show nothing.
+    pub(super) fn without(mut self, clusters: Unseen) -> Self {
+        if clusters.left_out() > 0 {
+            self.steps[Part::EveryCluster as usize] =
+                Step::LeftOut("clusters outside the view or turned away as a whole");
             self.clusters = clusters;
         }
         self
     }
 
-    /// Whether clusters that are outside may be left out.
+    /// Whether clusters may be left out at all.
     pub(super) fn may_leave_out_clusters(settings: &Settings, containment: Containment) -> bool {
-        let forced = matches!(settings.force, Force::Everything | Force::Clusters);
-        containment == Containment::Crossing && !forced
+        let some = match containment {
+            // Left out as a whole, or forced.
+            Containment::Outside => false,
+            Containment::Inside => settings.culling != Culling::None,
+            Containment::Crossing => true,
+        };
+        some && !matches!(settings.force, Force::Everything | Force::Clusters)
     }
 
     /// How many clusters are left out, of how many; nothing if none is.
-    pub fn clusters(&self) -> Outside {
+    pub fn clusters(&self) -> Unseen {
         self.clusters
     }
 
-    /// Whether the same parts run as in another draw, and for the same reasons, however many clusters of either are outside.
+    /// Whether the same parts run as in another draw, and for the same reasons, however many clusters of either show nothing.
     pub fn agrees_with(&self, other: &Self) -> bool {
         (self.steps, self.transparency) == (other.steps, other.transparency)
     }
@@ -257,10 +272,10 @@ fn left_out(
     let lit = matches!(shading, Shading::Gouraud | Shading::Lambert | Shading::Cel);
     let textured = textures_read(library, instance, shading).next().is_some();
     match part {
-        // Which clusters are outside is known later: `DrawPlan::without`.
+        // Which clusters show something is known later: `DrawPlan::without`.
         Part::Vertices | Part::EveryCluster => None,
         Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
-        Part::Culling => (settings.culling == super::settings::Culling::None).then_some("culling is off"),
+        Part::Culling => (settings.culling == Culling::None).then_some("culling is off"),
         Part::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
         Part::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
             Some("interpolation is affine")

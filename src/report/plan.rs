@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::chain::whole::{FramePart, rasterized_pixels};
 use crate::chain::{KeepDepth, Recipe};
-use crate::pipeline::plan::{DrawPlan, Outside, Part, Step};
+use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
 
@@ -30,7 +30,7 @@ pub struct Group {
     /// How they meet what was drawn before them.
     pub transparency: Transparency,
     /// Clusters that are left out, of those of the draws that leave out any.
-    pub clusters: Outside,
+    pub clusters: Unseen,
     /// Every part, in the order of the stages.
     pub parts: Vec<Entry>,
 }
@@ -82,7 +82,7 @@ pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
 fn group(plans: &[DrawPlan], names: Vec<String>) -> Group {
     let plan = &plans[0];
     let parts = Part::ALL.map(|part| entry(part, plan.step(part))).into();
-    Group { draws: names.len(), names, transparency: plan.transparency(), clusters: Outside::of(plans), parts }
+    Group { draws: names.len(), names, transparency: plan.transparency(), clusters: Unseen::of(plans), parts }
 }
 
 fn entry<P>(part: P, step: Step) -> Entry<P> {
@@ -97,8 +97,7 @@ pub fn text(group: &Group) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
     let mut text = format!("{} {draws}: {}\n", group.draws, told_names(&group.names));
     for Entry { part, reason, .. } in &group.parts {
-        let counted = reason.filter(|_| *part == Part::EveryCluster && group.clusters.left_out > 0);
-        let counted = counted.map(|reason| group.clusters.told(reason));
+        let counted = (*part == Part::EveryCluster && group.clusters.left_out() > 0).then(|| group.clusters.told());
         text.push_str(&line(part.name(), counted.as_deref().or(*reason)));
     }
     text

@@ -124,7 +124,7 @@ pub(super) struct Draw<'a> {
     pub(super) first: TriangleId,
     /// Position of its first vertex in the arrays of all draws.
     pub(super) first_vertex: usize,
-    /// What is left without the clusters that are outside: nothing else is transformed or looked at.
+    /// What is left without the clusters that show nothing: nothing else is transformed or looked at.
     pub(super) kept: Kept,
 }
 

@@ -32,7 +32,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
-use clusters::Kept;
+use clusters::{Kept, View};
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
@@ -47,7 +47,7 @@ use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
 use super::plan::{DrawPlan, Part};
-use super::settings::{Arithmetic, Filter, Interpolation, Settings};
+use super::settings::{Arithmetic, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
 use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
@@ -66,8 +66,6 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         Some("published rasterizers have an order of their own")
     } else if settings.interpolation == Interpolation::Published {
         Some("the published weights are computed one by one")
-    } else if settings.filter == Filter::Trilinear && settings.shading.reads_material() {
-        Some("gradients for mip-mapping are computed one by one")
     } else if scene.triangle_count() > MOST_TRIANGLES {
         Some("there are more triangles than tiles can number")
     } else {
@@ -187,6 +185,7 @@ impl Workspace {
 /// Everything that tiles read.
 struct Frame<'a> {
     settings: &'a Settings,
+    viewport: Viewport,
     grid: SampleGrid,
     lattice: Lattice,
     packed: (u32, u32),
@@ -240,6 +239,7 @@ pub fn draw(
     let shaders = shaders(scene, settings, &draws);
     let job = Frame {
         settings,
+        viewport,
         grid: *grid,
         lattice,
         packed,
@@ -415,9 +415,10 @@ fn plan<'a>(
         let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
         let mut kept = Kept::all(mesh);
         if !mesh.clusters().is_empty() && DrawPlan::may_leave_out_clusters(settings, inside) {
-            let outside;
-            (kept, outside) = Kept::without_outside(mesh, matrices.clip_from_model, lanes);
-            plan = plan.without(outside);
+            let unseen;
+            (kept, unseen) =
+                Kept::without_unseen(mesh, &View::new(matrices.clip_from_model, settings.culling, viewport), lanes);
+            plan = plan.without(unseen);
         }
         plans.push(plan);
         if plan.runs(Part::Vertices) && !mesh.triangles.is_empty() {
@@ -701,6 +702,7 @@ impl Frame<'_> {
         if let Some((chunk, index)) = key.as_piece() {
             return self.chunks[chunk].pieces[index];
         }
+        let exact = self.shader(draw).shader.attributes().uv_gradient;
         let draw = &self.draws[draw];
         let mut corner = 0;
         let vertices = draw.corners(key.0).map(|index| {
@@ -709,14 +711,13 @@ impl Frame<'_> {
             varyings.source_weights = glam::Vec3::AXES[corner];
             corner += 1;
             let [x, y] = vertex.position().map(|step| step as i32);
-            ScreenVertex {
-                position_px: [to_pixels(x.into()), to_pixels(y.into())],
-                x,
-                y,
-                depth: vertex.depth(),
-                inv_w: vertex.inv_w(),
-                varyings,
-            }
+            // Only gradients ask where a corner was before it was snapped.
+            let position_px = if exact {
+                self.viewport.project_vertex(&draw.clip_vertex(index, self.arrays), &self.scale).position_px
+            } else {
+                [to_pixels(x.into()), to_pixels(y.into())]
+            };
+            ScreenVertex { position_px, x, y, depth: vertex.depth(), inv_w: vertex.inv_w(), varyings }
         });
         let corners = vertices.each_ref().map(Corner::from);
         let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |edges| edges.doubled_area);
