@@ -18,24 +18,26 @@ pub(super) fn gather<S: Simd>(simd: S, texels: &[u32], places: u32x8<S>) -> u32x
     u32x8::load_array(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => texels[places[lane] as usize]))
 }
 
-/// The texels at sixteen places, and the texels after them.
+/// The texels at twice sixteen places, each with those after them.
 ///
 /// # Panics
 /// If one of the places, or the one after it, lies outside of the texels.
 #[inline(always)]
-pub(super) fn gather_pairs<S: Simd>(simd: S, texels: &[u32], places: u32x16<S>) -> [u32x16<S>; 2] {
+pub(super) fn gather_pairs<S: Simd>(simd: S, texels: &[u32], places: [u32x16<S>; 2]) -> [[u32x16<S>; 2]; 2] {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = simd.level().as_avx512() {
-        let places = u32x16::load_array(avx512, places.to_array());
-        let (first, second) = x86::gather_wide_pairs(avx512, texels, places.into());
-        return each!(texels in [first, second] => {
+        let [upper, lower] = each!(places in [places[0], places[1]] => u32x16::load_array(avx512, places.to_array()));
+        let gathered = x86::gather_wide_pairs(avx512, texels, upper.into(), lower.into());
+        return each!(i in [0, 1] => each!(texels in [gathered[2 * i], gathered[2 * i + 1]] => {
             let texels: u32x16<_> = texels.simd_into(avx512);
             u32x16::load_array(simd, texels.to_array())
-        });
+        }));
     }
-    let (low, high) = places.split();
-    let [low, high] = each!(places in [low, high] => gather_eight_pairs(simd, texels, places));
-    [low[0].combine(high[0]), low[1].combine(high[1])]
+    each!(places in [places[0], places[1]] => {
+        let (low, high) = places.split();
+        let [low, high] = each!(places in [low, high] => gather_eight_pairs(simd, texels, places));
+        [low[0].combine(high[0]), low[1].combine(high[1])]
+    })
 }
 
 #[inline(always)]
@@ -109,20 +111,35 @@ mod x86 {
 
     kernel! {
         #[inline]
-        #[expect(unsafe_code, reason = "one test for sixteen reads, and an instruction for eight: fills are shaded a fifth faster than eight by eight")]
-        pub(super) fn gather_wide_pairs(avx512: Avx512, texels: &[u32], places: __m512i) -> (__m512i, __m512i) {
+        #[expect(unsafe_code, reason = "one test for 32 reads, and an instruction for eight: fills are shaded a fifth faster than eight by eight")]
+        pub(super) fn gather_wide_pairs(avx512: Avx512, texels: &[u32], upper: __m512i, lower: __m512i) -> [__m512i; 4] {
             let end = _mm512_set1_epi32(texels.len().saturating_sub(1).min(i32::MAX as usize) as i32);
-            assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
-            let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));
+            assert!(_mm512_cmpge_epu32_mask(_mm512_max_epu32(upper, lower), end) == 0, "all texels are within the texture");
+            let eights = [
+                _mm512_castsi512_si256(upper),
+                _mm512_extracti64x4_epi64::<1>(upper),
+                _mm512_castsi512_si256(lower),
+                _mm512_extracti64x4_epi64::<1>(lower),
+            ];
             let start = texels.as_ptr().cast();
             // SAFETY: every place is less than that of the last texel, as was just made sure, and not negative as an i32, so
             // that it and the texel after it lie within the slice; the instruction asks for no alignment.
-            let (low, high) = unsafe {
-                (_mm512_i32gather_epi64::<4>(low, start), _mm512_i32gather_epi64::<4>(high, start))
+            let [a, b, c, d] = unsafe {
+                [
+                    _mm512_i32gather_epi64::<4>(eights[0], start),
+                    _mm512_i32gather_epi64::<4>(eights[1], start),
+                    _mm512_i32gather_epi64::<4>(eights[2], start),
+                    _mm512_i32gather_epi64::<4>(eights[3], start),
+                ]
             };
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
             let odd = _mm512_setr_epi32(1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
-            (_mm512_permutex2var_epi32(low, even, high), _mm512_permutex2var_epi32(low, odd, high))
+            [
+                _mm512_permutex2var_epi32(a, even, b),
+                _mm512_permutex2var_epi32(a, odd, b),
+                _mm512_permutex2var_epi32(c, even, d),
+                _mm512_permutex2var_epi32(c, odd, d),
+            ]
         }
     }
 }
@@ -144,7 +161,7 @@ mod tests {
                 let places: [u32; WIDE] = std::array::from_fn(|_| random.u32(0..999));
                 let (one, pair) = on_lanes!(lanes, simd => {
                     let places = u32x16::load_array(simd, places);
-                    let [first, second] = gather_pairs(simd, &texels, places);
+                    let [[first, second], _] = gather_pairs(simd, &texels, [places, places]);
                     (gather(simd, &texels, places.split().1).to_array(), [first.to_array(), second.to_array()])
                 });
                 assert_eq!(pair[0], places.map(|place| texels[place as usize]));
@@ -165,7 +182,7 @@ mod tests {
                     on_lanes!(lanes, simd => {
                         let places = u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, place]);
                         if pairs {
-                            gather_pairs(simd, &texels, places.combine(places))[0].to_array()[0]
+                            gather_pairs(simd, &texels, [places.combine(places); 2])[0][0].to_array()[0]
                         } else {
                             gather(simd, &texels, places).to_array()[0]
                         }

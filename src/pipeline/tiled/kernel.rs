@@ -120,16 +120,11 @@ pub(super) fn shade_uniform<S: Simd>(
                     |rows| edges.at(rows),
                 );
             };
-            let Edges { a, b, c, .. } = *edges;
-            let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
-            let along = each!(i in [0, 1, 2] => columns * a[i]);
-            let y = F64::load_array(simd, lattice.rows) + patch.first as f64 * lattice.row_step;
-            let shift = F64::load_array(simd, lattice.shifts(patch.first));
-            let down = each!(i in [0, 1, 2] => (y * b[i] + shift * a[i] + c[i]).to_array());
+            let exact = ExactRows::new(simd, lattice, edges, patch);
             if !frame.shader(subject.draw).on_lanes {
                 let whole = frame.screen_triangle(subject.key, subject.draw);
                 for (i, row) in (patch.first..patch.end).enumerate() {
-                    let e = each!(edge in [0, 1, 2] => (along[edge] + down[edge][i]).to_array());
+                    let e = each!(edge in [0, 1, 2] => (exact.along[edge] + exact.down[edge][i]).to_array());
                     one_by_one(frame, frame.shader(subject.draw), &whole, patch, row, &e, band.row(patch, row));
                 }
                 return;
@@ -141,12 +136,7 @@ pub(super) fn shade_uniform<S: Simd>(
                 patch,
                 (queue, band),
                 #[inline(always)]
-                |[upper, lower]| {
-                    each!(edge in [0, 1, 2] => {
-                        let upper = narrow(simd, along[edge] + down[edge][upper]);
-                        upper.combine(narrow(simd, along[edge] + down[edge][lower]))
-                    })
-                },
+                |rows| exact.at(rows),
             );
         },
     );
@@ -220,6 +210,37 @@ impl<S: Simd> IntegerRows<S> {
     }
 }
 
+/// Edge values of up to eight rows of any triangle.
+struct ExactRows<S: Simd> {
+    /// Of the eight samples of a row, from its start.
+    along: [F64<S>; 3],
+    /// Of the starts of the rows.
+    down: [[f64; LANES]; 3],
+}
+
+impl<S: Simd> ExactRows<S> {
+    #[inline(always)]
+    fn new(simd: S, lattice: &Lattice, edges: &Edges, patch: &Patch) -> Self {
+        let Edges { a, b, c, .. } = *edges;
+        let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
+        let y = F64::load_array(simd, lattice.rows) + patch.first as f64 * lattice.row_step;
+        let shift = F64::load_array(simd, lattice.shifts(patch.first));
+        Self {
+            along: each!(i in [0, 1, 2] => columns * a[i]),
+            down: each!(i in [0, 1, 2] => (y * b[i] + shift * a[i] + c[i]).to_array()),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, [upper, lower]: [usize; 2]) -> [f32x16<S>; 3] {
+        let simd = self.along[0].simd;
+        each!(edge in [0, 1, 2] => {
+            let [upper, lower] = each!(row in [upper, lower] => narrow(simd, self.along[edge] + self.down[edge][row]));
+            upper.combine(lower)
+        })
+    }
+}
+
 /// Places in the queue for some pairs of rows that a shader is for.
 #[inline(always)]
 fn make_room<'q, S: Simd>(
@@ -259,15 +280,15 @@ fn one_by_one(
     }
 }
 
-/// Samples of sixteen triangles that one shader is for: eight in `row`, with a bit for each that is shaded, and eight in the row
-/// below, if any are.
+/// Samples of sixteen triangles that one shader is for, with a bit for each that is shaded: eight in the first row of the
+/// patch and eight in the row below it. Edges are given of triangles that 32 bits are not enough for, each with its samples.
 #[inline(never)]
 pub(super) fn shade_gathered<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
     shader: usize,
-    (entrants, slots): (&Entrants, &[u32; WIDE]),
-    (patch, row, mine): (&Patch, usize, [u32; 2]),
+    (entrants, slots, large): (&Entrants, &[u32; WIDE], &[(u32, Edges)]),
+    (patch, mine): (&Patch, [u32; 2]),
     queue: &mut Queue,
     band: &mut Band<'_>,
 ) {
@@ -275,7 +296,7 @@ pub(super) fn shade_gathered<S: Simd>(
         #[inline(always)]
         || {
             let [pair] = make_room(simd, frame, shader, 1, queue, band) else { return };
-            let lattice = &frame.lattice;
+            let (lattice, row) = (&frame.lattice, patch.first);
             let columns = lattice.columns_i32(simd, patch.column);
             let [upper, lower] = each!(below in [0, 1] => {
                 let y = (row + below) as i32 * lattice.row_step as i32;
@@ -284,7 +305,13 @@ pub(super) fn shade_gathered<S: Simd>(
             let (x, y) = (upper.0.combine(lower.0), upper.1.combine(lower.1));
             let many = entrants.many(slots);
             let e = many.edge_values(simd, x, y);
-            let e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
+            let mut e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
+            for (lanes, edges) in large {
+                let (theirs, exact) =
+                    (mask32x16::from_bitmask(simd, (*lanes).into()), ExactRows::new(simd, lattice, edges, patch));
+                let exact = exact.at([0, 1]);
+                e = each!(i in [0, 1, 2] => theirs.select(exact[i], e[i]));
+            }
             let weights = corner_weights(simd, e, many.relative_inv_w(simd));
             let wanted = mask32x16::from_bitmask(simd, (mine[0] | mine[1] << LANES).into());
             // The first corner stands for samples that are not wanted: what is computed there must not lead astray.
@@ -382,7 +409,9 @@ fn finish_pair<S: Simd>(simd: S, shader: &DrawShader<'_>, plan: Plan, pair: &Que
     };
     if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
         let texel = texture.read(simd, layout, plan.space, &pair.taps);
-        color = each!(channel in [0, 1, 2] => color[channel] * texel[channel]);
+        // What is multiplied by one stays as it is.
+        let white = !plan.tinted && !plan.colored;
+        color = if white { texel } else { each!(channel in [0, 1, 2] => color[channel] * texel[channel]) };
     }
     if plan.light != Light::None {
         let light = f32x16::load_array_ref(simd, &pair.light);

@@ -53,7 +53,7 @@ use super::vertex::{DrawMatrices, containment};
 use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
 use crate::image::{Image, Rgba8};
 use crate::math::fixed::to_pixels;
-use crate::math::lanes::{LANES, Lanes, Simd, on_lanes};
+use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene, TriangleId};
@@ -280,8 +280,8 @@ pub fn draw(
         let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
         let mut workspace = taken.unwrap_or_else(Workspace::new);
         while let Some((row, (colors, mut depths))) = next() {
-            // All at once, as whole cache lines are written the quickest, and are near when samples are written over them.
-            colors.fill(job.background);
+            // All at once, so that what samples are written over is near by then.
+            on_lanes!(lanes, simd => fill(simd, colors, job.background));
             if load(row) == 0 {
                 if let Some(depths) = &mut depths {
                     depths.fill(job.rules.clear);
@@ -372,6 +372,20 @@ fn fill_parts<S: Simd>(
             }
         },
     );
+}
+
+/// Fills pixels with one colour: whole cache lines, which are written without being read.
+#[inline(always)]
+fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
+    let line = u32x16::splat(simd, u32::from_le_bytes(color));
+    let before = pixels.as_ptr().align_offset(size_of_val(&line)).min(pixels.len());
+    let (before, pixels) = pixels.split_at_mut(before);
+    let (lines, after) = pixels.as_chunks_mut::<WIDE>();
+    for pixels in lines {
+        line.bitcast::<u8x64<S>>().store_slice(pixels.as_flattened_mut());
+    }
+    before.fill(color);
+    after.fill(color);
 }
 
 /// What all threads add to.
@@ -475,14 +489,14 @@ impl Frame<'_> {
         let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
         blended.clear();
         for group in (0..entrants.len()).step_by(GROUP) {
-            let alive = self.set_up_group(simd, entrants, batches, group, origin);
+            let (alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
             let owner = |slot| self.set_up_again(entrants, slot, origin);
             for (number, batch) in batches.iter().enumerate() {
                 let mut alive = alive[number];
                 while alive != 0 {
                     let lane = alive.trailing_zeros() as usize;
                     alive &= alive - 1;
-                    let slot = Slot((group + number * LANES + lane) as u32);
+                    let slot = Slot::new(group + number * LANES + lane, large[number] >> lane & 1 != 0);
                     let triangle = batch.triangle(lane, slot);
                     if self.all_opaque {
                         tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner);
@@ -538,7 +552,7 @@ impl Frame<'_> {
     }
 
     /// Sets up a group of triangles of a tile before the first of them is drawn, as results come late, and says by bits which
-    /// of each eight may have a sample in the tile.
+    /// of each eight may have a sample in the tile, and which of those have edge values of more than 32 bits.
     #[inline(always)]
     fn set_up_group<S: Simd>(
         &self,
@@ -547,11 +561,11 @@ impl Frame<'_> {
         batches: &mut [Batch; BATCHES],
         group: usize,
         origin: ([f64; 2], [f32; 2]),
-    ) -> [u64; BATCHES] {
+    ) -> ([u64; BATCHES], [u64; BATCHES]) {
         let nowhere = Vertex::default();
         let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
         self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
-        let mut alive = [0; BATCHES];
+        let (mut alive, mut large) = ([0; BATCHES], [0; BATCHES]);
         for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
             let first = group + number * LANES;
             let count = entrants.len().saturating_sub(first).min(LANES);
@@ -559,7 +573,7 @@ impl Frame<'_> {
                 break;
             }
             let Some(records) = entrants.eight_records(first) else { break };
-            let of_batch = batches[number].set_up(
+            (alive[number], large[number]) = batches[number].set_up(
                 simd,
                 triangles,
                 (records, divides_by_w >> (number * LANES)),
@@ -568,16 +582,12 @@ impl Frame<'_> {
                 &self.lattice,
                 origin,
             );
-            let large = of_batch.1;
-            alive[number] = of_batch.0 & (u64::from(u32::MAX) >> (u32::BITS as usize - count));
-            for lane in (0..count).filter(|lane| large >> lane & 1 != 0) {
-                entrants.note_large(Slot((first + lane) as u32));
-            }
+            alive[number] &= u64::from(u32::MAX) >> (u32::BITS as usize - count);
             if alive[number] != 0 && !self.arrays.surfaces.is_empty() {
                 self.fill_surfaces(simd, entrants, first, count);
             }
         }
-        alive
+        (alive, large)
     }
 
     /// Finds the corners of a group of triangles of a tile, and a bit for each that is divided by w. They lie all over the
@@ -612,7 +622,7 @@ impl Frame<'_> {
         let nothing = Surface::default();
         let mut triangles = [[&nothing; 3]; LANES];
         for (lane, triangle) in triangles.iter_mut().enumerate().take(count) {
-            let Entrant { key, draw, .. } = entrants.get(Slot((first + lane) as u32));
+            let Entrant { key, draw, .. } = entrants.get(Slot::new(first + lane, false));
             let [a, b, c] = self.records(key, draw as usize);
             if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {
                 *triangle = [a, b, c];

@@ -266,13 +266,32 @@ pub(super) struct Entrant {
     pub(super) draw: u32,
 }
 
-/// Names an [`Entrant`] of a tile.
+/// Names an [`Entrant`] of a tile, and tells whether 32 bits hold its edge values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Slot(pub(super) u32);
 
 impl Slot {
     /// No triangle: the background.
     pub(super) const NONE: Self = Self(u32::MAX);
+    /// The bit of triangles with edge values of more than 32 bits.
+    pub(super) const LARGE: u32 = 1 << 31;
+
+    #[inline(always)]
+    pub(super) fn new(place: usize, is_large: bool) -> Self {
+        Self(place as u32 | if is_large { Self::LARGE } else { 0 })
+    }
+
+    /// Position in the list of entrants.
+    #[inline(always)]
+    pub(super) fn place(self) -> usize {
+        (self.0 & !Self::LARGE) as usize
+    }
+
+    /// Whether edge values have more than 32 bits.
+    #[inline(always)]
+    pub(super) fn is_large(self) -> bool {
+        self.0 & Self::LARGE != 0
+    }
 }
 
 /// The triangles that a tile was asked to draw, in their order, with what shading reads of them.
@@ -283,15 +302,12 @@ pub(super) struct Entrants {
     records: Vec<Record>,
     /// The same, in frames that read them.
     surfaces: Vec<SurfaceRecord>,
-    /// Those with edge values of more than 32 bits, in their order.
-    large: Vec<Slot>,
 }
 
 impl Entrants {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.list.clear();
-        self.large.clear();
     }
 
     /// Bytes held.
@@ -299,7 +315,6 @@ impl Entrants {
         self.list.capacity() * size_of::<Entrant>()
             + self.records.capacity() * size_of::<Record>()
             + self.surfaces.capacity() * size_of::<SurfaceRecord>()
-            + self.large.capacity() * size_of::<Slot>()
     }
 
     /// Adds one.
@@ -317,7 +332,7 @@ impl Entrants {
     /// One of them.
     #[inline(always)]
     pub(super) fn get(&self, slot: Slot) -> Entrant {
-        self.list[slot.0 as usize]
+        self.list[slot.place()]
     }
 
     /// Some of them, from `first` on.
@@ -338,43 +353,24 @@ impl Entrants {
         eight(&mut self.surfaces, first)
     }
 
-    /// Notes that a triangle has edge values of more than 32 bits.
-    #[inline(always)]
-    pub(super) fn note_large(&mut self, slot: Slot) {
-        self.large.push(slot);
-    }
-
-    /// Whether some triangle has edge values of more than 32 bits.
-    pub(super) fn any_large(&self) -> bool {
-        !self.large.is_empty()
-    }
-
-    /// Whether a triangle has.
-    #[inline(always)]
-    pub(super) fn is_large(&self, slot: Slot) -> bool {
-        self.large.binary_search_by_key(&slot.0, |slot| slot.0).is_ok()
-    }
-
     /// What is read of one triangle.
     #[inline(always)]
     pub(super) fn one(&self, slot: Slot) -> One<'_> {
-        One { record: &self.records[slot.0 as usize], surface: self.surface(slot) }
+        One { record: &self.records[slot.place()], surface: self.surface(slot) }
     }
 
     /// What is read of sixteen triangles.
     #[inline(always)]
     pub(super) fn many<'a>(&'a self, slots: &'a [u32; WIDE]) -> Many<'a> {
         let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
-            &self.records[slots[i] as usize]
+            &self.records[Slot(slots[i]).place()]
         });
         Many { records, entrants: self, slots }
     }
 
     #[inline(always)]
     fn surface(&self, slot: Slot) -> &SurfaceRecord {
-        self.surfaces
-            .get(slot.0 as usize)
-            .unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
+        self.surfaces.get(slot.place()).unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Shading a tile: which samples belong together.
 //!
-//! Blocks and rows that one triangle covers are shaded as such; of other rows, the samples whose triangles are shaded alike
-//! are taken together, each with its own triangle: those of two rows, where all triangles of the frame are.
+//! Blocks and rows that one triangle covers are shaded as such; of other rows, two by two, the samples whose triangles are
+//! shaded alike are taken together, each with its own triangle.
 
 use super::Frame;
 use super::kernel::{ALL, Band, Patch, Queue, flush, shade_gathered, shade_uniform};
@@ -50,8 +50,9 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>
         entrants,
         queue,
         origin: frame.lattice.origin(place),
-        alike: frame.are_all_alike() && !entrants.any_large(),
-        exact: None,
+        alike: frame.are_all_alike(),
+        exact: Vec::new(),
+        large: Vec::new(),
         band: Band { pixels, width },
         shaded: Shaded::default(),
     };
@@ -86,10 +87,12 @@ struct Job<'a> {
     queue: &'a mut Queue,
     /// Position of the tile's first sample, in grid steps.
     origin: [f64; 2],
-    /// All samples can be shaded together, whatever triangles they are of.
+    /// All samples are shaded together, whatever triangles they are of.
     alike: bool,
-    /// The edges of the last triangle that 32 bits were not enough for, or that is not shaded on lanes.
-    exact: Option<(Slot, Edges)>,
+    /// The edges of triangles that 32 bits were not enough for, or that are not shaded on lanes, as far as they were asked for.
+    exact: Vec<(Slot, Edges)>,
+    /// Of the samples that are shaded together those of such triangles: a bit for each, and the edges.
+    large: Vec<(u32, Edges)>,
     band: Band<'a>,
     shaded: Shaded,
 }
@@ -107,13 +110,11 @@ impl Job<'_> {
                     next += 1;
                 }
                 self.one_triangle(simd, slot, &Patch { first: row, end: next, ..*block });
-            } else if self.alike {
+            } else {
                 let below = (next < block.end).then(|| tile.slots(block.column, next));
                 let below = below.filter(|below| uniform_slot(simd, below).is_none());
                 self.mixed_rows(simd, [Some(slots), below], &Patch { first: row, end: next, ..*block });
                 next += usize::from(below.is_some());
-            } else {
-                self.mixed_row(simd, slots, &Patch { first: row, end: next, ..*block });
             }
             row = next;
         }
@@ -125,7 +126,7 @@ impl Job<'_> {
         if slot == Slot::NONE {
             return;
         }
-        let Entrant { key, draw, .. } = self.entrants.get(slot);
+        let Entrant { key, draw } = self.entrants.get(slot);
         let (draw, one) = (draw as usize, self.entrants.one(slot));
         let shader = self.frame.shader(draw);
         self.shaded.add(shader, patch.count * (patch.end - patch.first));
@@ -133,17 +134,21 @@ impl Job<'_> {
             self.fill(patch, color);
             return;
         }
-        if !shader.on_lanes || self.entrants.is_large(slot) {
-            if self.exact.is_none_or(|(last, _)| last != slot) {
-                // Triangles without area are never seen.
-                self.exact = Edges::new(&self.frame.corners(key, draw), self.origin).map(|edges| (slot, edges));
-            }
-        } else {
-            let subject = Subject { one, key, draw, edges: None };
-            return shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.band);
+        let edges = (!shader.on_lanes || slot.is_large()).then(|| self.exact_edges(slot)).flatten();
+        let subject = Subject { one, key, draw, edges: edges.as_ref() };
+        shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.band);
+    }
+
+    /// The edges of a triangle; none if it has no area, in which case it is never seen.
+    fn exact_edges(&mut self, slot: Slot) -> Option<Edges> {
+        // Mostly those that were asked for last.
+        if let Some((_, edges)) = self.exact.iter().rev().find(|(known, _)| *known == slot) {
+            return Some(*edges);
         }
-        let edges = self.exact.as_ref().map(|(_, edges)| edges);
-        shade_uniform(simd, self.frame, &Subject { one, key, draw, edges }, patch, self.queue, &mut self.band);
+        let Entrant { key, draw } = self.entrants.get(slot);
+        let edges = Edges::new(&self.frame.corners(key, draw as usize), self.origin)?;
+        self.exact.push((slot, edges));
+        Some(edges)
     }
 
     /// One colour for the samples of some rows that are shaded.
@@ -160,62 +165,86 @@ impl Job<'_> {
         }
     }
 
-    /// Samples of one or two rows that belong to triangles that are all shaded alike, or to none.
+    /// Samples of one or two rows that belong to different triangles, or to none.
     #[inline(always)]
     fn mixed_rows<S: Simd>(&mut self, simd: S, rows: [Option<&[u32]>; 2], patch: &Patch) {
-        let mut slots = [0; WIDE];
-        let mut mine = [0; 2];
+        let within = ALL >> (LANES - patch.count);
+        let (mut slots, mut open) = ([0; WIDE], 0);
         for (half, row) in rows.iter().enumerate() {
             let Some(row) = row else { continue };
             let of_row = u32x8::from_slice(simd, row);
             let seen = of_row.simd_ne(Slot::NONE.0);
             seen.select(of_row, u32x8::splat(simd, 0)).store_slice(&mut slots[half * LANES..][..LANES]);
-            mine[half] = seen.to_bitmask() as u32;
+            open |= (seen.to_bitmask() as u32 & within) << (half * LANES);
         }
-        let within = ALL >> (LANES - patch.count);
-        let samples = (mine[0] & within).count_ones() + (mine[1] & within).count_ones();
-        self.shaded.add(&self.frame.shaders[0], samples as usize);
-        let place = (patch, patch.first, mine);
-        shade_gathered(simd, self.frame, 0, (self.entrants, &slots), place, self.queue, &mut self.band);
-    }
-
-    /// A row of samples that belong to different triangles, which may be shaded differently.
-    #[inline(always)]
-    fn mixed_row<S: Simd>(&mut self, simd: S, slots: &[u32], patch: &Patch) {
-        let mut open: u32 = 0;
-        for (lane, slot) in slots.iter().enumerate().take(patch.count) {
-            open |= u32::from(*slot != Slot::NONE.0) << lane;
+        if self.alike {
+            self.together(simd, 0, open, &slots, patch);
+            return;
         }
         while open != 0 {
-            let first = open.trailing_zeros() as usize;
-            let leader = Slot(slots[first]);
+            let leader = Slot(slots[open.trailing_zeros() as usize]);
             let draw = self.entrants.get(leader).draw as usize;
             let (shader, number) = (self.frame.shader(draw), self.frame.shader_of_draw[draw]);
-            let alone = !shader.on_lanes || self.entrants.is_large(leader);
-            let mut together = [leader.0; WIDE];
-            let mut mine = 0;
-            for lane in (first..patch.count).filter(|lane| open >> lane & 1 != 0) {
-                let slot = Slot(slots[lane]);
-                if slot == leader {
-                    mine |= 1 << lane;
-                } else if !alone && !self.entrants.is_large(slot) {
-                    let draw = self.entrants.get(slot).draw as usize;
-                    if self.frame.shader_of_draw[draw] == number {
-                        together[lane] = slot.0;
-                        mine |= 1 << lane;
-                    }
-                }
-            }
+            let mine =
+                if shader.on_lanes { self.shaded_by(number, open, &slots) } else { open & same(simd, &slots, leader) };
             open &= !mine;
-            if alone {
-                let before = self.shaded;
-                self.one_triangle(simd, leader, &Patch { mine, ..*patch });
-                self.shaded = before;
-            } else {
-                let place = (patch, patch.first, [mine, 0]);
-                shade_gathered(simd, self.frame, number, (self.entrants, &together), place, self.queue, &mut self.band);
+            if shader.on_lanes {
+                self.together(simd, number, mine, &slots, patch);
+                continue;
             }
-            self.shaded.add(shader, mine.count_ones() as usize);
+            for (half, mine) in halves_of(mine).into_iter().enumerate().filter(|(_, mine)| *mine != 0) {
+                let (before, row) = (self.shaded, patch.first + half);
+                self.one_triangle(simd, leader, &Patch { first: row, end: row + 1, mine, ..*patch });
+                self.shaded = before;
+                self.shaded.add(shader, mine.count_ones() as usize);
+            }
         }
     }
+
+    /// Some samples of two rows that one shader is for.
+    #[inline(always)]
+    fn together<S: Simd>(&mut self, simd: S, shader: usize, mine: u32, slots: &[u32; WIDE], patch: &Patch) {
+        self.shaded.add(&self.frame.shaders[shader], mine.count_ones() as usize);
+        self.find_large(simd, mine, slots);
+        let samples = (self.entrants, slots, self.large.as_slice());
+        shade_gathered(simd, self.frame, shader, samples, (patch, halves_of(mine)), self.queue, &mut self.band);
+    }
+
+    /// Those of some samples that a shader is for.
+    fn shaded_by(&self, shader: usize, mut open: u32, slots: &[u32; WIDE]) -> u32 {
+        let mut mine = 0;
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize;
+            open &= open - 1;
+            let draw = self.entrants.get(Slot(slots[lane])).draw as usize;
+            mine |= u32::from(self.frame.shader_of_draw[draw] == shader) << lane;
+        }
+        mine
+    }
+
+    /// Lists triangles that 32 bits are not enough for.
+    #[inline(always)]
+    fn find_large<S: Simd>(&mut self, simd: S, mut mine: u32, slots: &[u32; WIDE]) {
+        self.large.clear();
+        mine &= (u32x16::load_array_ref(simd, slots) & Slot::LARGE).simd_ne(0).to_bitmask() as u32;
+        while mine != 0 {
+            let slot = Slot(slots[mine.trailing_zeros() as usize]);
+            let lanes = mine & same(simd, slots, slot);
+            mine &= !lanes;
+            if let Some(edges) = self.exact_edges(slot) {
+                self.large.push((lanes, edges));
+            }
+        }
+    }
+}
+
+/// Bits of the samples that are of one triangle.
+#[inline(always)]
+fn same<S: Simd>(simd: S, slots: &[u32; WIDE], slot: Slot) -> u32 {
+    u32x16::load_array_ref(simd, slots).simd_eq(slot.0).to_bitmask() as u32
+}
+
+/// Bits of the first row and of the second.
+fn halves_of(lanes: u32) -> [u32; 2] {
+    [lanes & ALL, lanes >> LANES]
 }

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use glam::Vec3;
+
 use super::texture::{Layout, TextureReader};
 use crate::pipeline::settings::{ColorSpace, Filter, Shading};
 use crate::pipeline::shade::Shader;
@@ -13,6 +15,8 @@ pub(super) struct Plan {
     /// How texels are found, if any are read.
     pub(super) texture: Option<Layout>,
     pub(super) light: Light,
+    /// The material's own colour is other than white.
+    pub(super) tinted: bool,
     /// Vertices have colours.
     pub(super) colored: bool,
     pub(super) space: ColorSpace,
@@ -34,6 +38,7 @@ impl Plan {
     pub(super) const COMMON: Self = Self {
         texture: Some(Layout::PowerOfTwoPairs),
         light: Light::Vertices,
+        tinted: false,
         colored: false,
         space: ColorSpace::Bytes,
     };
@@ -69,6 +74,7 @@ impl<'a> DrawShader<'a> {
         let plan = Plan {
             texture: texture.map(|texture: TextureReader<'_>| texture.layout),
             light,
+            tinted: shader.diffuse != Vec3::ONE,
             colored: shader.attributes().color,
             space: settings.color_space,
         };

@@ -3,7 +3,6 @@
 use super::gather::{gather, gather_pairs};
 use crate::image::color::Tables;
 use crate::math::lanes::*;
-use crate::math::prefetch::prefetch;
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 use crate::scene::Texture;
@@ -48,6 +47,8 @@ pub(super) struct TextureReader<'a> {
     /// Numbers from one row to the next.
     stride: i32,
     size: (u32, u32),
+    /// The same as floats.
+    extent: [f32; 2],
     sampler: Sampler,
 }
 
@@ -65,7 +66,8 @@ impl<'a> TextureReader<'a> {
             (Filter::Bilinear | Filter::Trilinear, Address::Repeat) => Layout::Pairs,
         };
         let linear = if space == ColorSpace::Linear { texture.wrapped_linear() } else { &[] };
-        Self { layout, texels: texture.wrapped(), linear, stride: width as i32 + 1, size, sampler }
+        let extent = [width as f32, height as f32];
+        Self { layout, texels: texture.wrapped(), linear, stride: width as i32 + 1, size, extent, sampler }
     }
 
     /// Tells textures apart.
@@ -80,15 +82,38 @@ impl<'a> TextureReader<'a> {
             self.locate_power_of_two(simd, [u, v], taps);
             return;
         }
+        self.locate_all(simd, layout, [u, v], taps);
+    }
+
+    #[inline(always)]
+    fn locate_all<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
         let (u, v) = (u.split(), v.split());
         self.locate_eight(simd, layout, [u.0, v.0], taps, 0);
         self.locate_eight(simd, layout, [u.1, v.1], taps, LANES);
     }
 
+    /// Coordinates that few scenes have: apart, so that it does not stand in the way of the others.
+    #[cold]
+    #[inline(never)]
+    fn locate_unusual<S: Simd>(&self, simd: S, uv: [f32x16<S>; 2], taps: &mut Taps) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.locate_all(simd, Layout::Pairs, uv, taps),
+        );
+    }
+
     #[inline(always)]
     fn locate_power_of_two<S: Simd>(&self, simd: S, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
         let (width, height) = self.size;
-        let [(x, right), (y, down)] = each!((u, size) in [(u, width), (v, height)] => below_repeated(simd, u, size));
+        let [x, y] = each!((u, extent) in [(u, self.extent[0]), (v, self.extent[1])] => u * extent);
+        let [(x, right), (y, down)] = if are_small(x) & are_small(y) {
+            each!(position in [x, y] => below_small(simd, position))
+        } else if are_moderate(x) & are_moderate(y) {
+            each!(position in [x, y] => below_moderate(simd, position))
+        } else {
+            self.locate_unusual(simd, [u, v], taps);
+            return;
+        };
         let (x, lowest) = (x & (width as i32 - 1), height as i32 - 1);
         // Rows are one longer than a power of two: quicker by a shift and a sum than by a product.
         let shift = width.trailing_zeros();
@@ -97,9 +122,6 @@ impl<'a> TextureReader<'a> {
         lower.bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
         right.store_array(&mut taps.right);
         down.store_array(&mut taps.down);
-        for (row, lane) in [(0, 0), (0, LANES - 1), (1, LANES), (1, WIDE - 1)] {
-            prefetch(self.texels, taps.index[row][lane] as usize);
-        }
     }
 
     /// Eight of the samples, from `first` on.
@@ -198,9 +220,8 @@ impl<'a> TextureReader<'a> {
     /// Upper left, upper right, lower left and lower right texels.
     #[inline(always)]
     fn fetch_pairs<S: Simd>(&self, simd: S, taps: &Taps) -> [u32x16<S>; 4] {
-        let [[a, b], [c, d]] = each!(row in [0, 1] => {
-            gather_pairs(simd, self.texels, u32x16::load_array_ref(simd, &taps.index[row]))
-        });
+        let rows = each!(row in [0, 1] => u32x16::load_array_ref(simd, &taps.index[row]));
+        let [[a, b], [c, d]] = gather_pairs(simd, self.texels, rows);
         [a, b, c, d]
     }
 
@@ -304,18 +325,20 @@ fn below<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> (F32<S>, F
     (narrow(simd, below), narrow(simd, position - below))
 }
 
-/// [`below`] for a repeated coordinate and a size that is a power of two; the texel may be off by multiples of the size.
-///
-/// Where coordinates are not negative, every step is exact in f32 but the last sum, which rounds what f64 rounds at its end:
-/// the product with a power of two is exact, and so are its whole and its broken part, which whole repeats do not change.
+/// Whether positions are neither negative nor so large that they have no broken part: those of all samples.
 #[inline(always)]
-fn below_repeated<S: Simd>(simd: S, u: f32x16<S>, size: u32) -> (i32x16<S>, f32x16<S>) {
-    let position = u * size as f32;
-    if !(position.simd_ge(0.0) & position.simd_lt(ALL_INTEGERS)).all_true() {
-        let (first, second) = u.split();
-        let [(first, right), (second, more)] = each!(u in [first, second] => below(simd, u, size, Address::Repeat));
-        return (first.combine(second).to_int(), right.combine(more));
-    }
+fn are_small<S: Simd>(position: f32x16<S>) -> bool {
+    // Bits of floats that are not negative are in the order of what they stand for; those of others are greater.
+    position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
+}
+
+/// [`below`] for the position of a repeated coordinate in texels that [`are_small`], with a size that is a power of two; the
+/// texel may be off by multiples of the size.
+///
+/// Every step is exact in f32 but the last sum, which rounds what f64 rounds at its end: the product with a power of two is
+/// exact, and so are its whole and its broken part, which whole repeats do not change.
+#[inline(always)]
+fn below_small<S: Simd>(simd: S, position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
     let texel: i32x16<S> = position.to_int();
     let within = position - texel.to_float::<f32x16<S>>();
     let first_half = within.simd_lt(0.5);
@@ -323,5 +346,96 @@ fn below_repeated<S: Simd>(simd: S, u: f32x16<S>, size: u32) -> (i32x16<S>, f32x
     (texel + before, within + first_half.select(f32x16::splat(simd, 0.5), f32x16::splat(simd, -0.5)))
 }
 
+/// Whether [`below_moderate`] holds for positions: those of all samples.
+#[inline(always)]
+fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
+    let least_below_zero = (-LEAST_BELOW_ZERO).to_bits() as i32;
+    // Bits of negative floats, taken as integers, begin with the least of these and grow away from zero.
+    let far_enough = position.bitcast::<i32x16<S>>().simd_ge(least_below_zero);
+    (position.abs().simd_lt(ALL_INTEGERS) & far_enough).all_true()
+}
+
+/// [`below_small`] for positions of either sign. The whole part of a position is cut off without a rounding error, and what is
+/// left is rounded once, by the sum, as f64 rounds it at its end.
+#[inline(always)]
+fn below_moderate<S: Simd>(simd: S, position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
+    let whole: i32x16<S> = position.to_int();
+    let rest = position - whole.to_float::<f32x16<S>>();
+    let (right_half, left_half) = (rest.simd_ge(0.5), rest.simd_lt(-0.5));
+    let before = right_half.select(i32x16::splat(simd, 0), i32x16::splat(simd, -1));
+    let before = left_half.select(i32x16::splat(simd, -2), before);
+    let weight = right_half.select(f32x16::splat(simd, -0.5), f32x16::splat(simd, 0.5));
+    let weight = left_half.select(f32x16::splat(simd, 1.5), weight);
+    (whole + before, rest + weight)
+}
+
+/// Nearer to zero, negative positions in textures of up to 2¹⁶ texels have digits that f64 cannot hold together with one.
+const LEAST_BELOW_ZERO: f32 = 1.0 / 16384.0;
+
 /// From here on every float is a whole number.
 const ALL_INTEGERS: f32 = 8_388_608.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Image;
+
+    /// Coordinates everywhere, and near to where texels meet or the ways to find them change.
+    fn coordinate(random: &mut fastrand::Rng, size: u32) -> f32 {
+        let least_below_zero = LEAST_BELOW_ZERO / size as f32;
+        let u = match random.u32(..6) {
+            0 => random.f32() * 2.0 - 1.0,
+            1 => (random.f32() * 2.0 - 1.0) * 50.0,
+            2 => random.i32(-4 * size as i32..4 * size as i32) as f32 * 0.5 / size as f32,
+            3 => (random.f32() * 2.0 - 1.0) * 4.0 * least_below_zero,
+            4 => f32::from_bits(random.u32(..)),
+            _ => [0.0, -0.0, -least_below_zero, ALL_INTEGERS / size as f32, -ALL_INTEGERS / size as f32]
+                [random.usize(..5)],
+        };
+        let steps = if random.bool() { random.i32(-3..4) } else { 0 };
+        (0..steps.abs()).fold(u, |u, _| if steps < 0 { u.next_down() } else { u.next_up() })
+    }
+
+    #[test]
+    fn powers_of_two_are_found_as_all_sizes_are() {
+        let mut random = fastrand::Rng::with_seed(3);
+        for size in [(1, 1), (2, 64), (1024, 16), (256, 512)] {
+            let texture = Texture::new("", Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");
+            let sampler = Sampler::new(Filter::Bilinear, Address::Repeat, ColorSpace::Bytes);
+            let reader = TextureReader::new(&texture, sampler, ColorSpace::Bytes);
+            assert_eq!(reader.layout, Layout::PowerOfTwoPairs);
+            for round in 0..4000 {
+                // Mostly of one kind, so that all ways are gone.
+                let [u, v] = [size.0, size.1].map(|size| -> [f32; WIDE] {
+                    std::array::from_fn(|_| {
+                        loop {
+                            let u = coordinate(&mut random, size);
+                            let position = u * size as f32;
+                            let is_of_kind = match round % 4 {
+                                0 => (0.0..ALL_INTEGERS).contains(&position),
+                                1 | 2 => position.abs() < ALL_INTEGERS && !(-LEAST_BELOW_ZERO..0.0).contains(&position),
+                                _ => true,
+                            };
+                            if is_of_kind {
+                                break u;
+                            }
+                        }
+                    })
+                });
+                for lanes in Lanes::all() {
+                    let [quick, general] = on_lanes!(lanes, simd => {
+                        let uv = [f32x16::load_array(simd, u), f32x16::load_array(simd, v)];
+                        let (mut quick, mut general) = (Taps::default(), Taps::default());
+                        reader.locate_power_of_two(simd, uv, &mut quick);
+                        reader.locate_all(simd, Layout::Pairs, uv, &mut general);
+                        [quick, general]
+                    });
+                    assert_eq!(quick.index[..2], general.index[..2], "{u:?} {v:?} by {}", lanes.name());
+                    let bits = |weights: [f32; WIDE]| weights.map(f32::to_bits);
+                    assert_eq!(bits(quick.right), bits(general.right), "{u:?} by {}", lanes.name());
+                    assert_eq!(bits(quick.down), bits(general.down), "{v:?} by {}", lanes.name());
+                }
+            }
+        }
+    }
+}
