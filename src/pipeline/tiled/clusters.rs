@@ -34,7 +34,7 @@ use std::ops::Range;
 use glam::{Mat4, Vec4, Vec4Swizzles};
 
 use super::super::clip::{GUARD_BAND_PX, Plane};
-use super::super::plan::Unseen;
+use super::super::plan::{Containment, Unseen};
 use super::super::settings::Culling;
 use super::super::vertex::{ROUNDING, UNDERFLOW};
 use super::super::viewport::{MAX_SIDE_PX, Viewport};
@@ -203,14 +203,17 @@ const PLANES: [Plane; 6] = [Plane::Near, Plane::Far, Plane::Left, Plane::Right, 
 /// What tells clusters apart in a view of one mesh.
 #[derive(Clone, Debug)]
 pub(super) struct View {
+    /// All of the mesh is inside the view: no cluster is outside, and no triangle is cut.
+    all_inside: bool,
     distances: [Affine; PLANES.len()],
     /// None where nothing is culled.
     side: Option<Side>,
 }
 
 impl View {
-    pub(super) fn new(clip_from_model: Mat4, culling: Culling, viewport: Viewport) -> Self {
+    pub(super) fn new(clip_from_model: Mat4, containment: Containment, culling: Culling, viewport: Viewport) -> Self {
         Self {
+            all_inside: containment == Containment::Inside,
             distances: PLANES.map(|plane| Affine::distance(plane, clip_from_model, 1.0)),
             side: match culling {
                 Culling::None => None,
@@ -288,6 +291,7 @@ impl Side {
         simd: S,
         (bounds, farthest): (&[[F64<S>; 3]; 2], &[F64<S>; 3]),
         planes: &Planes,
+        may_be_cut: bool,
     ) -> u64 {
         let normals = each!(end in [0, 1] => {
             each!(axis in [0, 1, 2] => widen(simd, F32::load_array(simd, planes.normals[end][axis])))
@@ -307,7 +311,7 @@ impl Side {
         if bits == 0 {
             return 0;
         }
-        for distance in &self.distances {
+        for distance in self.distances.iter().filter(|_| may_be_cut) {
             bits &= distance.least(simd, bounds).simd_gt(distance.slack(simd, farthest)).to_bitmask();
         }
         let slack = self.w.slack(simd, farthest);
@@ -368,12 +372,12 @@ fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &Planes, view: &View) ->
     });
     let farthest = each!(axis in [0, 1, 2] => bounds[0][axis].abs().max(bounds[1][axis].abs()));
     let mut outside = 0;
-    for distance in &view.distances {
+    for distance in view.distances.iter().filter(|_| !view.all_inside) {
         let slack = distance.slack(simd, &farthest);
         outside |= distance.greatest(simd, &bounds).simd_lt(-slack).to_bitmask();
     }
     let turned_away = match &view.side {
-        Some(side) if outside != ALL => side.turned_away(simd, (&bounds, &farthest), planes),
+        Some(side) if outside != ALL => side.turned_away(simd, (&bounds, &farthest), planes, !view.all_inside),
         _ => 0,
     };
     [outside, turned_away]
@@ -392,7 +396,7 @@ mod tests {
     use crate::pipeline::depth::DepthScale;
     use crate::pipeline::raster::doubled_area;
     use crate::pipeline::settings::Arithmetic;
-    use crate::pipeline::vertex::ClipVertex;
+    use crate::pipeline::vertex::{ClipVertex, containment};
     use crate::scene::{Camera, DepthMapping, MeshData};
 
     const VIEWPORT: Viewport = Viewport { width: 640, height: 360 };
@@ -406,7 +410,7 @@ mod tests {
     }
 
     fn bits(corners: &[[Vec3; 2]; LANES], matrix: Mat4, lanes: Lanes) -> u64 {
-        let view = View::new(matrix, Culling::None, VIEWPORT);
+        let view = View::new(matrix, Containment::Crossing, Culling::None, VIEWPORT);
         let boxes = boxes(corners);
         let planes = Planes { normals: [[[0.0; LANES]; 3]; 2], offsets: [[0.0; LANES]; 2], altitudes: [0.0; LANES] };
         let [outside, turned_away] = on_lanes!(lanes, simd => eight_fates(simd, &boxes, &planes, &view));
@@ -496,7 +500,8 @@ mod tests {
             let matrix =
                 projection * Mat4::from_translation(place) * Mat4::from_quat(turn) * shear * Mat4::from_scale(mirror);
             for culling in [Culling::Back, Culling::Front] {
-                let view = View::new(matrix, culling, VIEWPORT);
+                let containment = containment(mesh.bounds(), matrix);
+                let view = View::new(matrix, containment, culling, VIEWPORT);
                 for lanes in Lanes::all() {
                     let fates = fates(mesh.clusters(), &view, lanes);
                     for (cluster, fate) in fates.into_iter().enumerate() {

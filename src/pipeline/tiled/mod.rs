@@ -430,8 +430,11 @@ fn plan<'a>(
         let mut kept = Kept::all(mesh);
         if !mesh.clusters().is_empty() && DrawPlan::may_leave_out_clusters(settings, inside) {
             let unseen;
-            (kept, unseen) =
-                Kept::without_unseen(mesh, &View::new(matrices.clip_from_model, settings.culling, viewport), lanes);
+            (kept, unseen) = Kept::without_unseen(
+                mesh,
+                &View::new(matrices.clip_from_model, inside, settings.culling, viewport),
+                lanes,
+            );
             plan = plan.without(unseen);
         }
         plans.push(plan);
