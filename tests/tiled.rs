@@ -5,18 +5,19 @@ mod common;
 
 use std::sync::Arc;
 
-use common::scenes;
-use glam::Vec3;
+use common::{SceneBuilder, scenes};
+use glam::{Mat4, Vec3, Vec4};
 use rasterscope::antialias::settings::Method;
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::math::lanes::Lanes;
-use rasterscope::pipeline::plan::{DrawPlan, Part};
+use rasterscope::pipeline::plan::{DrawPlan, Part, Unseen};
 use rasterscope::pipeline::settings::{
     Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution, FillRule, Filter, Force,
     Interpolation, Rasterizer, Shading,
 };
+use rasterscope::pipeline::tiled;
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::{Camera, Scene, SceneSource, builtin};
+use rasterscope::scene::{Camera, Projection, Scene, SceneSource, Window, builtin};
 use rasterscope::upscale::Upscaling;
 
 /// Odd on purpose: neither tiles nor blocks divide it.
@@ -60,7 +61,7 @@ fn textures() -> Vec<Recipe> {
     let recipes = with::<Address>(&recipes, |r, c| r.pipeline.address = c);
     let recipes = with::<ColorSpace>(&recipes, |r, c| r.pipeline.color_space = c);
     let mut all = recipes.clone();
-    for shading in [Shading::Texture, Shading::Gouraud] {
+    for shading in [Shading::Texture, Shading::Gouraud, Shading::Cel] {
         all.extend(recipes.iter().map(|recipe| {
             let mut recipe = *recipe;
             recipe.pipeline.shading = shading;
@@ -138,6 +139,22 @@ fn every_way_to_read_textures_gives_the_same_picture() {
     check_all(&textures());
 }
 
+/// Gradients ask where corners were before they were snapped, on pieces of triangles that were cut too.
+#[test]
+fn mip_mapped_textures_give_the_same_picture() {
+    let mut renderers = Renderers::new();
+    let mut recipe = Recipe::default();
+    recipe.pipeline.filter = Filter::Trilinear;
+    for shading in [Shading::Texture, Shading::Gouraud, Shading::Lambert, Shading::Cel] {
+        recipe.pipeline.shading = shading;
+        for (name, scene) in scenes() {
+            assert_eq!(execution(&scene, &recipe), (Execution::Tiled, None));
+            let scene = Arc::new(scene);
+            renderers.check(name, &scene, &scene.home, &recipe);
+        }
+    }
+}
+
 #[test]
 fn every_way_to_smooth_gives_the_same_picture() {
     let mut recipes = with::<Method>(&[Recipe::default()], |r, c| r.antialias.method = c);
@@ -159,6 +176,80 @@ fn views_from_within_the_scene_give_the_same_picture() {
             camera.eye = camera.eye.lerp(camera.target, random.f32() * 1.5);
             camera.target += common::in_cube(&mut random) * 2.0;
             renderers.check(builtin.id, &scene, &camera, &Recipe::default());
+        }
+    }
+}
+
+/// A sphere from within: whatever the matrix and the view, clusters of it lie beyond all planes, and others cross them. In it are
+/// sheets of which one sees the one side or the other.
+#[test]
+fn clusters_that_show_nothing_are_missed_by_no_picture() {
+    let mut renderers = Renderers::new();
+    let mut random = fastrand::Rng::with_seed(31);
+    let mut seen = Unseen::default();
+    let shear = Mat4::from_cols(Vec4::X, Vec4::new(0.7, 1.0, -0.3, 0.0), Vec4::new(0.0, 0.4, 1.0, 0.0), Vec4::W);
+    for (name, placed) in [
+        ("as it is", Mat4::IDENTITY),
+        ("mirrored", Mat4::from_scale(Vec3::new(1.0, -1.0, 1.0))),
+        ("sheared", shear),
+        ("huge", Mat4::from_scale(Vec3::splat(3e4))),
+        ("tiny", Mat4::from_scale(Vec3::new(3e-5, 2e-3, 1e-4))),
+        ("flat", Mat4::from_scale(Vec3::new(1.0, 0.0, 1.0))),
+    ] {
+        let sheets = [[Vec3::X, Vec3::Y], [Vec3::Y, Vec3::X], [Vec3::Y, Vec3::Z], [Vec3::Z, Vec3::X]];
+        let scene =
+            sheets.iter().fold(SceneBuilder::new(Vec3::Z).with(common::sphere(70), placed, None), |scene, edges| {
+                let edges = edges.map(|edge| edge * 0.5);
+                scene.with(common::sheet((edges[0] + edges[1]) * -0.5, edges), placed, None)
+            });
+        let scene = Arc::new(scene.0);
+        for _ in 0..8 {
+            let mut camera = scene.home;
+            camera.eye = placed.transform_point3(common::in_cube(&mut random) * 0.9);
+            camera.target = camera.eye + common::in_cube(&mut random);
+            let size = placed.to_scale_rotation_translation().0.abs().max_element();
+            (camera.near, camera.far) = (size * 0.05, size * random.f32() * 2.0 + size * 0.1);
+            let camera = camera.with_orthographic(random.bool());
+            let mut recipe = Recipe::default();
+            recipe.pipeline.culling = Culling::ALL[random.usize(..Culling::ALL.len())];
+            recipe.pipeline.depth_format = DepthFormat::ALL[random.usize(..DepthFormat::ALL.len())];
+            renderers.check(name, &scene, &camera, &recipe);
+            let unseen = Unseen::of(&tiled::plans(&scene, &camera, &recipe.pipeline, SIZE));
+            seen.outside += unseen.outside;
+            seen.turned_away += unseen.turned_away;
+            seen.all += unseen.all;
+        }
+    }
+    assert!(seen.outside > seen.all / 3 && seen.turned_away > 20, "{seen:?}");
+}
+
+/// In an orthographic view whose planes are at ±2. What touches one from outside is rasterized, though in no pixel, as it is
+/// not beyond it; what is beyond it by the least number is not. At the planes of depth the whole sheet lies.
+#[test]
+fn clusters_that_touch_a_plane_are_kept() {
+    let mut renderers = Renderers::new();
+    for (name, outside, along) in [
+        ("left", Vec3::NEG_X, Vec3::Y),
+        ("right", Vec3::X, Vec3::Y),
+        ("bottom", Vec3::NEG_Y, Vec3::X),
+        ("top", Vec3::Y, Vec3::X),
+        ("near", Vec3::Z, Vec3::Y),
+        ("far", Vec3::NEG_Z, Vec3::Y),
+    ] {
+        for steps in -2_i32..=2 {
+            let at = f32::from_bits((2.0_f32.to_bits() as i32 + steps) as u32);
+            let first = if outside.z == 0.0 { outside } else { Vec3::X };
+            let mesh = common::sheet(outside * at, [first, along]);
+            let mut scene = SceneBuilder::new(Vec3::Z * 3.0).with(mesh, Mat4::IDENTITY, None).0;
+            scene.home.projection = Projection::Orthographic { height: 4.0 };
+            scene.home.window = Some(Window { aspect: 1.0, scale: [1.0; 2], shift: [0.0; 2] });
+            (scene.home.near, scene.home.far) = (1.0, 5.0);
+            let (scene, mut recipe) = (Arc::new(scene), Recipe::default());
+            recipe.pipeline.culling = Culling::None;
+            renderers.check(&format!("{name} {steps}"), &scene, &scene.home, &recipe);
+            let rasterized = run(&scene, &scene.home, &recipe, SIZE, &mut ()).rasterized();
+            // One step beyond the far plane rounding brings it back.
+            assert!(if steps == 1 { name == "far" || rasterized == 0 } else { (rasterized > 0) == (steps <= 0) });
         }
     }
 }

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
-use rasterscope::chain::Recipe;
+use rasterscope::chain::{Recipe, execution};
 use rasterscope::measure::leaving_out::{Saving, Savings, savings};
 use rasterscope::pipeline::plan::Part;
-use rasterscope::pipeline::prepare;
+use rasterscope::pipeline::settings::Execution;
 use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::pipeline::{prepare, tiled};
 use rasterscope::report::leaving_out::{Row, table, views};
 use rasterscope::report::plan::{Group, Whole, groups, text, whole, whole_text};
 use rasterscope::scene::{Camera, Scene};
@@ -29,8 +30,8 @@ pub(crate) struct PlanArgs {
     #[arg(long, group = "measuring")]
     measure: bool,
 
-    /// Measure it on every built-in scene instead, in its own view, and on a sheet of many triangles in view and behind the
-    /// viewer: a table of scenes and parts
+    /// Measure it on every built-in scene instead, in its own view, and on a sheet of many triangles in view, from near,
+    /// and behind the viewer: a table of scenes and parts
     #[arg(long, group = "measuring", conflicts_with_all = ["scene", "camera", "mirror_z"])]
     table: bool,
 
@@ -63,7 +64,10 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
         return table_of_scenes(args, &recipe, viewport);
     }
     let Viewport { width, height } = viewport;
-    let plans = prepare(&scene, &camera, &recipe.pipeline, viewport, &mut ()).plans;
+    let plans = match execution(&scene, &recipe).0 {
+        Execution::Tiled => tiled::plans(&scene, &camera, &recipe.pipeline, viewport),
+        Execution::Classic => prepare(&scene, &camera, &recipe.pipeline, viewport, &mut ()).plans,
+    };
     let groups = groups(&scene, &plans);
     let frame = whole(&scene, &recipe, viewport);
     let savings = args.measure.then(|| {

@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::settings::{DepthTest, Force, Interpolation, Settings, Shading};
+use super::settings::{Culling, DepthTest, Force, Interpolation, Settings, Shading};
 use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparency};
 
 /// A part of the work that a draw may not need.
@@ -15,6 +15,10 @@ use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparenc
 pub enum Part {
     /// Transforming vertices, and everything after.
     Vertices,
+    /// The same for every cluster of a large mesh. One is left out if all of it lies outside the view, or if all its triangles
+    /// show the side that is culled. That is decided by their *snapped* corners: those that are so small or so thin on the
+    /// screen that snapping may turn one over are looked at one by one, however much they face away.
+    EveryCluster,
     /// Cutting at the planes of the frustum.
     Clipping,
     /// Telling front from back.
@@ -41,8 +45,9 @@ pub enum Part {
 
 impl Part {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Vertices,
+        Self::EveryCluster,
         Self::Clipping,
         Self::Culling,
         Self::Depth,
@@ -60,6 +65,7 @@ impl Part {
     pub fn force(self) -> Option<Force> {
         match self {
             Self::Vertices => Some(Force::Vertices),
+            Self::EveryCluster => Some(Force::Clusters),
             Self::Clipping => Some(Force::Clipping),
             Self::PerspectiveDivision => Some(Force::PerspectiveDivision),
             Self::TextureCoordinates => Some(Force::TextureCoordinates),
@@ -84,6 +90,7 @@ impl Part {
     pub fn name(self) -> &'static str {
         match self {
             Self::Vertices => "Vertices",
+            Self::EveryCluster => "Every cluster",
             Self::Clipping => "Clipping",
             Self::Culling => "Culling",
             Self::Depth => "Depth buffer",
@@ -140,11 +147,45 @@ pub enum Containment {
     Crossing,
 }
 
+/// How many clusters of a mesh show nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Unseen {
+    /// Those that lie outside the view.
+    pub outside: usize,
+    /// Others that show the side that is culled.
+    pub turned_away: usize,
+    /// All clusters.
+    pub all: usize,
+}
+
+impl Unseen {
+    /// Of several draws together.
+    pub fn of<'a>(plans: impl IntoIterator<Item = &'a DrawPlan>) -> Self {
+        plans.into_iter().fold(Self::default(), |sum, DrawPlan { clusters, .. }| Self {
+            outside: sum.outside + clusters.outside,
+            turned_away: sum.turned_away + clusters.turned_away,
+            all: sum.all + clusters.all,
+        })
+    }
+
+    /// Those that are left out.
+    pub fn left_out(&self) -> usize {
+        self.outside + self.turned_away
+    }
+
+    /// In words.
+    pub fn told(self) -> String {
+        let Self { outside, turned_away, all } = self;
+        format!("{} of {all}: {outside} wholly outside the view, {turned_away} turned away", self.left_out())
+    }
+}
+
 /// The plan of one draw: a step for every [`Part`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct DrawPlan {
     steps: [Step; Part::ALL.len()],
     transparency: Transparency,
+    clusters: Unseen,
 }
 
 impl DrawPlan {
@@ -164,7 +205,39 @@ impl DrawPlan {
             let can_run = outside.is_none() && part.can_run(library, instance, settings);
             Step::unless(reason.filter(|_| !(forced(part) && can_run)))
         });
-        Self { steps, transparency: transparency(library, instance, settings.shading) }
+        let transparency = transparency(library, instance, settings.shading);
+        Self { steps, transparency, clusters: Unseen::default() }
+    }
+
+    /// The same with some clusters left out, if there are any that show nothing.
+    pub(super) fn without(mut self, clusters: Unseen) -> Self {
+        if clusters.left_out() > 0 {
+            self.steps[Part::EveryCluster as usize] =
+                Step::LeftOut("clusters outside the view or turned away as a whole");
+            self.clusters = clusters;
+        }
+        self
+    }
+
+    /// Whether clusters may be left out at all.
+    pub(super) fn may_leave_out_clusters(settings: &Settings, containment: Containment) -> bool {
+        let some = match containment {
+            // Left out as a whole, or forced.
+            Containment::Outside => false,
+            Containment::Inside => settings.culling != Culling::None,
+            Containment::Crossing => true,
+        };
+        some && !matches!(settings.force, Force::Everything | Force::Clusters)
+    }
+
+    /// How many clusters are left out, of how many; nothing if none is.
+    pub fn clusters(&self) -> Unseen {
+        self.clusters
+    }
+
+    /// Whether the same parts run as in another draw, and for the same reasons, however many clusters of either show nothing.
+    pub fn agrees_with(&self, other: &Self) -> bool {
+        (self.steps, self.transparency) == (other.steps, other.transparency)
     }
 
     /// How the draw meets what was drawn before it. Not a matter of what can be left out: it decides the picture.
@@ -199,9 +272,10 @@ fn left_out(
     let lit = matches!(shading, Shading::Gouraud | Shading::Lambert | Shading::Cel);
     let textured = textures_read(library, instance, shading).next().is_some();
     match part {
-        Part::Vertices => None,
+        // Which clusters show something is known later: `DrawPlan::without`.
+        Part::Vertices | Part::EveryCluster => None,
         Part::Clipping => (containment == Containment::Inside).then_some("the whole object is inside the view"),
-        Part::Culling => (settings.culling == super::settings::Culling::None).then_some("culling is off"),
+        Part::Culling => (settings.culling == Culling::None).then_some("culling is off"),
         Part::Depth => (settings.depth_test == DepthTest::Off).then_some("the depth test is off"),
         Part::PerspectiveDivision if settings.interpolation != Interpolation::Perspective => {
             Some("interpolation is affine")

@@ -65,6 +65,7 @@ choice! {
         Nothing = "nothing", "Nothing", "Every draw leaves out what it does not need.";
         Everything = "everything", "Everything", "All of the following run where they can.";
         Vertices = "vertices", "Vertices", "Objects that are wholly outside of the view are transformed and clipped.";
+        Clusters = "clusters", "Every cluster", "Clusters of triangles of a large object that are wholly outside of the view, or turned away, are transformed and culled one by one.";
         Clipping = "clipping", "Clipping", "Triangles of objects that are wholly inside of the view are tested against its planes.";
         PerspectiveDivision = "perspective-division", "Perspective division", "Weights are divided by w in orthographic views too, where all w are equal.";
         TextureCoordinates = "texture-coordinates", "Texture coordinates", "Texture coordinates are fetched and interpolated even if none is read.";

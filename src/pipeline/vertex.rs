@@ -93,7 +93,11 @@ impl DrawMatrices {
 
 /// Rounding errors of a transformed vertex, relative to the sum of the magnitudes that it is the sum of: four products
 /// and three sums, twice as two components meet in a distance, and as much again to be safe.
-const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
+pub(super) const ROUNDING: f64 = 16.0 * f32::EPSILON as f64;
+
+/// Rounding errors of products so small that f32 holds them with less than its full precision: each is off by half the least
+/// number at most, six of them meet in a distance.
+pub(super) const UNDERFLOW: f64 = f32::MIN_POSITIVE as f64;
 
 /// Where a model-space box lies with respect to the frustum.
 ///
@@ -110,7 +114,7 @@ pub fn containment(bounds: Aabb, clip_from_model: Mat4) -> Containment {
     // Otherwise a vertex may overflow where the corners do not.
     let mut inside_all = magnitudes.max_element() < f64::from(f32::MAX);
     for plane in Plane::ALL {
-        let slack = ROUNDING * plane.magnitude(magnitudes);
+        let slack = ROUNDING * plane.magnitude(magnitudes) + UNDERFLOW;
         let distances = corners.map(|c| plane.distance(c, 1.0));
         if distances.iter().all(|d| *d < -slack) {
             return Containment::Outside;

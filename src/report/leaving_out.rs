@@ -20,7 +20,11 @@ pub struct Row {
 /// Triangles of the sheet: so many that what is done for each of them shows.
 const SHEET_TRIANGLES: usize = 100_000;
 
-/// What is measured on: every built-in scene in its own view, and a sheet of many triangles, in view and behind the viewer.
+/// How far away the sheet is from near, of the distance in its own view.
+const SHEET_NEAR: f32 = 0.25;
+
+/// What is measured on: every built-in scene in its own view, and a sheet of many triangles, in view, from near, and behind the
+/// viewer.
 pub fn views() -> Vec<(&'static str, Scene, Camera)> {
     let of = |id, scene: Scene| {
         let home = scene.home;
@@ -30,14 +34,18 @@ pub fn views() -> Vec<(&'static str, Scene, Camera)> {
     let sheet = sheet(SHEET_TRIANGLES);
     let Camera { eye, target, .. } = sheet.home;
     let away = Camera { target: eye + (eye - target), ..sheet.home };
+    // So near that most of it is beside the picture.
+    let near = Camera { eye: target.lerp(eye, SHEET_NEAR), near: sheet.home.near * SHEET_NEAR, ..sheet.home };
     views.push(of("sheet in view", sheet.clone()));
+    views.push(("sheet from near", sheet.clone(), near));
     views.push(("sheet behind", sheet, away));
     views
 }
 
 /// Parts that can be forced, and what their columns are headed.
-const COLUMNS: [(Part, &str); 6] = [
+const COLUMNS: [(Part, &str); 7] = [
     (Part::Vertices, "vertices"),
+    (Part::EveryCluster, "clusters"),
     (Part::Clipping, "clipping"),
     (Part::PerspectiveDivision, "division"),
     (Part::TextureCoordinates, "tex. coords"),
@@ -130,8 +138,8 @@ mod tests {
         };
         // 2 · 1.2533 · (0.64 / 2.563) / √2: the percentiles of two numbers lie a tenth of the way from them.
         assert_eq!(words("one")[..4], ["2.000", "0.443", "3.00", "0.150"]);
-        assert_eq!(words("one")[4..], ["needed", "(-0.250)!PICTURE", "–", "–", "+0.500", "–", "+0.750"]);
-        assert_eq!(words("two")[4..], ["needed", "–", "–", "–", "–", "–", "nothing"]);
+        assert_eq!(words("one")[4..], ["needed", "–", "(-0.250)!PICTURE", "–", "–", "+0.500", "–", "+0.750"]);
+        assert_eq!(words("two")[4..], ["needed", "–", "–", "–", "–", "–", "–", "nothing"]);
     }
 
     #[test]

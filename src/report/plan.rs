@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::chain::whole::{FramePart, rasterized_pixels};
 use crate::chain::{KeepDepth, Recipe};
-use crate::pipeline::plan::{DrawPlan, Part, Step};
+use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Scene, Transparency};
 
@@ -20,7 +20,7 @@ pub struct Entry<P = Part> {
     pub reason: Option<&'static str>,
 }
 
-/// Draws that have the very same plan.
+/// Draws whose plans agree.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Group {
     /// Their number.
@@ -29,6 +29,8 @@ pub struct Group {
     pub names: Vec<String>,
     /// How they meet what was drawn before them.
     pub transparency: Transparency,
+    /// Clusters that are left out, of those of the draws that leave out any.
+    pub clusters: Unseen,
     /// Every part, in the order of the stages.
     pub parts: Vec<Entry>,
 }
@@ -64,19 +66,23 @@ pub fn whole_text(whole: &Whole) -> String {
 
 /// The groups of a scene's draws, `plans` being one per instance; in the order of their first draws.
 pub fn groups(scene: &Scene, plans: &[DrawPlan]) -> Vec<Group> {
-    let mut found: Vec<(DrawPlan, Vec<String>)> = Vec::new();
+    let mut found: Vec<(Vec<DrawPlan>, Vec<String>)> = Vec::new();
     for (instance, plan) in scene.instances.iter().zip(plans) {
-        match found.iter_mut().find(|(known, _)| known == plan) {
-            Some((_, names)) => names.push(instance.name.clone()),
-            None => found.push((*plan, vec![instance.name.clone()])),
+        match found.iter_mut().find(|(known, _)| known[0].agrees_with(plan)) {
+            Some((known, names)) => {
+                known.push(*plan);
+                names.push(instance.name.clone());
+            }
+            None => found.push((vec![*plan], vec![instance.name.clone()])),
         }
     }
-    found.into_iter().map(|(plan, names)| group(plan, names)).collect()
+    found.into_iter().map(|(plans, names)| group(&plans, names)).collect()
 }
 
-fn group(plan: DrawPlan, names: Vec<String>) -> Group {
+fn group(plans: &[DrawPlan], names: Vec<String>) -> Group {
+    let plan = &plans[0];
     let parts = Part::ALL.map(|part| entry(part, plan.step(part))).into();
-    Group { draws: names.len(), names, transparency: plan.transparency(), parts }
+    Group { draws: names.len(), names, transparency: plan.transparency(), clusters: Unseen::of(plans), parts }
 }
 
 fn entry<P>(part: P, step: Step) -> Entry<P> {
@@ -91,7 +97,8 @@ pub fn text(group: &Group) -> String {
     let draws = if group.draws == 1 { "draw" } else { "draws" };
     let mut text = format!("{} {draws}: {}\n", group.draws, told_names(&group.names));
     for Entry { part, reason, .. } in &group.parts {
-        text.push_str(&line(part.name(), *reason));
+        let counted = (*part == Part::EveryCluster && group.clusters.left_out() > 0).then(|| group.clusters.told());
+        text.push_str(&line(part.name(), counted.as_deref().or(*reason)));
     }
     text
 }

@@ -5,6 +5,7 @@ use std::ops::Deref;
 use glam::{Vec2, Vec3};
 use thiserror::Error;
 
+use super::clusters::Clusters;
 use crate::math::{Aabb, unit_or};
 
 /// The arrays of a mesh before they are checked.
@@ -63,6 +64,7 @@ pub enum MeshError {
 pub struct Mesh {
     data: MeshData,
     bounds: Aabb,
+    clusters: Clusters,
     lost_normals: usize,
 }
 
@@ -82,8 +84,7 @@ impl Mesh {
         check_array("positions", &data.positions, count, false, |p| p.is_finite())?;
         check_array("texture coordinates", &data.uvs, count, true, |t| t.is_finite())?;
         check_array("vertex colours", &data.colors, count, true, |c| c.is_finite())?;
-        let bounds = Aabb::around(data.positions.iter().copied());
-        Ok(Self { data, bounds, lost_normals: 0 })
+        Ok(Self::of(data, 0))
     }
 
     /// As [`Mesh::new`], but for normals that are no finite numbers: they become zero, so that no direct light reaches the
@@ -97,6 +98,13 @@ impl Mesh {
         Ok(Self { lost_normals, ..Self::new(data)? })
     }
 
+    /// From arrays that were checked.
+    fn of(data: MeshData, lost_normals: usize) -> Self {
+        let bounds = Aabb::around(data.positions.iter().copied());
+        let clusters = Clusters::new(&data.positions, &data.triangles);
+        Self { data, bounds, clusters, lost_normals }
+    }
+
     /// How many vertices have no normal because the one that was given was no finite number.
     pub fn lost_normals(&self) -> usize {
         self.lost_normals
@@ -105,6 +113,11 @@ impl Mesh {
     /// Box around all vertices, model space.
     pub fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// The parts that are looked at as a whole; none of a small mesh.
+    pub fn clusters(&self) -> &Clusters {
+        &self.clusters
     }
 
     /// The mirror image in z: for models made for a world of the other handedness. Two corners of each triangle change
@@ -117,8 +130,7 @@ impl Mesh {
         for triangle in &mut data.triangles {
             triangle.swap(1, 2);
         }
-        let bounds = Aabb::around(data.positions.iter().copied());
-        Self { data, bounds, lost_normals: self.lost_normals }
+        Self::of(data, self.lost_normals)
     }
 
     /// Bytes held by the arrays.
@@ -127,6 +139,7 @@ impl Mesh {
         (positions.capacity() + normals.capacity() + colors.capacity()) * size_of::<Vec3>()
             + uvs.capacity() * size_of::<Vec2>()
             + triangles.capacity() * size_of::<[u32; 3]>()
+            + self.clusters.bytes()
     }
 }
 

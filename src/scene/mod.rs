@@ -6,6 +6,8 @@ pub mod camera;
 
 pub mod camera_file;
 
+pub mod clusters;
+
 pub mod depth_mapping;
 
 pub mod error;

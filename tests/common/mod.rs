@@ -3,7 +3,7 @@
 
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
 use glam::{Mat4, Quat, Vec2, Vec3};
@@ -245,6 +245,25 @@ pub(crate) fn see_through_scene() -> Scene {
         .with_opacity(plane(), at(-0.2, -0.4), textures(&[0, 255]), 0.7)
         .with_opacity(soup, Mat4::from_scale(Vec3::splat(2.0)), None, 0.25)
         .0
+}
+
+/// A sphere of radius 1 around the origin, of 2 · `cells`² triangles, row by row.
+pub(crate) fn sphere(cells: u32) -> Mesh {
+    let side = cells + 1;
+    let at = |i: u32| {
+        let (longitude, latitude) = ((i % side) as f32 / cells as f32 * TAU, (i / side) as f32 / cells as f32 * PI);
+        Vec3::new(latitude.sin() * longitude.cos(), -latitude.cos(), -latitude.sin() * longitude.sin())
+    };
+    mesh((0..side * side).map(at).collect(), grid_triangles(cells, cells))
+}
+
+/// A sheet of 512 triangles from `corner` along two edges; each row of them begins at the second one.
+pub(crate) fn sheet(corner: Vec3, edges: [Vec3; 2]) -> Mesh {
+    const CELLS: u32 = 16;
+    let side = CELLS + 1;
+    let share = |i: u32| i as f32 / CELLS as f32;
+    let at = |i: u32| corner + edges[0] * share(i % side) + edges[1] * share(i / side);
+    mesh((0..side * side).map(at).collect(), grid_triangles(CELLS, CELLS))
 }
 
 /// All of them.

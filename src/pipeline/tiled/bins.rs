@@ -196,7 +196,7 @@ impl Binning<'_> {
         });
     }
 
-    /// Cuts the list of all triangles into chunks.
+    /// Cuts the list of all triangles that are not left out into chunks.
     fn share_out(&self, chunks: &mut Vec<Chunk>) {
         for chunk in chunks.iter_mut() {
             chunk.parts.clear();
@@ -206,8 +206,11 @@ impl Binning<'_> {
             chunk.rasterized = 0;
         }
         let (mut number, mut room) = (0, CHUNK as u32);
-        for (index, draw) in self.draws.iter().enumerate() {
-            let (mut first, end) = (draw.first.0, draw.first.0 + draw.mesh.triangles.len() as u32);
+        let draws = self.draws.iter().enumerate();
+        for (index, draw, own) in
+            draws.flat_map(|(index, draw)| draw.kept.triangles.as_slice().iter().map(move |own| (index, draw, own)))
+        {
+            let (mut first, end) = (draw.first.0 + own.start as u32, draw.first.0 + own.end as u32);
             while first < end {
                 if chunks.len() <= number {
                     chunks.push(Chunk::default());

@@ -6,6 +6,7 @@
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::clusters::Kept;
 use super::outcode::Outcode;
 use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
@@ -123,6 +124,8 @@ pub(super) struct Draw<'a> {
     pub(super) first: TriangleId,
     /// Position of its first vertex in the arrays of all draws.
     pub(super) first_vertex: usize,
+    /// What is left without the clusters that show nothing: nothing else is transformed or looked at.
+    pub(super) kept: Kept,
 }
 
 impl<'a> Draw<'a> {
@@ -132,9 +135,9 @@ impl<'a> Draw<'a> {
         plan: DrawPlan,
         matrices: DrawMatrices,
         first: TriangleId,
-        first_vertex: usize,
+        (first_vertex, kept): (usize, Kept),
     ) -> Self {
-        Self { instance, mesh, plan, matrices, first, first_vertex }
+        Self { instance, mesh, plan, matrices, first, first_vertex, kept }
     }
 
     /// Whether triangles may cross the frustum.
@@ -178,7 +181,8 @@ impl<'a> Draw<'a> {
     }
 }
 
-/// What all draws write and later stages read, one entry per vertex; memory is kept from frame to frame.
+/// What all draws write and later stages read, one entry per vertex; memory is kept from frame to frame. Vertices that no
+/// triangle which is kept refers to have an entry that says nothing.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Arrays {
     pub(super) vertices: Vec<Vertex>,
@@ -186,7 +190,7 @@ pub(super) struct Arrays {
     pub(super) surfaces: Vec<Surface>,
     /// On which sides of the frustum a vertex lies; empty if no triangle may cross it.
     pub(super) outcodes: Vec<Outcode>,
-    /// For each draw whether any of its vertices lies outside the frustum.
+    /// For each draw whether any of its vertices that are transformed lies outside the frustum.
     pub(super) leaves_frustum: Vec<bool>,
 }
 
@@ -254,20 +258,20 @@ fn batches<'a, 'b>(draws: &'b [Draw<'a>], arrays: &'b mut Arrays) -> Vec<Batch<'
     let Arrays { vertices, surfaces, outcodes, .. } = arrays;
     let (mut vertices, mut surfaces) = (vertices.as_mut_slice(), surfaces.as_mut_slice());
     let mut outcodes = outcodes.as_mut_slice();
+    let mut take =
+        |len| (take_front(&mut vertices, len), take_front(&mut surfaces, len), take_front(&mut outcodes, len));
     let mut batches = Vec::new();
     for (number, draw) in draws.iter().enumerate() {
-        let count = draw.mesh.positions.len();
-        for first in (0..count).step_by(BATCH) {
-            let len = BATCH.min(count - first);
-            batches.push(Batch {
-                number,
-                draw,
-                first,
-                vertices: take_front(&mut vertices, len),
-                surfaces: take_front(&mut surfaces, len),
-                outcodes: take_front(&mut outcodes, len),
-            });
+        let mut next = 0;
+        for range in draw.kept.vertices.as_slice() {
+            take(range.start - next);
+            for first in range.clone().step_by(BATCH) {
+                let (vertices, surfaces, outcodes) = take(BATCH.min(range.end - first));
+                batches.push(Batch { number, draw, first, vertices, surfaces, outcodes });
+            }
+            next = range.end;
         }
+        take(draw.mesh.positions.len() - next);
     }
     batches
 }

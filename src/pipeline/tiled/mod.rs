@@ -12,6 +12,7 @@
 //! the number of threads and whatever the instructions of the processor.
 
 mod bins;
+mod clusters;
 mod gather;
 mod geometry;
 mod kernel;
@@ -31,6 +32,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
+use clusters::{Kept, View};
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
@@ -45,7 +47,7 @@ use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
 use super::plan::{DrawPlan, Part};
-use super::settings::{Arithmetic, Filter, Interpolation, Settings};
+use super::settings::{Arithmetic, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
 use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
@@ -64,8 +66,6 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         Some("published rasterizers have an order of their own")
     } else if settings.interpolation == Interpolation::Published {
         Some("the published weights are computed one by one")
-    } else if settings.filter == Filter::Trilinear && settings.shading.reads_material() {
-        Some("gradients for mip-mapping are computed one by one")
     } else if scene.triangle_count() > MOST_TRIANGLES {
         Some("there are more triangles than tiles can number")
     } else {
@@ -185,6 +185,7 @@ impl Workspace {
 /// Everything that tiles read.
 struct Frame<'a> {
     settings: &'a Settings,
+    viewport: Viewport,
     grid: SampleGrid,
     lattice: Lattice,
     packed: (u32, u32),
@@ -218,7 +219,7 @@ pub fn draw(
 ) -> TiledReport {
     let start = Instant::now();
     let scale = DepthScale::new(settings.depth_format, camera);
-    let (draws, plans) = plan(scene, camera, settings, viewport);
+    let (draws, plans) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
     let Memory { arrays, chunks, workspaces } = memory;
     let workspaces: &Mutex<Vec<Workspace>> = workspaces;
@@ -238,6 +239,7 @@ pub fn draw(
     let shaders = shaders(scene, settings, &draws);
     let job = Frame {
         settings,
+        viewport,
         grid: *grid,
         lattice,
         packed,
@@ -318,7 +320,7 @@ pub fn draw(
         plain: work.plain.into_inner(),
         shaded: work.shaded.into_inner(),
         texels: work.texels.into_inner(),
-        vertices: draws.iter().map(|draw| draw.mesh.positions.len() as u64).sum(),
+        vertices: draws.iter().map(|draw| draw.kept.vertices.count() as u64).sum(),
     };
     TiledReport { plans, times, counts }
 }
@@ -335,7 +337,7 @@ pub fn tile_loads(
     (grid, viewport): (SampleGrid, Viewport),
 ) -> Image<u32> {
     let (scale, lanes) = (DepthScale::new(settings.depth_format, camera), Lanes::best());
-    let (draws, _) = plan(scene, camera, settings, viewport);
+    let (draws, _) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
     let Memory { mut arrays, mut chunks, .. } = Memory::default();
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, &mut arrays);
@@ -405,12 +407,18 @@ impl Work {
     }
 }
 
+/// The plans of all instances.
+pub fn plans(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<DrawPlan> {
+    plan(scene, camera, settings, viewport, Lanes::best()).1
+}
+
 /// The draws that are not outside, and the plans of all instances.
 fn plan<'a>(
     scene: &'a Scene,
     camera: &Camera,
     settings: &Settings,
     viewport: Viewport,
+    lanes: Lanes,
 ) -> (Vec<Draw<'a>>, Vec<DrawPlan>) {
     let (mut draws, mut plans) = (Vec::new(), Vec::new());
     let mut first_vertex = 0;
@@ -418,10 +426,20 @@ fn plan<'a>(
         let mesh = scene.library.mesh(instance.mesh);
         let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
         let inside = containment(mesh.bounds(), matrices.clip_from_model);
-        let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
+        let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
+        let mut kept = Kept::all(mesh);
+        if !mesh.clusters().is_empty() && DrawPlan::may_leave_out_clusters(settings, inside) {
+            let unseen;
+            (kept, unseen) = Kept::without_unseen(
+                mesh,
+                &View::new(matrices.clip_from_model, inside, settings.culling, viewport),
+                lanes,
+            );
+            plan = plan.without(unseen);
+        }
         plans.push(plan);
         if plan.runs(Part::Vertices) && !mesh.triangles.is_empty() {
-            draws.push(Draw::new(index as u32, mesh, plan, matrices, first, first_vertex));
+            draws.push(Draw::new(index as u32, mesh, plan, matrices, first, (first_vertex, kept)));
             first_vertex += mesh.positions.len();
         }
     }
@@ -697,6 +715,7 @@ impl Frame<'_> {
         if let Some((chunk, index)) = key.as_piece() {
             return self.chunks[chunk].pieces[index];
         }
+        let exact = self.shader(draw).shader.attributes().uv_gradient;
         let draw = &self.draws[draw];
         let mut corner = 0;
         let vertices = draw.corners(key.0).map(|index| {
@@ -705,14 +724,13 @@ impl Frame<'_> {
             varyings.source_weights = glam::Vec3::AXES[corner];
             corner += 1;
             let [x, y] = vertex.position().map(|step| step as i32);
-            ScreenVertex {
-                position_px: [to_pixels(x.into()), to_pixels(y.into())],
-                x,
-                y,
-                depth: vertex.depth(),
-                inv_w: vertex.inv_w(),
-                varyings,
-            }
+            // Only gradients ask where a corner was before it was snapped.
+            let position_px = if exact {
+                self.viewport.project_vertex(&draw.clip_vertex(index, self.arrays), &self.scale).position_px
+            } else {
+                [to_pixels(x.into()), to_pixels(y.into())]
+            };
+            ScreenVertex { position_px, x, y, depth: vertex.depth(), inv_w: vertex.inv_w(), varyings }
         });
         let corners = vertices.each_ref().map(Corner::from);
         let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |edges| edges.doubled_area);

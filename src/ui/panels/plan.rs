@@ -7,7 +7,7 @@ use eframe::egui::{Button, Grid, ProgressBar, RichText, Ui};
 use crate::chain::KeepDepth;
 use crate::chain::whole::FramePart;
 use crate::measure::leaving_out::{Saving, Savings};
-use crate::pipeline::plan::{DrawPlan, Part, Step};
+use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
 use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
@@ -107,6 +107,9 @@ pub fn reasons(plans: &[DrawPlan], part: Part) -> String {
             *counts.entry(reason).or_insert(0_u64) += 1;
         }
     }
-    let texts: Vec<_> = counts.iter().map(|(reason, n)| format!("{} × {reason}", format::count(*n))).collect();
-    texts.join(", ")
+    let text = |(reason, n): (&&str, &u64)| match plans.iter().find(|plan| plan.step(part).reason() == Some(reason)) {
+        Some(plan) if part == Part::EveryCluster && plan.clusters().left_out() > 0 => Unseen::of(plans).told(),
+        _ => format!("{} × {reason}", format::count(*n)),
+    };
+    counts.iter().map(text).collect::<Vec<_>>().join(", ")
 }

@@ -1,0 +1,567 @@
+//! Which clusters of a mesh show nothing as a whole, and what of the mesh is left without them: those outside the view, and
+//! those that are turned away.
+//!
+//! A cluster is left out only if every triangle of it is dropped by the classic way too: *by the numbers that the pipeline
+//! computes*. A vertex that overflows is no matter: its triangles are dropped because of it, whatever cluster they are in.
+//!
+//! **Outside**: all three corners beyond the same plane. Computed coordinates are off from the exact ones by rounding. With
+//! u = 2⁻²⁴, half of a float's last place, a component of a vertex v in clip space is a sum of four terms, each rounded once as a
+//! product and at most three times in sums: it is off by at most 4u (1 + O(u)) · M, where M = Σ |mᵢ| |vᵢ| is that sum with every
+//! term positive, and where products underflow by 3 · 2⁻¹⁵⁰ more. The distance from a plane is the difference of two
+//! components, or a single one, in doubles: its sign is that of the exact difference. So if the exact distance is less than
+//! −(8u · max M + 2⁻¹⁴⁷) for every point of a box, no vertex in it is found inside. [`ROUNDING`] and [`UNDERFLOW`] are more than
+//! that by a factor of four and more, which covers the roundings of the test itself: it is computed in doubles. Over a box, an
+//! affine function is greatest at a corner, which the signs of its coefficients name, and M is greatest at the largest
+//! magnitudes on each axis.
+//!
+//! **Turned away**: the doubled area of the snapped corners has the sign of the side that is culled, or is zero. The exact doubled
+//! area on the screen, before snapping, is S = −(W·H/4) · D / (w₀ w₁ w₂), D being the determinant of the x, y and w of the three
+//! corners in clip space. By Cauchy and Binet, D = 2A · (n·e + d·f) for a triangle of area A in the plane n·p = d, where (e, f) are
+//! the minors of the three rows of the matrix: the eye, if there is one. A lower bound of |n·e + d·f| over a cluster comes
+//! from the bounds of n and d. Snapped corners are off from the exact ones by δ at most on each axis: half a step of the grid, and
+//! what rounding adds. That changes S by √2 δ times the circumference and 8δ² at most. An edge of length ℓ is at most κℓ/w px
+//! long on the screen. So with the longest edge ℓ and the altitude h = 2A/ℓ the sign is certain where
+//!
+//! ```text
+//! (W·H/4) · h · |n·e + d·f| / w_max³  >  3 √2 δ κ / w_min + 8δ² / h
+//! ```
+//!
+//! which asks for altitudes of about a hundredth of a pixel. Triangles must not be cut at that, as pieces are snapped anew:
+//! the box must be between the planes of depth, and within the guard band.
+
+use std::ops::Range;
+
+use glam::{Mat4, Vec4, Vec4Swizzles};
+
+use super::super::clip::{GUARD_BAND_PX, Plane};
+use super::super::plan::{Containment, Unseen};
+use super::super::settings::Culling;
+use super::super::vertex::{ROUNDING, UNDERFLOW};
+use super::super::viewport::{MAX_SIDE_PX, Viewport};
+use crate::math::fixed::SUBPIXELS;
+use crate::math::lanes::*;
+use crate::scene::Mesh;
+use crate::scene::clusters::{BLOCK, Boxes, Clusters, Planes};
+
+/// Ranges in ascending order with gaps between them: mostly one.
+#[derive(Clone, Debug)]
+pub(super) enum Ranges {
+    One(Range<usize>),
+    Some(Vec<Range<usize>>),
+}
+
+impl Ranges {
+    /// All of them.
+    pub(super) fn as_slice(&self) -> &[Range<usize>] {
+        match self {
+            Self::One(range) => std::slice::from_ref(range),
+            Self::Some(ranges) => ranges,
+        }
+    }
+
+    /// Numbers in all of them.
+    pub(super) fn count(&self) -> usize {
+        self.as_slice().iter().map(Range::len).sum()
+    }
+}
+
+/// What of a mesh is drawn.
+#[derive(Clone, Debug)]
+pub(super) struct Kept {
+    pub(super) triangles: Ranges,
+    /// All that these refer to, and perhaps others.
+    pub(super) vertices: Ranges,
+}
+
+impl Kept {
+    /// All of a mesh.
+    pub(super) fn all(mesh: &Mesh) -> Self {
+        Self { triangles: Ranges::One(0..mesh.triangles.len()), vertices: Ranges::One(0..mesh.positions.len()) }
+    }
+
+    /// A mesh without the clusters that show nothing, and how many those are.
+    pub(super) fn without_unseen(mesh: &Mesh, view: &View, lanes: Lanes) -> (Self, Unseen) {
+        let clusters = mesh.clusters();
+        let fates = fates(clusters, view, lanes);
+        let count = |fate| fates.iter().filter(|other| **other == fate).count();
+        let unseen =
+            Unseen { outside: count(Fate::Outside), turned_away: count(Fate::TurnedAway), all: clusters.len() };
+        if unseen.left_out() == 0 {
+            return (Self::all(mesh), unseen);
+        }
+        let kept = || (0..clusters.len()).filter(|cluster| fates[*cluster] == Fate::Kept);
+        let mut triangles: Vec<Range<usize>> = Vec::new();
+        for next in kept().map(|cluster| clusters.triangles(cluster)) {
+            match triangles.last_mut() {
+                Some(last) if last.end == next.start => last.end = next.end,
+                _ => triangles.push(next),
+            }
+        }
+        let vertices = union(kept().flat_map(|cluster| clusters.blocks(cluster)), mesh.positions.len());
+        (Self { triangles: Ranges::Some(triangles), vertices: Ranges::Some(vertices) }, unseen)
+    }
+}
+
+/// What becomes of a cluster.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fate {
+    /// Its triangles are looked at.
+    Kept,
+    /// All of it is beyond a plane.
+    Outside,
+    /// All its triangles show the side that is culled.
+    TurnedAway,
+}
+
+/// Ranges of `len` vertices that hold all of some blocks, given as ranges that may overlap. In time that grows with the number
+/// of ranges and of blocks, however long they are.
+fn union(ranges: impl Iterator<Item = Range<usize>>, len: usize) -> Vec<Range<usize>> {
+    // How many ranges begin at a block, less those that end before it.
+    let mut changes = vec![0_i32; len.div_ceil(BLOCK) + 1];
+    for range in ranges {
+        changes[range.start] += 1;
+        changes[range.end] -= 1;
+    }
+    let (mut out, mut open): (Vec<Range<usize>>, i32) = (Vec::new(), 0);
+    for (block, change) in changes.into_iter().enumerate() {
+        let before = open > 0;
+        open += change;
+        let at = (block * BLOCK).min(len);
+        match (before, open > 0) {
+            (false, true) => out.push(at..len),
+            (true, false) => {
+                if let Some(last) = out.last_mut() {
+                    last.end = at;
+                }
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+/// An affine function of model space, such as the distance from a plane, and what its terms may be as large as.
+#[derive(Clone, Copy, Debug)]
+struct Affine {
+    coefficients: [f64; 4],
+    magnitudes: [f64; 4],
+}
+
+impl Affine {
+    /// The distance from a plane whose sides are moved out by a power of two.
+    fn distance(plane: Plane, clip_from_model: Mat4, widening: f32) -> Self {
+        let columns: [Vec4; 4] = std::array::from_fn(|column| clip_from_model.col(column));
+        let factor = f64::from(widening);
+        Self {
+            coefficients: columns.map(|column| plane.distance(column, widening)),
+            magnitudes: columns.map(|column| plane.magnitude(column.abs().as_dvec4()) * factor),
+        }
+    }
+
+    /// A component of clip space.
+    fn component(axis: usize, clip_from_model: Mat4) -> Self {
+        let row = clip_from_model.row(axis).as_dvec4();
+        Self { coefficients: row.to_array(), magnitudes: row.abs().to_array() }
+    }
+
+    /// The exact greatest value over eight boxes.
+    #[inline(always)]
+    fn greatest<S: Simd>(&self, simd: S, [least, greatest]: &[[F64<S>; 3]; 2]) -> F64<S> {
+        let mut most = F64::splat(simd, self.coefficients[3]);
+        for axis in 0..3 {
+            let corner = if self.coefficients[axis] > 0.0 { greatest[axis] } else { least[axis] };
+            most += corner * self.coefficients[axis];
+        }
+        most
+    }
+
+    /// The exact least value.
+    #[inline(always)]
+    fn least<S: Simd>(&self, simd: S, [least, greatest]: &[[F64<S>; 3]; 2]) -> F64<S> {
+        self.greatest(simd, &[*greatest, *least])
+    }
+
+    /// The sum of the magnitudes of all terms, by the largest magnitudes on each axis.
+    #[inline(always)]
+    fn magnitude<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
+        let [x, y, z, one] = self.magnitudes;
+        let [far_x, far_y, far_z] = *farthest;
+        far_x * x + far_y * y + far_z * z + F64::splat(simd, one)
+    }
+
+    /// What the pipeline's value may differ from the exact one by.
+    #[inline(always)]
+    fn slack<S: Simd>(&self, simd: S, farthest: &[F64<S>; 3]) -> F64<S> {
+        self.magnitude(simd, farthest) * ROUNDING + UNDERFLOW
+    }
+}
+
+/// The planes that clusters are looked at from. That of the eye would tell nothing which those of depth do not: where w < 0,
+/// z ≥ 0 and w ≥ z are not both met.
+const PLANES: [Plane; 6] = [Plane::Near, Plane::Far, Plane::Left, Plane::Right, Plane::Bottom, Plane::Top];
+
+/// What tells clusters apart in a view of one mesh.
+#[derive(Clone, Debug)]
+pub(super) struct View {
+    /// All of the mesh is inside the view: no cluster is outside, and no triangle is cut.
+    all_inside: bool,
+    distances: [Affine; PLANES.len()],
+    /// None where nothing is culled.
+    side: Option<Side>,
+}
+
+impl View {
+    pub(super) fn new(clip_from_model: Mat4, containment: Containment, culling: Culling, viewport: Viewport) -> Self {
+        Self {
+            all_inside: containment == Containment::Inside,
+            distances: PLANES.map(|plane| Affine::distance(plane, clip_from_model, 1.0)),
+            side: match culling {
+                Culling::None => None,
+                Culling::Back => Some(Side::new(clip_from_model, viewport, -1.0)),
+                Culling::Front => Some(Side::new(clip_from_model, viewport, 1.0)),
+            },
+        }
+    }
+}
+
+/// Sides of the view are moved out by this factor for clusters that may be turned away: within the guard band, wherever that is.
+const BAND: f32 = 2.0;
+const _: () = assert!(BAND * MAX_SIDE_PX as f32 <= 2.0 * GUARD_BAND_PX);
+
+/// Rounding errors of an affine function computed in doubles, relative to its magnitude: far more than there are.
+const DOUBLE_ROUNDING: f64 = 1e-12;
+
+/// What is needed to tell that triangles show the side that is culled.
+#[derive(Clone, Debug)]
+struct Side {
+    /// Of planes within which no triangle is cut.
+    distances: [Affine; PLANES.len()],
+    x: Affine,
+    y: Affine,
+    w: Affine,
+    /// D / 2A as a function of n and d, and the sum of the magnitudes it is the sum of: positive where the side is culled.
+    seen_from: ([f64; 4], [f64; 4]),
+    /// κ.
+    stretch: f64,
+    /// Longer side of the picture, px.
+    longer_px: f64,
+    /// W·H/4.
+    quarter: f64,
+}
+
+impl Side {
+    /// `sign` is that of D where triangles are culled.
+    fn new(clip_from_model: Mat4, Viewport { width, height }: Viewport, sign: f64) -> Self {
+        let (width, height) = (f64::from(width), f64::from(height));
+        let rows = [0, 1, 3].map(|row| clip_from_model.row(row).as_dvec4().to_array());
+        // The determinant of the columns but one, and the sum of the magnitudes of its terms.
+        let minor = |without: usize| {
+            let [i, j, k] = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]][without];
+            let [x, y, w] = &rows;
+            let products = [
+                x[i] * y[j] * w[k],
+                x[j] * y[k] * w[i],
+                x[k] * y[i] * w[j],
+                -x[k] * y[j] * w[i],
+                -x[j] * y[i] * w[k],
+                -x[i] * y[k] * w[j],
+            ];
+            (products.iter().sum::<f64>(), products.iter().map(|product| product.abs()).sum::<f64>())
+        };
+        let [x, y, z, one] = [0, 1, 2, 3].map(minor);
+        // What one row may stretch an edge by; at the same time w changes the other components.
+        let length = |row: usize| clip_from_model.row(row).xyz().as_dvec3().length();
+        let along = |row: usize, size: f64| 0.5 * size * (length(row) + f64::from(BAND) * length(3));
+        Self {
+            distances: PLANES.map(|plane| Affine::distance(plane, clip_from_model, BAND)),
+            x: Affine::component(0, clip_from_model),
+            y: Affine::component(1, clip_from_model),
+            w: Affine::component(3, clip_from_model),
+            seen_from: ([sign * x.0, -sign * y.0, sign * z.0, sign * one.0], [x.1, y.1, z.1, one.1]),
+            stretch: along(0, width).hypot(along(1, height)),
+            longer_px: width.max(height),
+            quarter: width * height / 4.0,
+        }
+    }
+
+    /// Bits of those of eight clusters all of whose triangles show the side that is culled.
+    #[inline(always)]
+    fn turned_away<S: Simd>(
+        &self,
+        simd: S,
+        (bounds, farthest): (&[[F64<S>; 3]; 2], &[F64<S>; 3]),
+        planes: &Planes,
+        may_be_cut: bool,
+    ) -> u64 {
+        let normals = each!(end in [0, 1] => {
+            each!(axis in [0, 1, 2] => widen(simd, F32::load_array(simd, planes.normals[end][axis])))
+        });
+        let offsets = each!(end in [0, 1] => widen(simd, F32::load_array(simd, planes.offsets[end])));
+        let (coefficients, magnitudes) = self.seen_from;
+        let offset = if coefficients[3] > 0.0 { offsets[0] } else { offsets[1] };
+        let mut least = offset * coefficients[3];
+        let mut magnitude = offsets[0].abs().max(offsets[1].abs()) * magnitudes[3];
+        for axis in 0..3 {
+            let normal = if coefficients[axis] > 0.0 { normals[0][axis] } else { normals[1][axis] };
+            least += normal * coefficients[axis];
+            magnitude += magnitudes[axis];
+        }
+        let least = least - magnitude * DOUBLE_ROUNDING;
+        let mut bits = least.simd_gt(0.0).to_bitmask();
+        if bits == 0 {
+            return 0;
+        }
+        for distance in self.distances.iter().filter(|_| may_be_cut) {
+            bits &= distance.least(simd, bounds).simd_gt(distance.slack(simd, farthest)).to_bitmask();
+        }
+        let slack = self.w.slack(simd, farthest);
+        let (w_min, w_max) = (self.w.least(simd, bounds) - slack, self.w.greatest(simd, bounds) + slack);
+        // Within these floats do neither underflow nor overflow.
+        bits &= (w_min.simd_gt(LEAST_W) & w_max.simd_lt(GREATEST_W)).to_bitmask();
+        if bits == 0 {
+            return 0;
+        }
+        // x/w ± 1 is off by 4u (M_x + 2 M_w) / w, the quotient and what follows by less than 6u.
+        let of_x = self.x.magnitude(simd, farthest).max(self.y.magnitude(simd, farthest));
+        let relative = (of_x + self.w.magnitude(simd, farthest) * 2.0) / w_min + 1.0;
+        let off_px = relative * (SCREEN_ROUNDING * self.longer_px) + 0.5 / SUBPIXELS as f64;
+        let altitude = widen(simd, F32::load_array(simd, planes.altitudes));
+        let area = altitude * least * self.quarter / (w_max * w_max * w_max);
+        let changed =
+            off_px * (3.0 * std::f64::consts::SQRT_2 * self.stretch) / w_min + off_px * off_px * 8.0 / altitude;
+        bits & (area.simd_gt(changed) & altitude.simd_gt(0.0)).to_bitmask()
+    }
+}
+
+/// Least w of a cluster that may be turned away.
+const LEAST_W: f64 = 1e-20;
+
+/// Greatest w.
+const GREATEST_W: f64 = 1e20;
+
+/// Rounding errors of a position on the screen, relative to the longer side and to the magnitudes that it comes from: 8u.
+const SCREEN_ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// What becomes of each cluster.
+fn fates(clusters: &Clusters, view: &View, lanes: Lanes) -> Vec<Fate> {
+    let mut out = vec![Fate::Kept; clusters.len()];
+    on_lanes!(lanes, simd => {
+        for ((boxes, planes), out) in clusters.boxes().iter().zip(clusters.planes()).zip(out.chunks_mut(LANES)) {
+            let [outside, turned_away] = eight_fates(simd, boxes, planes, view);
+            if outside | turned_away == 0 {
+                continue;
+            }
+            for (lane, out) in out.iter_mut().enumerate() {
+                if outside >> lane & 1 != 0 {
+                    *out = Fate::Outside;
+                } else if turned_away >> lane & 1 != 0 {
+                    *out = Fate::TurnedAway;
+                }
+            }
+        }
+    });
+    out
+}
+
+/// Bits of those of eight clusters all of whose vertices the pipeline finds beyond one of the planes, and of those that are
+/// turned away.
+#[inline(always)]
+fn eight_fates<S: Simd>(simd: S, boxes: &Boxes, planes: &Planes, view: &View) -> [u64; 2] {
+    let bounds = each!(end in [0, 1] => {
+        each!(axis in [0, 1, 2] => widen(simd, F32::load_array(simd, boxes[end][axis])))
+    });
+    let farthest = each!(axis in [0, 1, 2] => bounds[0][axis].abs().max(bounds[1][axis].abs()));
+    let mut outside = 0;
+    for distance in view.distances.iter().filter(|_| !view.all_inside) {
+        let slack = distance.slack(simd, &farthest);
+        outside |= distance.greatest(simd, &bounds).simd_lt(-slack).to_bitmask();
+    }
+    let turned_away = match &view.side {
+        Some(side) if outside != ALL => side.turned_away(simd, (&bounds, &farthest), planes, !view.all_inside),
+        _ => 0,
+    };
+    [outside, turned_away]
+}
+
+/// All of eight.
+const ALL: u64 = (1 << LANES) - 1;
+
+#[cfg(test)]
+mod tests {
+    use glam::{EulerRot, Quat, Vec2, Vec3};
+
+    use super::*;
+    use crate::pipeline::clip::guard_band_widening;
+    use crate::pipeline::cull::cull;
+    use crate::pipeline::depth::DepthScale;
+    use crate::pipeline::raster::doubled_area;
+    use crate::pipeline::settings::Arithmetic;
+    use crate::pipeline::vertex::{ClipVertex, containment};
+    use crate::scene::{Camera, DepthMapping, MeshData};
+
+    const VIEWPORT: Viewport = Viewport { width: 640, height: 360 };
+
+    /// Eight boxes of two corners each.
+    fn boxes(corners: &[[Vec3; 2]; LANES]) -> Boxes {
+        let end = |end: fn(Vec3, Vec3) -> Vec3| -> [[f32; LANES]; 3] {
+            std::array::from_fn(|axis| corners.map(|[a, b]| end(a, b)[axis]))
+        };
+        [end(Vec3::min), end(Vec3::max)]
+    }
+
+    fn bits(corners: &[[Vec3; 2]; LANES], matrix: Mat4, lanes: Lanes) -> u64 {
+        let view = View::new(matrix, Containment::Crossing, Culling::None, VIEWPORT);
+        let boxes = boxes(corners);
+        let planes = Planes { normals: [[[0.0; LANES]; 3]; 2], offsets: [[0.0; LANES]; 2], altitudes: [0.0; LANES] };
+        let [outside, turned_away] = on_lanes!(lanes, simd => eight_fates(simd, &boxes, &planes, &view));
+        assert_eq!(turned_away, 0);
+        outside
+    }
+
+    /// Whether the pipeline finds some vertices beyond one plane.
+    fn is_outside(vertices: &[Vec3], matrix: Mat4) -> bool {
+        let clip = || vertices.iter().map(|vertex| matrix * vertex.extend(1.0));
+        Plane::ALL.iter().any(|plane| clip().all(|position| plane.distance(position, 1.0) < 0.0))
+    }
+
+    /// Matrices and boxes next to a plane: made so that the exact distance is zero or nearly so, at scales from where products
+    /// underflow to where they are huge.
+    #[test]
+    fn what_is_left_out_has_all_its_vertices_beyond_a_plane() {
+        let mut random = fastrand::Rng::with_seed(21);
+        let (mut left_out, mut kept_though_outside) = (0, 0);
+        for round in 0..6000 {
+            let mut number = || random.f32() * 2.0 - 1.0;
+            let mut matrix = Mat4::from_cols_array(&std::array::from_fn(|_| number()));
+            let (plane, scale) =
+                (PLANES[round % PLANES.len()], [1e-42_f32, 1e-30, 1e-4, 1.0, 1e3, 1e18][round / 6 % 6]);
+            let corners: [[Vec3; 2]; LANES] = std::array::from_fn(|_| {
+                let a = Vec3::from_array(std::array::from_fn(|_| number()));
+                let edge = Vec3::from_array(std::array::from_fn(|_| number())) * 1e-6;
+                [a, a + edge]
+            });
+            // The plane goes through the first box, as nearly as floats can tell.
+            let at = matrix * corners[0][0].extend(1.0);
+            let off = plane.distance(at, 1.0) as f32 * [1.0, 1.000_001, 0.999_999][round / 36 % 3];
+            match plane {
+                Plane::Near => matrix.w_axis.z -= off,
+                Plane::Left => matrix.w_axis.x -= off,
+                Plane::Right => matrix.w_axis.x += off,
+                Plane::Bottom => matrix.w_axis.y -= off,
+                Plane::Top => matrix.w_axis.y += off,
+                _ => matrix.w_axis.z += off,
+            }
+            let matrix = matrix * scale;
+            for lanes in Lanes::all() {
+                let bits = bits(&corners, matrix, lanes);
+                for (lane, [a, b]) in corners.iter().enumerate() {
+                    let mix = |t: f32| *a + (*b - *a) * t;
+                    let all = [*a, *b, Vec3::new(a.x, b.y, a.z), Vec3::new(b.x, a.y, b.z), mix(0.25), mix(0.5)];
+                    let outside = is_outside(&all, matrix);
+                    if bits >> lane & 1 != 0 {
+                        assert!(outside, "{} {plane:?} {matrix:?} {a:?} {b:?}", lanes.name());
+                        left_out += 1;
+                    } else if outside {
+                        kept_though_outside += 1;
+                    }
+                }
+            }
+        }
+        // Of boxes next to a plane, and where all numbers underflow, some are kept; far fewer than are left out.
+        assert!(left_out > 3 * kept_though_outside && kept_though_outside > 0, "{left_out} {kept_though_outside}");
+    }
+
+    /// Sheets of many sizes, bent, creased and squeezed, down to far less than a pixel, in views that mirror and shear them.
+    #[test]
+    fn what_is_turned_away_is_culled_triangle_by_triangle() {
+        let mut random = fastrand::Rng::with_seed(22);
+        let (mut turned_away, mut kept_though_culled, mut smallest) = (0, 0, f64::INFINITY);
+        for round in 0..1500 {
+            let mut number = || random.f32() * 2.0 - 1.0;
+            let size = 10.0_f32.powf(number() * 2.0 - 1.2);
+            let (bend, crease, squeeze) = (number(), number() * 0.2 * number(), 10.0_f32.powf(number() * 1.5 - 1.5));
+            let mut data = MeshData::default();
+            for i in 0..17 * 17 {
+                let at = Vec2::new((i % 17) as f32 / 8.0 - 1.0, (i / 17) as f32 / 8.0 - 1.0);
+                let height = bend * at.length_squared() + crease * number() / 8.0;
+                data.positions.push(Vec3::new(at.x, at.y * squeeze, height * squeeze) * size);
+            }
+            for i in (0..16 * 17_u32).filter(|i| i % 17 < 16) {
+                data.triangles.extend([[i, i + 1, i + 18], [i, i + 18, i + 17]]);
+            }
+            let mesh = Mesh::new(data).unwrap();
+            let turn = Quat::from_euler(EulerRot::XYZ, number() * 3.2, number() * 3.2, number() * 3.2);
+            let shear = Mat4::from_cols(Vec4::X, Vec4::new(number(), 1.0, 0.0, 0.0), Vec4::Z, Vec4::W);
+            let mirror = Vec3::new(if round % 3 == 0 { -1.0 } else { 1.0 }, 1.0, 1.0);
+            let place = Vec3::new(number(), number(), -1.5 + number());
+            let camera = Camera { near: 0.01, far: 10.0, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
+            let camera = camera.with_orthographic(round % 5 == 0);
+            let projection = camera.clip_from_view(VIEWPORT.aspect(), DepthMapping::Standard);
+            let matrix =
+                projection * Mat4::from_translation(place) * Mat4::from_quat(turn) * shear * Mat4::from_scale(mirror);
+            for culling in [Culling::Back, Culling::Front] {
+                let containment = containment(mesh.bounds(), matrix);
+                let view = View::new(matrix, containment, culling, VIEWPORT);
+                for lanes in Lanes::all() {
+                    let fates = fates(mesh.clusters(), &view, lanes);
+                    for (cluster, fate) in fates.into_iter().enumerate() {
+                        let triangles = &mesh.triangles[mesh.clusters().triangles(cluster)];
+                        let fate_of = |triangle: &[u32; 3]| {
+                            fate_of(triangle.map(|i| mesh.positions[i as usize]), matrix, culling)
+                        };
+                        let all_culled = triangles.iter().all(|triangle| fate_of(triangle).is_some());
+                        if fate == Fate::TurnedAway {
+                            assert!(all_culled, "{} {culling:?} round {round} cluster {cluster}", lanes.name());
+                            turned_away += 1;
+                            let areas = triangles.iter().filter_map(fate_of);
+                            smallest = areas.fold(smallest, f64::min);
+                        } else if all_culled && fate == Fate::Kept {
+                            kept_though_culled += 1;
+                        }
+                    }
+                }
+            }
+        }
+        // Triangles of less than a pixel are among them, and there are many that are not certain.
+        assert!(turned_away > 1000 && kept_though_culled > 200, "{turned_away} {kept_though_culled}");
+        assert!(smallest < 0.25, "{smallest}");
+    }
+
+    /// The doubled area in px² of a triangle that is culled, as the classic way has it; nothing if it is not, or is cut.
+    fn fate_of(corners: [Vec3; 3], matrix: Mat4, culling: Culling) -> Option<f64> {
+        let widening = guard_band_widening(VIEWPORT.width, VIEWPORT.height);
+        let corners = corners.map(|corner| ClipVertex::at(matrix * corner.extend(1.0)));
+        if corners.iter().any(|corner| Plane::ALL.iter().any(|plane| plane.distance(corner.position, widening) < 0.0)) {
+            return None;
+        }
+        let corners = corners.map(|corner| VIEWPORT.project_vertex(&corner, &DepthScale::default()).position_px);
+        let (area, scale) = doubled_area(Arithmetic::Fixed, corners);
+        cull(area, culling).map(|_| area.abs() * scale / (SUBPIXELS * SUBPIXELS) as f64)
+    }
+
+    #[test]
+    fn numbers_that_are_none_leave_nothing_out() {
+        let corners = [[Vec3::splat(5.0), Vec3::splat(6.0)]; LANES];
+        for lanes in Lanes::all() {
+            assert_eq!(bits(&corners, Mat4::IDENTITY, lanes), 0xff);
+            assert_eq!(bits(&corners, Mat4::IDENTITY * f32::NAN, lanes), 0);
+            assert_eq!(bits(&corners, Mat4::IDENTITY * f32::INFINITY, lanes), 0);
+        }
+    }
+
+    #[test]
+    fn blocks_are_joined() {
+        /// Both by their ends.
+        fn joined<const N: usize>(ranges: [[usize; 2]; N], len: usize) -> Vec<[usize; 2]> {
+            let joined = union(ranges.into_iter().map(|[start, end]| start..end), len);
+            joined.into_iter().map(|range| [range.start, range.end]).collect()
+        }
+        let len = 10 * BLOCK + 1;
+        assert_eq!(joined([], len), [[0; 2]; 0]);
+        assert_eq!(joined([[0, 1]], len), [[0, BLOCK]]);
+        assert_eq!(joined([[9, 11], [0, 1]], len), [[0, BLOCK], [9 * BLOCK, len]]);
+        assert_eq!(joined([[0, 2], [2, 3]], len), [[0, 3 * BLOCK]]);
+        assert_eq!(joined([[0, 9], [2, 3], [4, 5]], len), [[0, 9 * BLOCK]]);
+        assert_eq!(joined([[0, 1]], 5), [[0, 5]]);
+    }
+}

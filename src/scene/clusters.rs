@@ -1,0 +1,282 @@
+//! Clusters of a mesh: runs of its triangles, each with a box around it and bounds of which way its triangles face, so that a
+//! part of a large object can be left out as a whole.
+//!
+//! Triangles stay in their order, as it has a meaning: who is drawn first where depths are equal, and every identifier. Most
+//! meshes list neighbours next to each other, so that runs are small in space. Where one does not, the boxes of its runs are
+//! nearly as large as its own, nothing is left out, and all that is lost is the time to look at a box for every
+//! [`CLUSTER`] triangles.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use crate::math::Aabb;
+use crate::math::lanes::LANES;
+
+/// Triangles per cluster, a multiple of the lanes.
+pub const CLUSTER: usize = 128;
+
+/// Vertices that are needed or left out together, a multiple of the lanes.
+pub const BLOCK: usize = 32;
+
+/// Ranges of blocks that a cluster refers to: where there are more, it is taken to refer to all from the first to the last.
+/// Neighbours in a row of a grid refer to that row of vertices and to the next.
+const MOST_RANGES: usize = 8;
+
+/// Meshes of fewer clusters have none: there is little to save.
+const FEWEST: usize = 4;
+
+/// The boxes around eight clusters in model space: least x, y, z, and greatest, as lanes read them.
+pub type Boxes = [[[f32; LANES]; 3]; 2];
+
+/// The planes of the triangles of eight clusters in model space, n·p = d with n of unit length and on the side from which the
+/// triangle is seen counter-clockwise, as lanes read them. Triangles two of whose corners coincide are none of them: they never
+/// have an area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Planes {
+    /// At most the least n of all, by component, and at least the greatest.
+    pub normals: [[[f32; LANES]; 3]; 2],
+    /// At most the least d of all, and at least the greatest.
+    pub offsets: [[f32; LANES]; 2],
+    /// At most the least altitude of a triangle: twice its area over its longest edge. 0 where there are triangles so thin that
+    /// nothing is said about how they face, or none at all.
+    pub altitudes: [f32; LANES],
+}
+
+/// The clusters of one mesh, in the order of its triangles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Clusters {
+    count: usize,
+    triangles: usize,
+    /// Eight clusters each; after the last one its box again.
+    boxes: Vec<Boxes>,
+    /// Those of the same eight.
+    planes: Vec<Planes>,
+    /// Ranges of blocks of vertices, cluster by cluster: the first block and the one after the last.
+    blocks: Vec<[u32; 2]>,
+    /// For each cluster where its ranges begin; one more at the end.
+    starts: Vec<u32>,
+}
+
+impl Clusters {
+    /// Of triangles that refer to `positions`, all of them in range.
+    pub(super) fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        if triangles.len() < FEWEST * CLUSTER {
+            return Self::default();
+        }
+        let numbers = || triangles.chunks(CLUSTER).map(<[[u32; 3]]>::as_flattened);
+        let bounds: Vec<Aabb> =
+            numbers().map(|numbers| Aabb::around(numbers.iter().map(|i| positions[*i as usize]))).collect();
+        let (mut blocks, mut starts) = (Vec::new(), vec![0]);
+        // Which cluster referred to a block last, counted from 1.
+        let mut last = vec![0; positions.len().div_ceil(BLOCK)];
+        let mut own = Vec::new();
+        for (cluster, numbers) in (1..).zip(numbers()) {
+            own.clear();
+            for block in numbers.iter().map(|vertex| *vertex as usize / BLOCK) {
+                if std::mem::replace(&mut last[block], cluster) != cluster {
+                    own.push(block as u32);
+                }
+            }
+            own.sort_unstable();
+            push_ranges(&own, &mut blocks);
+            starts.push(blocks.len() as u32);
+        }
+        Self {
+            count: bounds.len(),
+            triangles: triangles.len(),
+            boxes: bounds.chunks(LANES).map(boxes).collect(),
+            planes: numbers()
+                .map(|numbers| facing(positions, numbers))
+                .collect::<Vec<_>>()
+                .chunks(LANES)
+                .map(planes)
+                .collect(),
+            blocks,
+            starts,
+        }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The boxes, eight at a time.
+    pub fn boxes(&self) -> &[Boxes] {
+        &self.boxes
+    }
+
+    /// The planes of their triangles, eight clusters at a time.
+    pub fn planes(&self) -> &[Planes] {
+        &self.planes
+    }
+
+    /// The triangles of a cluster, counted within the mesh.
+    pub fn triangles(&self, cluster: usize) -> Range<usize> {
+        cluster * CLUSTER..((cluster + 1) * CLUSTER).min(self.triangles)
+    }
+
+    /// Ranges of blocks of [`BLOCK`] vertices among which are all that a cluster refers to.
+    pub fn blocks(&self, cluster: usize) -> impl Iterator<Item = Range<usize>> {
+        let own = self.starts[cluster] as usize..self.starts[cluster + 1] as usize;
+        self.blocks[own].iter().map(|[first, end]| *first as usize..*end as usize)
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.boxes.capacity() * size_of::<Boxes>()
+            + self.planes.capacity() * size_of::<Planes>()
+            + self.blocks.capacity() * size_of::<[u32; 2]>()
+            + self.starts.capacity() * size_of::<u32>()
+    }
+}
+
+/// Blocks in ascending order as ranges; as one where they are too many.
+fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
+    let first = ranges.len();
+    for next in own.chunk_by(|a, b| a + 1 == *b) {
+        ranges.push([next[0], next[next.len() - 1] + 1]);
+    }
+    if let [[start, _], .., [_, end]] = ranges[first..]
+        && ranges.len() - first > MOST_RANGES
+    {
+        ranges.truncate(first);
+        ranges.push([start, end]);
+    }
+}
+
+/// What is told about the planes of one cluster: bounds of n and d, and the least altitude.
+type Facing = ([[f32; 4]; 2], f32);
+
+/// How far a component of a normal may be off from the exact one, and an offset relative to the sum of the coordinates that it
+/// comes from. In doubles cross products of edges are off by 2⁻⁵⁰ of the product of their lengths at most, which is this share
+/// of them where a triangle is not thinner than [`THINNEST`], and rounding to floats is less.
+const PLANE_ERROR: f64 = 1e-6;
+
+/// Coordinates that are taken to be no smaller when errors are told, so that floats round them by less.
+const LEAST_SIZE: f64 = 1e-30;
+
+/// Altitude over longest edge from which on a triangle is too thin to tell its normal.
+const THINNEST: f64 = 1e-6;
+
+/// Bounds of the planes of some triangles.
+fn facing(positions: &[Vec3], numbers: &[u32]) -> Facing {
+    let (mut ends, mut altitude) = ([[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]], f32::INFINITY);
+    for corners in numbers.as_chunks::<3>().0 {
+        let [a, b, c] = corners.map(|i| positions[i as usize]);
+        if a == b || b == c || c == a {
+            continue;
+        }
+        let [a, b, c] = [a.as_dvec3(), b.as_dvec3(), c.as_dvec3()];
+        let doubled_area_normal = (b - a).cross(c - a);
+        let doubled_area = doubled_area_normal.length();
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        let own = doubled_area / longest;
+        if own.is_nan() || own <= THINNEST * longest {
+            altitude = 0.0;
+            continue;
+        }
+        let normal = doubled_area_normal / doubled_area;
+        let size = a.abs().element_sum().max(LEAST_SIZE);
+        let plane = [(normal.x, 1.0), (normal.y, 1.0), (normal.z, 1.0), (normal.dot(a), size)];
+        for (i, (at, size)) in plane.into_iter().enumerate() {
+            ends[0][i] = ends[0][i].min((at - PLANE_ERROR * size) as f32);
+            ends[1][i] = ends[1][i].max((at + PLANE_ERROR * size) as f32);
+        }
+        altitude = altitude.min((own * (1.0 - PLANE_ERROR)) as f32);
+    }
+    let is_told = ends.as_flattened().iter().all(|end| end.is_finite()) && altitude >= f32::MIN_POSITIVE;
+    (ends, if is_told { altitude } else { 0.0 })
+}
+
+/// Eight clusters' planes, the last one standing for those that are missing.
+fn planes(facing: &[Facing]) -> Planes {
+    let of = |lane: usize| facing[lane.min(facing.len() - 1)];
+    let end = |end: usize, i: usize| std::array::from_fn(|lane| of(lane).0[end][i]);
+    Planes {
+        normals: [0, 1].map(|at| [0, 1, 2].map(|axis| end(at, axis))),
+        offsets: [0, 1].map(|at| end(at, 3)),
+        altitudes: std::array::from_fn(|lane| of(lane).1),
+    }
+}
+
+/// Eight boxes, the last one standing for those that are missing.
+fn boxes(bounds: &[Aabb]) -> Boxes {
+    let of = |lane: usize| bounds[lane.min(bounds.len() - 1)];
+    let ends: [fn(Aabb) -> Vec3; 2] = [|bounds| bounds.min, |bounds| bounds.max];
+    ends.map(|end| std::array::from_fn(|axis| std::array::from_fn(|lane| end(of(lane))[axis])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_triangle_is_within_the_box_and_the_vertices_of_its_cluster() {
+        let mut random = fastrand::Rng::with_seed(9);
+        for count in [FEWEST * CLUSTER, 9 * CLUSTER + 1, 17 * CLUSTER - 1] {
+            let positions: Vec<Vec3> =
+                (0..count).map(|_| Vec3::from_array(std::array::from_fn(|_| random.f32() - 0.5))).collect();
+            let mut corner = |i: usize| (i + random.usize(..100)).min(count - 1) as u32;
+            let triangles: Vec<[u32; 3]> = (0..count).map(|i| std::array::from_fn(|_| corner(i))).collect();
+            let clusters = Clusters::new(&positions, &triangles);
+            assert_eq!(clusters.len(), count.div_ceil(CLUSTER));
+            let mut next = 0;
+            for cluster in 0..clusters.len() {
+                let own = clusters.triangles(cluster);
+                assert_eq!(own.start, next);
+                next = own.end;
+                let [min, max] = clusters.boxes()[cluster / LANES]
+                    .map(|end| Vec3::from_array(end.map(|axis| axis[cluster % LANES])));
+                let mut seen = Aabb::EMPTY;
+                for number in triangles[own].as_flattened() {
+                    assert!(clusters.blocks(cluster).any(|blocks| blocks.contains(&(*number as usize / BLOCK))));
+                    seen = seen.union(Aabb::around([positions[*number as usize]]));
+                }
+                assert_eq!(seen, Aabb { min, max });
+            }
+            assert_eq!(next, count);
+        }
+    }
+
+    #[test]
+    fn blocks_that_follow_each_other_are_one_range_and_too_many_are() {
+        let mut ranges = vec![[7, 9]];
+        push_ranges(&[1, 2, 3, 5, 8, 9], &mut ranges);
+        assert_eq!(ranges, [[7, 9], [1, 4], [5, 6], [8, 10]]);
+        let mut ranges = vec![[7, 9]];
+        push_ranges(&(0..2 * MOST_RANGES as u32 + 2).step_by(2).collect::<Vec<_>>(), &mut ranges);
+        assert_eq!(ranges, [[7, 9], [0, 2 * MOST_RANGES as u32 + 1]]);
+    }
+
+    #[test]
+    fn planes_are_within_their_bounds_and_slivers_say_nothing() {
+        let positions =
+            [[0.0, 0.0, 5.0], [2.0, 0.0, 5.0], [0.0, 1.0, 5.0], [0.0, 0.0, 5.0], [1.0, 1e-7, 5.0], [0.0, 1.0, 4.0]];
+        let positions = positions.map(Vec3::from_array);
+        let ([least, greatest], altitude) = facing(&positions, &[0, 1, 2, 0, 3, 1, 0, 1, 5]);
+        let altitude_of_first = 2.0 / 5.0_f32.sqrt();
+        assert!(altitude <= altitude_of_first && altitude > altitude_of_first - 1e-5, "{altitude}");
+        // The first looks along z, the last one between y and z, at 45°.
+        let half = 0.5_f64.sqrt();
+        let exact = [(0.0, 0.0), (0.0, half), (half, 1.0), (5.0 * half, 5.0)];
+        for (i, (from, to)) in exact.into_iter().enumerate() {
+            assert!(f64::from(least[i]) < from && f64::from(greatest[i]) > to, "{i}: {} {}", least[i], greatest[i]);
+            assert!(f64::from(least[i]) > from - 1e-5 && f64::from(greatest[i]) < to + 1e-5, "{i}");
+        }
+        assert_eq!(facing(&positions, &[0, 1, 2, 0, 1, 4]).1, 0.0);
+        assert_eq!(facing(&positions, &[0, 3, 1]).1, 0.0, "no triangle with an area");
+    }
+
+    #[test]
+    fn small_meshes_have_none() {
+        let triangles = vec![[0, 1, 2]; FEWEST * CLUSTER - 1];
+        assert!(Clusters::new(&[Vec3::ZERO, Vec3::X, Vec3::Y], &triangles).is_empty());
+    }
+}
