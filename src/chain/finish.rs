@@ -19,10 +19,18 @@ pub(super) enum Unfiltered {
     Kept(Image<Rgba8>),
 }
 
-/// A full picture, none if that is what was drawn, and the same before filter and lines.
+/// A full picture, none if that is what was drawn, the same before filter and lines, and what the next frame is to remember.
 pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
+    pub(super) memory: Option<Image<[f32; 4]>>,
+}
+
+/// Memory that is no longer needed: a full picture, and what an upscaler remembered.
+#[derive(Debug, Default)]
+pub(super) struct Spare {
+    pub(super) full: Option<Image<Rgba8>>,
+    pub(super) memory: Option<Image<[f32; 4]>>,
 }
 
 /// The full picture from what was drawn, in memory that is no longer needed.
@@ -30,22 +38,25 @@ pub(super) fn finish<'a>(
     recipe: &Recipe,
     drawn: &Drawn<'_>,
     viewport: Viewport,
-    memory: Option<Image<Rgba8>>,
+    spare: Spare,
     triangles: impl Fn() -> &'a TriangleList,
 ) -> Finished {
     let Viewport { width, height } = viewport;
-    let upscaled = (!recipe.upscaler.is_native()).then(|| {
-        let mut full = Image::reusing(memory, width, height, [0; 4]);
-        recipe.upscaler.upscaler().upscale(recipe.upscaler, drawn, &mut full);
-        full
-    });
+    let (upscaled, memory) = if recipe.upscaler.is_native() {
+        (None, None)
+    } else {
+        let mut full = Image::reusing(spare.full, width, height, [0; 4]);
+        let upscaler = recipe.upscaler.upscaler();
+        let memory = upscaler.upscale_and_remember(recipe.upscaler, drawn, &mut full, spare.memory);
+        (Some(full), memory)
+    };
     let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color));
     if filtered.is_none() && !recipe.wireframe {
-        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished };
+        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished, memory };
     }
     let mut picture = filtered.unwrap_or_else(|| upscaled.as_ref().unwrap_or(drawn.color).clone());
     if recipe.wireframe {
         wireframe::overlay(triangles(), &mut picture);
     }
-    Finished { picture: Some(picture), unfiltered: upscaled.map_or(Unfiltered::Drawn, Unfiltered::Kept) }
+    Finished { picture: Some(picture), unfiltered: upscaled.map_or(Unfiltered::Drawn, Unfiltered::Kept), memory }
 }

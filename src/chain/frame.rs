@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use super::Recipe;
-use super::finish::{Finished, Unfiltered, finish};
+use super::finish::{Finished, Spare, Unfiltered, finish};
 use super::run::redraw;
 use super::view::{camera_of, sampling_after, seen};
 use crate::antialias::settings::Antialiasing;
@@ -42,6 +42,8 @@ pub struct Frame {
     pub(super) finished: Option<Image<Rgba8>>,
     /// The full picture before filter and lines.
     pub(super) unfiltered: Unfiltered,
+    /// What the upscaler wants to be remembered, until that is part of a history.
+    pub(super) memory: Option<Image<[f32; 4]>>,
     /// What was really drawn: colours of all samples, depths of the centres of pixels.
     pub drawn: Framebuffer,
     /// How the pixels that were drawn were sampled.
@@ -49,7 +51,7 @@ pub struct Frame {
     /// The view.
     pub camera: Camera,
     /// What every pixel shows, if the upscaler reads it and depths are kept.
-    pub surfaces: Option<Surfaces>,
+    pub surfaces: Option<Arc<Surfaces>>,
     /// The frame before, if the upscaler reads it and there is one.
     pub past: Option<Arc<History>>,
     /// The triangles that were rasterized.
@@ -89,7 +91,7 @@ impl Frame {
 
     /// Colours drawn, with all else that the upscaler may read.
     pub fn as_drawn<'a>(&'a self, color: &'a Image<Rgba8>) -> Drawn<'a> {
-        Drawn { color, seen: seen(self.surfaces.as_ref(), &self.camera, self.past.as_deref()) }
+        Drawn { color, seen: seen(self.surfaces.as_deref(), &self.camera, self.past.as_deref()) }
     }
 
     /// The camera that saw what was really drawn: that of the view, unless fewer pixels were drawn or samples lie elsewhere.
@@ -104,24 +106,31 @@ impl Frame {
         self.surfaces.is_some() && before + 1 < recipe.upscaler.upscaler().settles_after(recipe.upscaler)
     }
 
-    /// Takes a picture apart for its memory: colours and depths that were drawn, and the full picture if there is another.
-    pub(super) fn into_memory(self) -> (Framebuffer, Option<Image<Rgba8>>) {
+    /// Takes a picture apart for its memory: colours and depths that were drawn, the full picture if there is another, and the
+    /// frame before if nobody else looks at it.
+    pub(super) fn into_memory(self) -> (Framebuffer, Option<Image<Rgba8>>, Option<History>) {
         let full = match self.unfiltered {
             Unfiltered::Kept(picture) => Some(picture),
             Unfiltered::Finished | Unfiltered::Drawn => self.finished,
         };
-        (self.drawn, full)
+        (self.drawn, full, self.past.and_then(Arc::into_inner))
     }
 
-    /// What the next frame may read of this one, if the upscaler reads the past.
-    pub(super) fn history(&self, recipe: &Recipe) -> Option<History> {
-        let (how, upscaler) = (recipe.upscaler, recipe.upscaler.upscaler());
-        let surfaces = self.surfaces.clone().filter(|_| upscaler.reads().past)?;
-        let size = (self.viewport.width, self.viewport.height);
+    /// What the next frame may read of this one, if the upscaler reads the past, in memory that is no longer needed. To be
+    /// asked for once.
+    pub(super) fn history(&mut self, recipe: &Recipe, spare: Option<Image<Rgba8>>) -> Option<History> {
+        let surfaces = self.surfaces.clone().filter(|_| recipe.upscaler.upscaler().reads().past)?;
+        let memory = self.memory.take();
+        let picture = memory.is_none().then(|| {
+            let (width, height) = self.unfiltered().size();
+            let mut copy = Image::reusing(spare, width, height, [0; 4]);
+            copy.pixels_mut().copy_from_slice(self.unfiltered().pixels());
+            copy
+        });
         let still = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);
         Some(History {
-            picture: self.unfiltered().clone(),
-            memory: upscaler.memory(how, &self.as_drawn(&self.drawn.color), size),
+            picture,
+            memory,
             surfaces,
             camera: self.camera,
             frames: self.past.as_ref().map_or(0, |past| past.frames.wrapping_add(1)),
@@ -189,13 +198,14 @@ impl Frame {
     /// The frame as it was at an earlier moment: `drawn` is what was drawn by then, with one sample for each pixel, and
     /// `geometry` has the triangles that were drawn.
     pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
-        let Finished { picture, unfiltered } = {
+        let Finished { picture, unfiltered, memory: _ } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
-            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, None, triangles)
+            finish(recipe, &self.as_drawn(&drawn.color), self.viewport, Spare::default(), triangles)
         };
         Self {
             finished: picture,
             unfiltered,
+            memory: None,
             drawn,
             antialias: Antialiasing::default(),
             camera: self.camera,

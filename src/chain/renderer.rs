@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 use std::time::Instant;
 
-use super::finish::{Finished, finish};
+use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
 use super::run::{mean_of_passes, run_after};
 use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
@@ -18,7 +18,7 @@ use crate::pipeline::settings::{Execution, Settings};
 use crate::pipeline::tiled::{self, TiledReport};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
-use crate::upscale::{Drawn, History};
+use crate::upscale::{Drawn, History, Surfaces};
 
 /// Draws frames as recipes say, on all threads where they allow it, and keeps memory from frame to frame.
 #[derive(Debug)]
@@ -27,10 +27,13 @@ pub struct Renderer {
     lanes: Lanes,
     /// Colours as they were drawn, that are no longer needed.
     spare: Option<Image<Rgba8>>,
-    /// A full picture that is no longer needed, of frames that are not drawn in full.
-    spare_full: Option<Image<Rgba8>>,
+    /// A full picture that is no longer needed, of frames that are not drawn in full, and what an upscaler remembered.
+    spare_full: Spare,
     /// Depths that are no longer needed.
     spare_depth: Option<Image<f32>>,
+    /// The picture of a history, and what it showed, that are no longer needed.
+    spare_picture: Option<Image<Rgba8>>,
+    spare_surfaces: Option<Surfaces>,
     /// The last frame, if its upscaler reads the past.
     past: Option<Past>,
 }
@@ -50,8 +53,10 @@ impl Default for Renderer {
             memory: tiled::Memory::default(),
             lanes: Lanes::best(),
             spare: None,
-            spare_full: None,
+            spare_full: Spare::default(),
             spare_depth: None,
+            spare_picture: None,
+            spare_surfaces: None,
             past: None,
         }
     }
@@ -84,12 +89,12 @@ impl Renderer {
         let same = |past: &Past| Arc::ptr_eq(&past.scene, scene) && past.recipe == *recipe && past.viewport == viewport;
         let past = self.past.take().filter(same).map(|past| past.history);
         let mut frame = if execution(scene, recipe).0 == Execution::Classic {
-            run_after((past, self.spare_full.take()), scene, camera, recipe, viewport, &mut ())
+            run_after((past, std::mem::take(&mut self.spare_full)), scene, camera, recipe, viewport, &mut ())
         } else {
             self.render_tiled(past, scene, camera, recipe, viewport, keep_depth)
         };
         let finished = Instant::now();
-        self.past = frame.history(recipe).map(|history| Past {
+        self.past = frame.history(recipe, self.spare_picture.take()).map(|history| Past {
             scene: Arc::clone(scene),
             recipe: *recipe,
             viewport,
@@ -156,15 +161,16 @@ impl Renderer {
         }
         let surfaces = shown_in_full(recipe).and_then(|shown| {
             let area = (SampleGrid::FULL, viewport);
-            let (shown, _) = self.draw_tiled(scene, camera, &shown.pipeline, area, (None, None), KeepDepth::Yes);
+            let memory = self.spare_surfaces.take().map(|Surfaces { object, distance }| (object, distance)).unzip();
+            let (shown, _) = self.draw_tiled(scene, camera, &shown.pipeline, area, memory, KeepDepth::Yes);
             surfaces(shown)
         });
         let drawn_at = Instant::now();
         let outlines = outlines(scene, camera, recipe, viewport);
-        let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
-        let Finished { picture, unfiltered } = finish(recipe, &known, viewport, self.spare_full.take(), || {
-            outlines.as_ref().unwrap_or_else(|| &geometry.triangles)
-        });
+        let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_deref(), camera, past.as_deref()) };
+        let spare = std::mem::take(&mut self.spare_full);
+        let Finished { picture, unfiltered, memory } =
+            finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
         let front = report.times.transform + report.times.cull;
         let times = FrameTimes {
             geometry: front,
@@ -175,6 +181,7 @@ impl Renderer {
         Frame {
             finished: picture,
             unfiltered,
+            memory,
             drawn,
             antialias: recipe.antialias,
             camera: *camera,
@@ -211,17 +218,24 @@ impl Renderer {
 
     /// Takes the memory of a frame that nobody looks at any more.
     pub fn recycle(&mut self, frame: Frame) {
-        let (drawn, full) = frame.into_memory();
+        let (drawn, full, past) = frame.into_memory();
         self.spare = Some(drawn.color);
         self.spare_depth = drawn.depth.or(self.spare_depth.take());
-        self.spare_full = full.or(self.spare_full.take());
+        self.spare_full.full = full.or(self.spare_full.full.take());
+        let Some(History { picture, memory, surfaces, .. }) = past else { return };
+        self.spare_picture = picture;
+        self.spare_full.memory = memory;
+        self.spare_surfaces = Arc::into_inner(surfaces);
     }
 
     /// Bytes held from frame to frame.
     pub fn bytes(&self) -> usize {
         self.memory.bytes()
             + self.spare.as_ref().map_or(0, Image::bytes)
-            + self.spare_full.as_ref().map_or(0, Image::bytes)
+            + self.spare_full.full.as_ref().map_or(0, Image::bytes)
+            + self.spare_full.memory.as_ref().map_or(0, Image::bytes)
+            + self.spare_picture.as_ref().map_or(0, Image::bytes)
+            + self.spare_surfaces.as_ref().map_or(0, |shown| shown.object.bytes() + shown.distance.bytes())
             + self.spare_depth.as_ref().map_or(0, Image::bytes)
     }
 }

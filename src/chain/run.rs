@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use super::finish::{Finished, finish};
+use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
 use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
 use super::{Frame, FrameTimes, Recipe, samples};
@@ -27,12 +27,12 @@ pub fn run<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Frame {
-    run_after((None, None), scene, camera, recipe, viewport, observer)
+    run_after((None, Spare::default()), scene, camera, recipe, viewport, observer)
 }
 
-/// [`run`] after another frame of the same scene and recipe, the full picture in memory that is no longer needed.
+/// [`run`] after another frame of the same scene and recipe, in memory that is no longer needed.
 pub(super) fn run_after<O: Observer>(
-    (past, memory): (Option<Arc<History>>, Option<Image<Rgba8>>),
+    (past, spare): (Option<Arc<History>>, Spare),
     scene: &Scene,
     camera: &Camera,
     recipe: &Recipe,
@@ -65,9 +65,9 @@ pub(super) fn run_after<O: Observer>(
     let drawn_at = Instant::now();
 
     let outlines = outlines(scene, camera, recipe, viewport);
-    let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_ref(), camera, past.as_deref()) };
-    let Finished { picture, unfiltered } =
-        finish(recipe, &known, viewport, memory, || outlines.as_ref().unwrap_or(&geometry.triangles));
+    let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_deref(), camera, past.as_deref()) };
+    let Finished { picture, unfiltered, memory } =
+        finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
         geometry: geometry_done - start,
         pixels: drawn_at - geometry_done,
@@ -77,6 +77,7 @@ pub(super) fn run_after<O: Observer>(
     Frame {
         finished: picture,
         unfiltered,
+        memory,
         drawn,
         antialias: recipe.antialias,
         camera: *camera,

@@ -1,5 +1,9 @@
 //! What is drawn for a view: how large a picture, seen by which camera, and what the upscaler reads besides.
 
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
 use super::{Recipe, samples};
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::prepare;
@@ -23,10 +27,17 @@ pub(super) fn shown_in_full(recipe: &Recipe) -> Option<Recipe> {
 }
 
 /// What a picture of objects with its depths shows.
-pub(super) fn surfaces(shown: Framebuffer) -> Option<Surfaces> {
+pub(super) fn surfaces(shown: Framebuffer) -> Option<Arc<Surfaces>> {
+    /// Depths that a thread takes at a time.
+    const TOGETHER: usize = 1 << 14;
     let scale = shown.depth_scale;
-    let distance = shown.depth?.map(|stored| scale.distance_of(stored) as f32);
-    Some(Surfaces { object: shown.color, distance })
+    let mut distance = shown.depth?;
+    distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| {
+        for depth in depths {
+            *depth = scale.distance_of(*depth) as f32;
+        }
+    });
+    Some(Arc::new(Surfaces { object: shown.color, distance }))
 }
 
 /// What the upscaler may read besides colours.

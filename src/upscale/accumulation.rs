@@ -13,12 +13,13 @@ use std::ops::Range;
 
 use arrayvec::ArrayVec;
 
-use super::{
-    Anchor, Before, Drawn, Lattice, Light, Motion, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling, bands,
-};
+use super::{Anchor, Before, Drawn, Lattice, Light, Motion, Offers, Reads, Sampling, Scale, Tap, Upscaler, Upscaling};
 use crate::antialias::pattern::Pattern;
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::Lanes;
+
+mod rows;
 
 /// Samples gathered over frames.
 pub static ACCUMULATION: Accumulation = Accumulation;
@@ -76,8 +77,20 @@ impl Upscaler for Accumulation {
     }
 
     fn upscale(&self, how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let now = Now::new(how, drawn, full.size());
-        bands::fill_pixels(full, |at| now.pixel(at));
+        self.upscale_and_remember(how, drawn, full, None);
+    }
+
+    fn upscale_and_remember(
+        &self,
+        how: Upscaling,
+        drawn: &Drawn<'_>,
+        full: &mut Image<Rgba8>,
+        memory: Option<Image<[f32; 4]>>,
+    ) -> Option<Image<[f32; 4]>> {
+        let (width, height) = full.size();
+        let mut memory = Image::reusing(memory, width, height, [0.0; 4]);
+        rows::fill(Lanes::best(), &Now::new(how, drawn, (width, height)), full, &mut memory);
+        Some(memory)
     }
 
     fn pixel(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -102,13 +115,6 @@ impl Upscaler for Accumulation {
     fn remembers(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Before> {
         let seen = drawn.seen?;
         seen.past?.memory.as_ref().and_then(|_| seen.before(size, at))
-    }
-
-    fn memory(&self, how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32)) -> Option<Image<[f32; 4]>> {
-        let mut memory = Image::filled(size.0, size.1, [0.0; 4]);
-        let now = Now::new(how, drawn, size);
-        bands::fill_pixels(&mut memory, |at| now.accumulated(at));
-        Some(memory)
     }
 }
 
@@ -161,25 +167,25 @@ impl<'a> Now<'a> {
             Light::Linear => self.tables.encode(value),
             Light::Bytes => (value + 0.5) as u8,
         };
-        let (taps, _) = present;
-        let alpha: f32 = taps.iter().map(|tap| tap.weight * f32::from(self.drawn.color.at(tap.x, tap.y)[3])).sum();
+        let alpha = self.mean(&present.0)[3];
         [encode(r), encode(g), encode(b), (alpha + 0.5) as u8]
     }
 
-    /// The mean at a pixel, with this frame, and how many samples it is of.
-    fn accumulated(&self, at: (u32, u32)) -> [f32; 4] {
-        self.mixed(at, &self.present(at))
+    /// The light of samples, weighed, and the code of their alpha.
+    fn mean(&self, taps: &[Tap]) -> [f32; 4] {
+        let mut mean = [0.0; 4];
+        for tap in taps {
+            let [r, g, b, a] = self.drawn.color.at(tap.x, tap.y);
+            let sample = [self.number(r), self.number(g), self.number(b), f32::from(a)];
+            (0..4).for_each(|channel| mean[channel] += tap.weight * sample[channel]);
+        }
+        mean
     }
 
-    /// [`Self::accumulated`], from what [`Self::present`] says.
+    /// The mean at a pixel, with this frame, and how many samples it is of: from what [`Self::present`] says.
     fn mixed(&self, at: (u32, u32), (taps, counts_for): &(ArrayVec<Tap, 4>, f32)) -> [f32; 4] {
         let counts_for = *counts_for;
-        let color = |x: u32, y: u32| self.drawn.color.at(x, y).map(|code| self.number(code));
-        let mut now = [0.0; 3];
-        for tap in taps {
-            let sample = color(tap.x, tap.y);
-            (0..3).for_each(|channel| now[channel] += tap.weight * sample[channel]);
-        }
+        let now = self.mean(taps);
         let remembered = self.past.and_then(|(motion, memory)| {
             let before = motion.before(at)?;
             Some((before, before.read(self.size, |x, y| memory.at(x, y))))
@@ -220,13 +226,7 @@ impl<'a> Now<'a> {
             return alone(x, y);
         }
         let [(column, right), (row, down)] = [among(lattice, place[0], x), among(lattice, place[1], y)];
-        // Within half an output pixel of its centre.
-        let half = (0.5 / lattice.scale.value()) as f32;
-        let own = |cell: i64, on: f32, length: u32| {
-            let index = if on <= half { cell } else { cell + 1 };
-            ((on <= half || 1.0 - on < half) && (0..i64::from(length)).contains(&index)).then_some(index as u32)
-        };
-        if let (Some(x), Some(y)) = (own(column, right, width), own(row, down, height)) {
+        if let (Some(x), Some(y)) = (self.own(column, right, width), self.own(row, down, height)) {
             return alone(x, y);
         }
         let mut taps: ArrayVec<Tap, 4> = ArrayVec::new();
@@ -240,6 +240,13 @@ impl<'a> Now<'a> {
             }
         }
         (taps, INTERPOLATED)
+    }
+
+    /// The sample of an axis that lies within half an output pixel of its centre, if one does: from what [`among`] says.
+    fn own(&self, cell: i64, on: f32, samples: u32) -> Option<u32> {
+        let half = (0.5 / self.lattice.scale.value()) as f32;
+        let index = if on <= half { cell } else { cell + 1 };
+        ((on <= half || 1.0 - on < half) && (0..i64::from(samples)).contains(&index)).then_some(index as u32)
     }
 
     /// Columns and rows of the nine samples of this frame around an output pixel, fewer at borders.

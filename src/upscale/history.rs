@@ -1,10 +1,16 @@
 //! What methods read besides the colours that were drawn: which surface every pixel of the full picture shows, how far away it
 //! is, and what the last frame was.
 
+use std::sync::Arc;
+
 use glam::{DMat4, DVec3};
 
 use crate::image::{Image, Rgba8};
 use crate::scene::{Camera, Projection};
+
+mod wide;
+
+pub(super) use wide::{NOWHERE, same_surface};
 
 /// What every pixel of the full picture shows, found without shading it. What is cut out or blended counts as if it were
 /// opaque.
@@ -37,12 +43,12 @@ impl Surfaces {
 /// A frame that was drawn before.
 #[derive(Clone, Debug)]
 pub struct History {
-    /// Its full picture.
-    pub picture: Image<Rgba8>,
+    /// Its full picture, unless the method remembers more.
+    pub picture: Option<Image<Rgba8>>,
     /// What the method remembers more precisely than the picture can.
     pub memory: Option<Image<[f32; 4]>>,
     /// What it showed.
-    pub surfaces: Surfaces,
+    pub surfaces: Arc<Surfaces>,
     /// Its view.
     pub camera: Camera,
     /// How many frames came before it without a break.
@@ -164,11 +170,20 @@ impl Lens {
         Self { half: [half_height * size[0] / size[1], half_height], size, in_perspective }
     }
 
+    /// How far to the right of the line of sight a column is seen, px, at distance 1 in perspective and everywhere without.
+    fn right_of(&self, x: f64) -> f64 {
+        (x / self.size[0] * 2.0 - 1.0) * self.half[0]
+    }
+
+    /// How far above the line of sight a row is seen; see [`Self::right_of`].
+    fn up_of(&self, y: f64) -> f64 {
+        (1.0 - y / self.size[1] * 2.0) * self.half[1]
+    }
+
     /// The point at a distance that is seen at a place, px; view space.
     fn point(&self, [x, y]: [f64; 2], distance: f64) -> DVec3 {
         let spread = if self.in_perspective { distance } else { 1.0 };
-        let ndc = [x / self.size[0] * 2.0 - 1.0, 1.0 - y / self.size[1] * 2.0];
-        DVec3::new(ndc[0] * self.half[0] * spread, ndc[1] * self.half[1] * spread, -distance)
+        DVec3::new(self.right_of(x) * spread, self.up_of(y) * spread, -distance)
     }
 
     /// Where a point of view space is seen, px, and how far away it is; nowhere behind the eye.
@@ -202,11 +217,57 @@ impl Path {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use glam::{Vec3, Vec4};
 
     use super::*;
     use crate::scene::DepthMapping;
+
+    /// What neighbouring frames may know of each other.
+    pub(in crate::upscale) struct Frames {
+        surfaces: Surfaces,
+        camera: Camera,
+        past: Option<History>,
+    }
+
+    impl Frames {
+        pub(in crate::upscale) fn seen(&self) -> Seen<'_> {
+            Seen { surfaces: &self.surfaces, camera: &self.camera, past: self.past.as_ref() }
+        }
+    }
+
+    /// A few objects, one behind the other and slanted, before nothing, and frames of them: without a past, with the same view, and
+    /// with another one in perspective and without.
+    pub(in crate::upscale) fn frames((width, height): (u32, u32), number: u32) -> Vec<Frames> {
+        let mut random = fastrand::Rng::with_seed(u64::from(number));
+        let surfaces = Surfaces {
+            object: Image::from_fn(width, height, |x, y| [(x / 23) as u8, (y / 4) as u8, 0, 255]),
+            distance: Image::from_fn(width, height, |x, y| {
+                if x / 23 == 1 { f32::INFINITY } else { 4.0 + (x / 23) as f32 * 0.3 + y as f32 * 0.01 }
+            }),
+        };
+        let picture = Image::from_fn(width, height, |_, _| std::array::from_fn(|_| random.u8(..)));
+        let memory =
+            Image::from_fn(width, height, |_, _| [random.f32(), random.f32(), random.f32(), 1.0 + 20.0 * random.f32()]);
+        let near = Camera::look_at(Vec3::new(1.0, 2.0, 5.0), Vec3::ZERO);
+        let moved = Camera { eye: near.eye + Vec3::new(0.03, -0.02, 0.02), ..near };
+        let flat = |camera: Camera| camera.with_orthographic(true);
+        let views =
+            [None, Some((near, near)), Some((near, moved)), Some((flat(near), flat(moved))), Some((near, flat(near)))];
+        let of = |views: Option<(Camera, Camera)>| Frames {
+            surfaces: surfaces.clone(),
+            camera: views.map_or(near, |(camera, _)| camera),
+            past: views.map(|(_, camera)| History {
+                picture: Some(picture.clone()),
+                memory: Some(memory.clone()),
+                surfaces: Arc::new(surfaces.clone()),
+                camera,
+                frames: number,
+                still: 1,
+            }),
+        };
+        views.map(of).into()
+    }
 
     #[test]
     fn a_point_is_found_where_the_other_camera_projects_it() {

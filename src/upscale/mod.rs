@@ -99,8 +99,16 @@ pub trait Upscaler: Sync {
         None
     }
 
-    /// What the next frame is to remember besides the picture, of a picture of `size` px; nothing for most.
-    fn memory(&self, _how: Upscaling, _drawn: &Drawn<'_>, _size: (u32, u32)) -> Option<Image<[f32; 4]>> {
+    /// [`Upscaler::upscale`], and what the next frame is to remember besides the picture: nothing for most. May write that into
+    /// memory that is no longer needed.
+    fn upscale_and_remember(
+        &self,
+        how: Upscaling,
+        drawn: &Drawn<'_>,
+        full: &mut Image<Rgba8>,
+        _memory: Option<Image<[f32; 4]>>,
+    ) -> Option<Image<[f32; 4]>> {
+        self.upscale(how, drawn, full);
         None
     }
 }

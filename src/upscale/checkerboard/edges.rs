@@ -6,10 +6,12 @@
 //! is not complete, at borders, the plain mean of the published method stands.
 
 use super::published::{CHECKERBOARD, mean_of_sources};
+use super::squares::{Around, Fill, Run, channel, fill, pixels};
 use super::{At, BEHIND, OFFERS, TOUCHING, neighbours, packed_column};
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling, bands};
+use crate::upscale::{Drawn, Offers, Sampling, Tap, Upscaler, Upscaling};
 
 /// Missing squares of a checkerboard, filled along edges.
 pub static CHECKERBOARD_EDGES: CheckerboardEdges = CheckerboardEdges;
@@ -42,8 +44,8 @@ impl Upscaler for CheckerboardEdges {
     }
 
     fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let size = full.size();
-        bands::fill_pixels(full, |at| mixed(drawn.color, size, at));
+        let by = AlongEdges { drawn: drawn.color, size: full.size() };
+        fill(Lanes::best(), SampleGrid::Checkerboard, drawn.color, full, &by);
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -69,10 +71,11 @@ fn pairs(size: (u32, u32), at: At) -> Option<[At; 4]> {
     Some([beside?, far_beside?, across?, far_across?])
 }
 
+/// The share of the nearer one of two pixels that are one and two away.
+const NEAR: f32 = 2.0 / 3.0;
+
 /// What the four count for.
 fn shares(colors: [Rgba8; 4]) -> [f32; 4] {
-    /// A pixel on a line between two that are one and two away.
-    const NEAR: f32 = 2.0 / 3.0;
     let luma = |[r, g, b, _]: Rgba8| f32::from(r) + 2.0 * f32::from(g) + f32::from(b);
     let [across, down] = [(0, 1), (2, 3)].map(|(near, far)| (luma(colors[near]) - luma(colors[far])) / 4.0);
     let (across, down) = (across * across, down * down);
@@ -94,6 +97,36 @@ fn mixed(drawn: &Image<Rgba8>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
         }
         sum as u8
     })
+}
+
+/// Fills what is missing along edges.
+pub(super) struct AlongEdges<'a> {
+    pub drawn: &'a Image<Rgba8>,
+    pub size: (u32, u32),
+}
+
+impl Fill for AlongEdges<'_> {
+    fn pixel(&self, at: At) -> Rgba8 {
+        mixed(self.drawn, self.size, at)
+    }
+
+    /// The steps of [`mixed`] in lanes.
+    #[inline(always)]
+    fn missing<S: Simd>(&self, simd: S, _run: &Run, around: Around<S>) -> u32x16<S> {
+        let Around { beside, across, far_beside, far_across } = around;
+        let [r, g, b, a] = each!(index in [0, 1, 2, 3] => {
+            each!(words in [beside, far_beside, across, far_across] => channel(words, index))
+        });
+        let luma = each!(place in [0, 1, 2, 3] => r[place] + g[place] * 2.0 + b[place]);
+        let [across, down] = each!((near, far) in [(0, 1), (2, 3)] => (luma[near] - luma[far]) * 0.25);
+        let (across, down) = (across * across, down * down);
+        let of_row = (down + 1.0) / (across + 2.0 + down);
+        let of_column = f32x16::splat(simd, 1.0) - of_row;
+        let shares = [of_row * NEAR, of_row * (1.0 - NEAR), of_column * NEAR, of_column * (1.0 - NEAR)];
+        pixels(each!(codes in [r, g, b, a] => {
+            ((((shares[0] * codes[0]) + 0.5) + shares[1] * codes[1]) + shares[2] * codes[2]) + shares[3] * codes[3]
+        }))
+    }
 }
 
 #[cfg(test)]

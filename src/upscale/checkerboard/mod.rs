@@ -12,6 +12,7 @@
 
 mod edges;
 mod published;
+mod squares;
 mod surfaces;
 mod temporal;
 

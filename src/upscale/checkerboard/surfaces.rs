@@ -6,10 +6,12 @@
 
 use arrayvec::ArrayVec;
 
+use super::squares::{Around, Fill, Run, channel, fill, pixels};
 use super::{At, BEHIND, OFFERS, TOUCHING, neighbours};
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling, bands};
+use crate::upscale::{Drawn, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
 
 /// Missing squares of a checkerboard, filled from the same surface.
 pub static CHECKERBOARD_SURFACES: CheckerboardSurfaces = CheckerboardSurfaces;
@@ -46,8 +48,8 @@ impl Upscaler for CheckerboardSurfaces {
     }
 
     fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let size = full.size();
-        bands::fill_pixels(full, |at| filled(SampleGrid::Checkerboard, drawn, size, at));
+        let by = BySurface { grid: SampleGrid::Checkerboard, drawn, size: full.size() };
+        fill(Lanes::best(), SampleGrid::Checkerboard, drawn.color, full, &by);
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -56,6 +58,44 @@ impl Upscaler for CheckerboardSurfaces {
 
     fn taps(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Vec<Tap> {
         taps(SampleGrid::Checkerboard, drawn, size, at).to_vec()
+    }
+}
+
+/// What a pixel that touches the missing one counts for, and one behind it.
+const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
+
+/// Fills what is missing from the same surface.
+pub(super) struct BySurface<'a> {
+    pub grid: SampleGrid,
+    pub drawn: &'a Drawn<'a>,
+    pub size: (u32, u32),
+}
+
+impl Fill for BySurface<'_> {
+    fn pixel(&self, at: At) -> Rgba8 {
+        filled(self.grid, self.drawn, self.size, at)
+    }
+
+    #[inline(always)]
+    fn missing<S: Simd>(&self, simd: S, run: &Run, around: Around<S>) -> u32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
+        let [near, far] = each!(place in [0, 1] => f32x16::splat(simd, NEAR_AND_FAR[place]));
+        let Around { beside, across, far_beside, far_across } = around;
+        let mut weights = [zero; 4];
+        if let Some(seen) = self.drawn.seen {
+            let same = run.are_one(simd, seen.surfaces);
+            weights = each!((place, weight) in [(0, near), (1, near), (2, far), (3, far)] => same[place].select(weight, zero));
+        }
+        let sum = ((weights[0] + weights[1]) + weights[2]) + weights[3];
+        let none = sum.simd_eq(zero);
+        weights[0] = none.select(near, weights[0]);
+        weights[1] = none.select(near, weights[1]);
+        let sum = none.select(near + near, sum);
+        let shares = each!(place in [0, 1, 2, 3] => weights[place] / sum);
+        pixels(each!(index in [0, 1, 2, 3] => {
+            let [a, b, c, d] = each!(words in [beside, across, far_beside, far_across] => channel(words, index));
+            (((shares[0] * a + shares[1] * b) + shares[2] * c) + shares[3] * d) + 0.5
+        }))
     }
 }
 
@@ -77,8 +117,6 @@ pub(super) fn filled(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), at: 
 
 /// The drawn pixels that a pixel is made of.
 pub(super) fn taps(grid: SampleGrid, drawn: &Drawn<'_>, size: (u32, u32), (x, y): At) -> ArrayVec<Tap, 4> {
-    /// What a pixel that touches the missing one counts for, and one behind it.
-    const NEAR_AND_FAR: [f32; 2] = [2.0, 1.0];
     if grid.sample_at(x, y).is_some() {
         return ArrayVec::from_iter([Tap { x, y, weight: 1.0 }]);
     }

@@ -5,10 +5,14 @@
 //! is found by its distance; if that showed the same surface, its colour there, kept between the least and the greatest of
 //! the drawn pixels around, is taken; else the pixel is filled from the same surface of this frame.
 
-use super::{OFFERS, around, surfaces};
+use super::squares::{self, Around, Fill, Run, channel, pixels};
+use super::surfaces::BySurface;
+use super::{At, OFFERS, around, surfaces};
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
-use crate::upscale::{Before, CENTRE, Drawn, Motion, Offers, Reads, Sampling, Tap, Upscaler, Upscaling, bands};
+use crate::upscale::history::NOWHERE;
+use crate::upscale::{Before, CENTRE, Drawn, Motion, Offers, Reads, Sampling, Tap, Upscaler, Upscaling};
 
 /// Missing squares of a checkerboard, taken from the frame before.
 pub static CHECKERBOARD_TEMPORAL: CheckerboardTemporal = CheckerboardTemporal;
@@ -53,9 +57,8 @@ impl Upscaler for CheckerboardTemporal {
     }
 
     fn upscale(&self, _how: Upscaling, drawn: &Drawn<'_>, full: &mut Image<Rgba8>) {
-        let size = full.size();
-        let motion = motion(drawn, size);
-        bands::fill_pixels(full, |at| filled(drawn, motion.as_ref(), size, at));
+        let by = OfPast::new(drawn, full.size());
+        squares::fill(Lanes::best(), grid_of(drawn), drawn.color, full, &by);
     }
 
     fn pixel(&self, _how: Upscaling, drawn: &Drawn<'_>, size: (u32, u32), at: (u32, u32)) -> Rgba8 {
@@ -85,7 +88,7 @@ fn grid(frames: u32) -> SampleGrid {
     if frames.is_multiple_of(2) { SampleGrid::Checkerboard } else { SampleGrid::OddCheckerboard }
 }
 
-fn grid_of(drawn: &Drawn<'_>) -> SampleGrid {
+pub(super) fn grid_of(drawn: &Drawn<'_>) -> SampleGrid {
     grid(drawn.seen.map_or(0, |seen| seen.frames()))
 }
 
@@ -103,12 +106,102 @@ fn filled(drawn: &Drawn<'_>, motion: Option<&Motion<'_>>, size: (u32, u32), at: 
         .unwrap_or_else(|| surfaces::filled(grid, drawn, size, at))
 }
 
+/// Fills what is missing from the frame before, or else from the same surface.
+pub(super) struct OfPast<'a> {
+    otherwise: BySurface<'a>,
+    motion: Option<Motion<'a>>,
+    /// See [`Motion::across`]; of the missing pixels of rows that begin with a missing one, and of the others.
+    across: [Vec<f64>; 2],
+}
+
+impl Fill for OfPast<'_> {
+    fn pixel(&self, at: At) -> Rgba8 {
+        filled(self.otherwise.drawn, self.motion.as_ref(), self.otherwise.size, at)
+    }
+
+    #[inline(always)]
+    fn missing<S: Simd>(&self, simd: S, run: &Run, around: Around<S>) -> u32x16<S> {
+        let past = self.motion.as_ref().and_then(|motion| Some((motion, motion.past.picture.as_ref()?)));
+        let Some((motion, picture)) = past else { return self.otherwise.missing(simd, run, around) };
+        if motion.is_still() {
+            return run.own(simd, picture.row(run.y));
+        }
+        let (known, remembered) = self.remembered(simd, (motion, picture), run, around);
+        if known.all_true() {
+            return remembered;
+        }
+        known.select(remembered, self.otherwise.missing(simd, run, around))
+    }
+}
+
+impl<'a> OfPast<'a> {
+    pub(super) fn new(drawn: &'a Drawn<'a>, size: (u32, u32)) -> Self {
+        let motion = motion(drawn, size);
+        let missing = |first: u32| {
+            let columns = (first..size.0).filter(move |x| (x - first) % 4 < 2);
+            motion.map_or_else(Vec::new, |motion| motion.across(columns))
+        };
+        Self { otherwise: BySurface { grid: grid_of(drawn), drawn, size }, motion, across: [missing(0), missing(2)] }
+    }
+
+    /// [`remembered`] for sixteen pixels, and which of them are.
+    #[inline(always)]
+    fn remembered<S: Simd>(
+        &self,
+        simd: S,
+        (motion, picture): (&Motion<'_>, &Image<Rgba8>),
+        run: &Run,
+        around: Around<S>,
+    ) -> (mask32x16<S>, u32x16<S>) {
+        let none = (mask32x16::splat(simd, false), u32x16::splat(simd, 0));
+        let Some(seen) = self.otherwise.drawn.seen else { return none };
+        // A row that begins with missing pixels has a drawn one before those of a run, in an odd column of a four.
+        let columns = &self.across[usize::from(run.before % 4 == 1)];
+        let Some(columns) = columns.get(run.first..).and_then(<[f64]>::first_chunk::<WIDE>) else { return none };
+        let (objects, distances) = run.shown(simd, seen.surfaces);
+        let ((object, next_object), (distance, next_distance)) = (objects.split(), distances.split());
+        let [first, last] = columns.as_chunks::<LANES>().0 else { return none };
+        let a = motion.find(simd, run.y, first, (object, distance));
+        let b = motion.find(simd, run.y, last, (next_object, next_distance));
+        let upper = a.upper.combine(b.upper);
+        let known = upper.simd_ne(u32x16::splat(simd, NOWHERE));
+        let upper = known.select(upper, u32x16::splat(simd, 0));
+        let lower = known.select(a.lower.combine(b.lower), u32x16::splat(simd, 0));
+        let step = known.select(a.step.combine(b.step), u32x16::splat(simd, 0));
+        let (right, down) = (a.right.combine(b.right), a.down.combine(b.down));
+        let [a, b, c, d] = each!(at in [upper, upper + step, lower, lower + step] => {
+            gathered(simd, picture.pixels(), at)
+        });
+        let Around { beside, across, far_beside, far_across } = around;
+        let [beside, across, far_beside, far_across] =
+            each!(words in [beside, across, far_beside, far_across] => words.bitcast::<u8x64<S>>());
+        let least = beside.min(across).min(far_beside.min(far_across));
+        let greatest = beside.max(across).max(far_beside.max(far_across));
+        let codes = pixels(each!(index in [0, 1, 2, 3] => {
+            let [a, b, c, d] = each!(words in [a, b, c, d] => channel(words, index));
+            let (above, below) = (a + (b - a) * right, c + (d - c) * right);
+            (above + (below - above) * down) + 0.5
+        }));
+        (known, codes.bitcast::<u8x64<S>>().max(least).min(greatest).bitcast())
+    }
+}
+
+/// The pixels at sixteen places.
+#[inline(always)]
+fn gathered<S: Simd>(simd: S, of: &[Rgba8], at: u32x16<S>) -> u32x16<S> {
+    let (at, mut words) = (at.to_array(), [0; WIDE]);
+    for lane in 0..WIDE {
+        words[lane] = u32::from_le_bytes(of[at[lane] as usize]);
+    }
+    u32x16::load_array(simd, words)
+}
+
 /// What the frame before tells of a missing pixel, if it showed the same surface.
 fn remembered(drawn: &Drawn<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32, u32)) -> Option<Rgba8> {
-    let past = motion.past;
+    let picture = motion.past.picture.as_ref()?;
     let before = motion.before(at)?;
     if before.is_still {
-        return Some(past.picture.at(at.0, at.1));
+        return Some(picture.at(at.0, at.1));
     }
     let [mut least, mut greatest] = [[u8::MAX; 4], [u8::MIN; 4]];
     for (x, y) in around(size, at) {
@@ -118,7 +211,7 @@ fn remembered(drawn: &Drawn<'_>, motion: &Motion<'_>, size: (u32, u32), at: (u32
             greatest[channel] = greatest[channel].max(code);
         }
     }
-    let color = before.read(size, |x, y| past.picture.at(x, y).map(f32::from));
+    let color = before.read(size, |x, y| picture.at(x, y).map(f32::from));
     let clamped = |channel: usize| ((color[channel] + 0.5) as u8).max(least[channel]).min(greatest[channel]);
     Some(std::array::from_fn(clamped))
 }

@@ -8,10 +8,8 @@ mod rcas;
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
 use super::choice::MOST_SHARPENING;
-use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling};
+use super::{Anchor, Drawn, Light, Offers, Sampling, Scale, Tap, Upscaler, Upscaling, bands};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 
@@ -107,23 +105,29 @@ impl Upscaler for Fsr1 {
 
 /// Rows that are made at a time: what is found about their samples, and the rows before they are sharpened, stay in the
 /// second cache.
-const STRIP: usize = 64;
+const STRIP: usize = 32;
 
 fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     let (width, height) = (full.width() as usize, full.height() as usize);
     if width == 0 || height == 0 {
         return;
     }
-    full.pixels_mut().par_chunks_mut(STRIP * width).enumerate().for_each(|(strip, rows)| {
-        let (first, count) = (strip * STRIP, rows.len() / width);
-        if how.sharpening() == 0 {
-            return easu::fill(lanes, drawn, how.lattice(), (first as u32, width), rows);
+    bands::fill(full, Scale::ONE, |band, _, pixels| {
+        let mut scratch = easu::Scratch::default();
+        let mut enlarged = Image::filled(0, 0, [0; 4]);
+        for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
+            let (first, count) = (band as usize + strip * STRIP, rows.len() / width);
+            if how.sharpening() == 0 {
+                easu::fill(lanes, drawn, how.lattice(), (first as u32, width), rows, &mut scratch);
+                continue;
+            }
+            // Sharpening looks at the rows beside these, too.
+            let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
+            enlarged = Image::reusing(Some(enlarged), width as u32, (above + count + below) as u32, [0; 4]);
+            let place = ((first - above) as u32, width);
+            easu::fill(lanes, drawn, how.lattice(), place, enlarged.pixels_mut(), &mut scratch);
+            rcas::fill(lanes, &enlarged, above as u32, strength(how), rows);
         }
-        // Sharpening looks at the rows beside these, too.
-        let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
-        let mut enlarged = Image::filled(width as u32, (above + count + below) as u32, [0; 4]);
-        easu::fill(lanes, drawn, how.lattice(), ((first - above) as u32, width), enlarged.pixels_mut());
-        rcas::fill(lanes, &enlarged, above as u32, strength(how), rows);
     });
 }
 

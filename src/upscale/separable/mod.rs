@@ -11,8 +11,6 @@ mod fixed;
 #[cfg(target_arch = "x86_64")]
 mod fixed_avx2;
 mod light;
-#[cfg(target_arch = "x86_64")]
-mod light_avx2;
 #[cfg(test)]
 mod tests;
 

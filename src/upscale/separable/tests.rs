@@ -195,6 +195,31 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
     });
 }
 
+#[test]
+fn linear_light_of_wide_rows_is_that_of_pixels_alone_whatever_is_opaque() {
+    let mut levels = vec![Level::new(), Level::fallback()];
+    #[cfg(target_arch = "x86_64")]
+    levels.extend(Level::new().as_avx2().map(Level::Avx2));
+    let mut random = fastrand::Rng::with_seed(9);
+    for (method, _, how) in choices() {
+        for opaque in [|_: u32| true, |row| row % 3 != 0, |_| false] {
+            let drawn = Image::from_fn(43, 5, |_, y| {
+                let [r, g, b, a] = std::array::from_fn(|_| random.u8(..));
+                [r, g, b, if opaque(y) { 255 } else { a }]
+            });
+            for deringing in [false, true] {
+                let how = how.with_light(Light::Linear).with_deringing(deringing);
+                let [width, height] = [43.0, 5.0].map(|samples: f64| (samples * how.scale().value()) as u32);
+                let alone = Image::from_fn(width, height, |x, y| pixel_of(method.weights, how, &drawn, (x, y)));
+                for level in &levels {
+                    let full = filled(method, *level, how, &drawn, (width, height));
+                    assert!(full == alone, "{} {level:?}", how.label());
+                }
+            }
+        }
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 #[test]
 fn where_rows_lie_in_memory_changes_nothing() {

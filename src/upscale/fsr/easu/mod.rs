@@ -25,7 +25,7 @@ mod wide;
 use crate::image::{Image, Rgba8};
 use crate::upscale::lattice::{Lattice, Place};
 
-pub(super) use wide::fill;
+pub(super) use wide::{Scratch, fill};
 
 /// Below this a squared slope has no direction: (1/181)² of the range of codes, less than a code over the width of the
 /// kernel.
@@ -90,18 +90,18 @@ struct Shape {
 impl Shape {
     /// From the mixed slopes and straightness.
     fn new(across: f32, down: f32, straightness: f32) -> Self {
+        let flat = across * across + down * down < LEAST_SLOPE;
+        let (across, down) = if flat { (1.0, 0.0) } else { (across, down) };
         let (xx, yy) = (across * across, down * down);
-        let squared = xx + yy;
+        let (squared, most) = (xx + yy, xx.max(yy));
+        // One division for two: by the squared length, and by its greater part.
+        let inverse = 1.0 / (squared * most);
+        let stretch = ((squared * squared) * inverse).sqrt();
         // The squares of the direction's components, and their product.
-        let (xx, xy, yy) = if squared < LEAST_SLOPE {
-            (1.0, 0.0, 0.0)
-        } else {
-            let inverse = 1.0 / squared;
-            (xx * inverse, (across * down) * inverse, yy * inverse)
-        };
+        let inverse = most * inverse;
+        let (xx, xy, yy) = (xx * inverse, (across * down) * inverse, yy * inverse);
         let half = straightness * 0.5;
         let edge = half * half;
-        let stretch = 1.0 / xx.max(yy).sqrt();
         let (along, across) = ((stretch - 1.0) * edge + 1.0, 1.0 - edge * 0.5);
         let (along, across) = (along * along, across * across);
         // A lobe of ½ is a plain blob; near ¼ the kernel resembles Lanczos with two lobes.

@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use super::slope;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::upscale::lattice::{Lattice, Place};
@@ -13,8 +12,9 @@ pub(super) const AHEAD: usize = 4 * WIDE;
 /// Cells of a tile: what is known about the samples of so many stays in the nearest cache from row to row.
 pub(super) const TILE: usize = 4 * AHEAD;
 
-/// Samples that are repeated around the picture: as far as the kernel reaches, and one more for slopes.
-pub(super) const MARGIN: usize = 3;
+/// Samples that are repeated around the picture: more than the kernel reaches and one more for slopes, so that cells begin with
+/// lines of the cache.
+pub(super) const MARGIN: usize = WIDE;
 
 /// What is known about a sample: four channels, slope across and down, straightness, luma.
 const PLANES: usize = 8;
@@ -22,13 +22,56 @@ const PLANES: usize = 8;
 /// Where slope across, slope down and straightness stand among the planes.
 const SLOPES: Range<usize> = 4..7;
 
+/// Where luma does.
+const LUMA: usize = 7;
+
+/// Two lines of the cache. Planes of a row lie an odd number of such pairs apart, and so not at the same places of their pages, whose
+/// lines drive each other out of the nearest cache.
+const PAIR: usize = 2 * WIDE;
+
+/// Values of a plane of a row of so many samples.
+fn stride_of(samples: usize) -> usize {
+    ((samples + 2 * MARGIN + AHEAD + WIDE).div_ceil(PAIR) | 1) * PAIR
+}
+
+/// Values from the start of a line of the cache on, in memory that is used again.
+#[derive(Default)]
+struct Values {
+    memory: Vec<f32>,
+    start: usize,
+}
+
+impl Values {
+    /// At least so many.
+    fn reserve(&mut self, count: usize) {
+        /// As many values as a line of the cache has.
+        const LINE: usize = 64 / size_of::<f32>();
+        if self.memory.len() < count + LINE {
+            self.memory = vec![0.0; count + LINE];
+            self.start = self.memory.as_ptr().align_offset(64).min(LINE);
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, row: usize, stride: usize) -> &[f32] {
+        &self.memory[self.start + row * stride..][..stride]
+    }
+
+    #[inline(always)]
+    fn row_mut(&mut self, row: usize, stride: usize) -> &mut [f32] {
+        &mut self.memory[self.start + row * stride..][..stride]
+    }
+}
+
 /// Rows of samples, channel by channel, with a margin, and the slopes there.
+#[derive(Default)]
 pub(super) struct Source {
-    /// Values of a row; a whole number of [`WIDE`].
+    /// Values of a plane of a row; a whole number of [`WIDE`].
     stride: usize,
     /// The sample row that the planes begin with; rows beyond the picture repeat its outermost.
     first_row: i32,
-    planes: [Vec<f32>; PLANES],
+    /// Row after row of all planes.
+    planes: Values,
     /// Whether alpha is full everywhere, so that nobody need weigh it.
     pub(super) opaque: bool,
 }
@@ -36,62 +79,79 @@ pub(super) struct Source {
 impl Source {
     /// These rows of samples, of a picture of at least one: from the one before the first cells to the third after the last, as
     /// four are looked at. Slopes are found in all of them but the first and the last.
-    pub(super) fn new(lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) -> Self {
-        let stride = (drawn.width() as usize + 2 * MARGIN + AHEAD + WIDE).next_multiple_of(WIDE);
-        let planes = std::array::from_fn(|_| vec![0.0; stride * rows.len()]);
-        let mut source = Self { stride, first_row: rows.start, planes, opaque: true };
+    pub(super) fn read(&mut self, lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) {
+        self.stride = stride_of(drawn.width() as usize);
+        self.first_row = rows.start;
+        self.planes.reserve(self.stride * PLANES * rows.len());
+        self.opaque = true;
         let last = drawn.height() as i32 - 1;
         for (at, row) in rows.clone().enumerate() {
             let samples = drawn.row(row.clamp(0, last) as u32);
-            source.opaque &= samples.iter().all(|sample| sample[3] == 255);
-            on_lanes!(lanes, simd => source.spread(simd, samples, at));
+            self.opaque &= samples.iter().fold(255, |least, sample| least & sample[3]) == 255;
+            on_lanes!(lanes, simd => self.spread(simd, samples, at));
         }
+        let width = drawn.width() as usize;
         for row in 1..rows.len() - 1 {
-            on_lanes!(lanes, simd => source.find_slopes(simd, row));
+            on_lanes!(lanes, simd => self.find_slopes(simd, row, width));
         }
-        source
+    }
+
+    #[inline(always)]
+    fn plane(&self, row: usize, plane: usize) -> &[f32] {
+        self.planes.row(row * PLANES + plane, self.stride)
+    }
+
+    #[inline(always)]
+    fn plane_mut(&mut self, row: usize, plane: usize) -> &mut [f32] {
+        self.planes.row_mut(row * PLANES + plane, self.stride)
     }
 
     /// Puts a row of samples into the planes.
     #[inline(always)]
     fn spread<S: Simd>(&mut self, simd: S, samples: &[Rgba8], row: usize) {
-        let of_row = row * self.stride..(row + 1) * self.stride;
         let end = MARGIN + samples.len();
-        for channel in 0..4 {
-            let plane = &mut self.planes[channel][of_row.clone()];
-            plane[..MARGIN].fill(f32::from(samples[0][channel]));
-            plane[end..].fill(f32::from(samples[samples.len() - 1][channel]));
-            let (runs, rest) = samples.as_chunks::<WIDE>();
-            let (wide, narrow) = plane[MARGIN..end].as_chunks_mut::<WIDE>();
-            for (values, run) in wide.iter_mut().zip(runs) {
-                let codes = (words(simd, run) >> (8 * channel as u32)) & 255;
-                f32x16::float_from(codes).store_array(values);
-            }
-            for (value, sample) in narrow.iter_mut().zip(rest) {
-                *value = f32::from(sample[channel]);
-            }
+        // Beyond this nobody looks.
+        let last = end + AHEAD + WIDE;
+        let luma = |[r, g, b, _]: Rgba8| 0.5 * (f32::from(r) + f32::from(b)) + f32::from(g);
+        let (left, right) = (samples[0], samples[samples.len() - 1]);
+        for plane in [0, 1, 2, 3, LUMA] {
+            let value = |sample: Rgba8| if plane == LUMA { luma(sample) } else { f32::from(sample[plane]) };
+            let values = self.plane_mut(row, plane);
+            values[..MARGIN].fill(value(left));
+            values[end..last].fill(value(right));
         }
-        let [red, green, blue, .., luma] = &mut self.planes;
-        let [red, green, blue] = [red, green, blue].map(|plane| &plane[of_row.clone()]);
-        for (((luma, r), g), b) in luma[of_row.clone()].iter_mut().zip(red).zip(green).zip(blue) {
-            *luma = 0.5 * (r + b) + g;
+        let (runs, rest) = samples.as_chunks::<WIDE>();
+        let mut at = MARGIN;
+        for run in runs {
+            let words = words(simd, run);
+            let [red, green, blue, alpha] =
+                each!(channel in [0, 8, 16, 24] => f32x16::<S>::float_from((words >> channel) & 255));
+            let luma = (red + blue) * 0.5 + green;
+            for (plane, values) in [(0, red), (1, green), (2, blue), (3, alpha), (LUMA, luma)] {
+                values.store_slice(&mut self.plane_mut(row, plane)[at..at + WIDE]);
+            }
+            at += WIDE;
+        }
+        for sample in rest {
+            for (channel, code) in sample.iter().enumerate() {
+                self.plane_mut(row, channel)[at] = f32::from(*code);
+            }
+            self.plane_mut(row, LUMA)[at] = luma(*sample);
+            at += 1;
         }
     }
 
-    /// Finds the slopes of a row of the planes that has one above and one below.
+    /// Finds the slopes of a row of the planes that has one above and one below, at so many samples and those beside them.
     #[inline(always)]
-    fn find_slopes<S: Simd>(&mut self, _simd: S, row: usize) {
-        let (stride, inner) = (self.stride, self.stride - 2);
-        let [.., across, down, straightness, luma] = &mut self.planes;
-        let from = |row: usize, column: usize| &luma[row * stride + column..][..inner];
-        let (left, own, right) = (from(row, 0), from(row, 1), from(row, 2));
-        let (above, below) = (from(row - 1, 1), from(row + 1, 1));
-        let [across, down, straightness] =
-            [across, down, straightness].map(|plane| &mut plane[row * stride + 1..][..inner]);
-        for at in 0..inner {
-            let (dx, along_x) = slope(left[at], own[at], right[at]);
-            let (dy, along_y) = slope(above[at], own[at], below[at]);
-            (across[at], down[at], straightness[at]) = (dx, dy, along_x + along_y);
+    fn find_slopes<S: Simd>(&mut self, simd: S, row: usize, samples: usize) {
+        for at in (MARGIN - WIDE / 2..MARGIN + samples + 2).step_by(WIDE) {
+            let [left, own, right] = each!(by in [0, 1, 2] => values(simd, self.plane(row, LUMA), at + by - 1));
+            let [above, below] = each!(row in [row - 1, row + 1] => values(simd, self.plane(row, LUMA), at));
+            let (across, along_x) = slopes(simd, left, own, right);
+            let (down, along_y) = slopes(simd, above, own, below);
+            for (plane, values) in SLOPES.zip([across, down, along_x + along_y]) {
+                values.store_slice(&mut self.plane_mut(row, plane)[at..at + WIDE]);
+            }
         }
     }
 
@@ -99,7 +159,7 @@ impl Source {
     #[inline(always)]
     pub(super) fn channel(&self, channel: usize, cell: i32) -> [&[f32]; 4] {
         let first = (cell - 1 - self.first_row) as usize;
-        each!(below in [0, 1, 2, 3] => &self.planes[channel][(first + below) * self.stride..][..self.stride])
+        each!(below in [0, 1, 2, 3] => self.plane(first + below, channel))
     }
 }
 
@@ -113,25 +173,38 @@ pub(super) fn words<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
     u32x16::load_array(simd, words)
 }
 
+/// [`super::slope`] in lanes.
+#[inline(always)]
+fn slopes<S: Simd>(simd: S, before: f32x16<S>, at: f32x16<S>, after: f32x16<S>) -> (f32x16<S>, f32x16<S>) {
+    let zero = f32x16::splat(simd, 0.0);
+    let slope = after - before;
+    let steepest = (after - at).abs().max((at - before).abs());
+    let straight = steepest.simd_gt(zero).select(slope.abs() / steepest, zero).min(f32x16::splat(simd, 1.0));
+    (slope, straight * straight)
+}
+
 /// What the pixels of one row have in common: what is found once for both neighbours of a cell, or for all phases across. Of the
 /// cells of one tile.
+#[derive(Default)]
 pub(super) struct RowOfCells {
+    stride: usize,
     /// The first place in the rows of the source that anything is found for.
     from: usize,
     cell: Option<i32>,
-    /// Of each channel the least and the greatest of the four samples at the corners of a cell, by its first sample.
-    pub(super) least: [Vec<f32>; 4],
-    pub(super) greatest: [Vec<f32>; 4],
-    /// Slope across, slope down and straightness in this row of pixels, above and below each other mixed.
-    pub(super) slopes: [Vec<f32>; 3],
+    /// Of each channel the least and the greatest of the four samples at the corners of a cell, by its first sample; then slope
+    /// across, slope down and straightness in this row of pixels, above and below each other mixed.
+    rows: Values,
 }
 
+/// Where the greatest and the slopes stand among the rows, after the least.
+const GREATEST: usize = 4;
+const MIXED: usize = 8;
+
 impl RowOfCells {
-    /// Of nothing yet.
-    pub(super) fn new(source: &Source) -> Self {
-        let row = || vec![0.0; source.stride];
-        let [least, greatest] = [0, 1].map(|_| std::array::from_fn(|_| row()));
-        Self { from: 0, cell: None, least, greatest, slopes: std::array::from_fn(|_| row()) }
+    /// Begins rows of a source.
+    pub(super) fn prepare(&mut self, source: &Source) {
+        self.stride = source.stride;
+        self.rows.reserve(source.stride * (MIXED + SLOPES.len()));
     }
 
     /// Begins a tile with the cell after so many.
@@ -139,15 +212,28 @@ impl RowOfCells {
         (self.from, self.cell) = (from, None);
     }
 
+    /// The least and the greatest of a channel.
+    #[inline(always)]
+    pub(super) fn bounds(&self, channel: usize) -> [&[f32]; 2] {
+        each!(row in [channel, GREATEST + channel] => self.rows.row(row, self.stride))
+    }
+
+    /// Slope across, slope down and straightness, in this order.
+    #[inline(always)]
+    pub(super) fn slopes(&self, which: usize) -> &[f32] {
+        self.rows.row(MIXED + which, self.stride)
+    }
+
     /// Finds what a row of pixels needs.
     #[inline(always)]
     pub(super) fn find<S: Simd>(&mut self, simd: S, source: &Source, lattice: Lattice, place: Place) {
-        // The last few are looked at by nobody, and have no right neighbours.
-        let end = (self.from + TILE + AHEAD).min(source.stride - WIDE);
+        let range = self.from + MARGIN - WIDE..self.from + MARGIN + TILE + WIDE;
+        let range = range.start..range.end.min(source.stride - WIDE);
         let below = place.phase as f32 / lattice.phases() as f32;
-        for (mixed, plane) in self.slopes.iter_mut().zip(SLOPES) {
-            let [_, upper, lower, _] = source.channel(plane, place.cell);
-            for at in (self.from..end).step_by(WIDE) {
+        for which in 0..SLOPES.len() {
+            let [_, upper, lower, _] = source.channel(SLOPES.start + which, place.cell);
+            let mixed = self.rows.row_mut(MIXED + which, source.stride);
+            for at in range.clone().step_by(WIDE) {
                 let (upper, lower) = (values(simd, upper, at), values(simd, lower, at));
                 (upper * (1.0 - below) + lower * below).store_slice(&mut mixed[at..at + WIDE]);
             }
@@ -156,13 +242,15 @@ impl RowOfCells {
             return;
         }
         self.cell = Some(place.cell);
-        for (channel, (least, greatest)) in self.least.iter_mut().zip(&mut self.greatest).enumerate() {
+        let channels = if source.opaque { 3 } else { 4 };
+        for channel in 0..channels {
             let [_, upper, lower, _] = source.channel(channel, place.cell);
-            for at in (self.from..end).step_by(WIDE) {
+            for at in range.clone().step_by(WIDE) {
                 let (f, g) = (values(simd, upper, at), values(simd, upper, at + 1));
                 let (j, k) = (values(simd, lower, at), values(simd, lower, at + 1));
-                f.min(g).min(j.min(k)).store_slice(&mut least[at..at + WIDE]);
-                f.max(g).max(j.max(k)).store_slice(&mut greatest[at..at + WIDE]);
+                let (least, greatest) = (f.min(g).min(j.min(k)), f.max(g).max(j.max(k)));
+                least.store_slice(&mut self.rows.row_mut(channel, source.stride)[at..at + WIDE]);
+                greatest.store_slice(&mut self.rows.row_mut(GREATEST + channel, source.stride)[at..at + WIDE]);
             }
         }
     }

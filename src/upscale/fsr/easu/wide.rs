@@ -27,25 +27,34 @@ pub(in super::super) fn fill(
     lattice: Lattice,
     (first, width): (u32, usize),
     rows: &mut [Rgba8],
+    scratch: &mut Scratch,
 ) {
     let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
     let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
-    let source = Source::new(lanes, drawn, top.cell - 1..bottom.cell + 4);
+    let Scratch { source, row_of_cells } = scratch;
+    source.read(lanes, drawn, top.cell - 1..bottom.cell + 4);
     let (pixels, samples) = lattice.scale.ratio();
     let cells = width.div_ceil(pixels as usize) * samples as usize;
-    let mut row_of_cells = RowOfCells::new(&source);
+    row_of_cells.prepare(source);
     let mut codes = [[0; TILE]; 3];
     for from in (0..cells).step_by(TILE) {
         row_of_cells.begin(from);
         for (row, place) in rows.chunks_exact_mut(width).zip(&places) {
             on_lanes!(lanes, simd => {
-                row_of_cells.find(simd, &source, lattice, *place);
-                let of = Row::new(&source, &row_of_cells, *place);
+                row_of_cells.find(simd, source, lattice, *place);
+                let of = Row::new(source, row_of_cells, *place);
                 let row = &mut row[from / samples as usize * pixels as usize..];
                 fill_tile(simd, &of, (lattice, *place), (from, cells.min(from + TILE)), &mut codes, row);
             });
         }
     }
+}
+
+/// Memory for what is found about samples.
+#[derive(Default)]
+pub(in super::super) struct Scratch {
+    source: Source,
+    row_of_cells: RowOfCells,
 }
 
 /// What a row of pixels is made of.
@@ -65,14 +74,16 @@ impl<'a> Row<'a> {
     /// What is looked at for the cells whose first samples stand at place `at` of the rows and after it.
     #[inline(always)]
     fn part(&self, at: usize) -> Part<'a> {
-        let RowOfCells { least, greatest, slopes, .. } = self.of_cells;
-        let [red, green, blue, alpha] = each!(channel in [0, 1, 2, 3] => Channel {
-            samples: each!(row in [0, 1, 2, 3] => window(self.samples[channel][row], at - 1)),
-            least: window(&least[channel], at),
-            greatest: window(&greatest[channel], at),
+        let [red, green, blue, alpha] = each!(channel in [0, 1, 2, 3] => {
+            let [least, greatest] = self.of_cells.bounds(channel);
+            Channel {
+                samples: each!(row in [0, 1, 2, 3] => window(self.samples[channel][row], at - 1)),
+                least: window(least, at),
+                greatest: window(greatest, at),
+            }
         });
         Part {
-            slopes: each!(of in [0, 1, 2] => window(&slopes[of], at)),
+            slopes: each!(of in [0, 1, 2] => window(self.of_cells.slopes(of), at)),
             colors: [red, green, blue],
             alpha: if self.opaque { None } else { Some(alpha) },
         }
@@ -241,15 +252,16 @@ impl<S: Simd> Shape<S> {
     #[inline(always)]
     fn new(simd: S, across: f32x16<S>, down: f32x16<S>, straightness: f32x16<S>) -> Self {
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let flat = (across * across + down * down).simd_lt(f32x16::splat(simd, LEAST_SLOPE));
+        let (across, down) = (flat.select(one, across), flat.select(zero, down));
         let (xx, yy) = (across * across, down * down);
-        let squared = xx + yy;
-        let flat = squared.simd_lt(f32x16::splat(simd, LEAST_SLOPE));
-        let inverse = one / squared;
-        let (xx, yy) = (flat.select(one, xx * inverse), flat.select(zero, yy * inverse));
-        let xy = flat.select(zero, (across * down) * inverse);
+        let (squared, most) = (xx + yy, xx.max(yy));
+        let inverse = one / (squared * most);
+        let stretch = ((squared * squared) * inverse).sqrt();
+        let inverse = most * inverse;
+        let (xx, xy, yy) = (xx * inverse, (across * down) * inverse, yy * inverse);
         let half = straightness * 0.5;
         let edge = half * half;
-        let stretch = one / xx.max(yy).sqrt();
         let (along, across) = ((stretch - 1.0) * edge + 1.0, one - edge * 0.5);
         let (along, across) = (along * along, across * across);
         let lobe = edge * LOBE_OF_EDGE + 0.5;

@@ -1,0 +1,385 @@
+//! [`Now`] for whole rows: the arithmetic of [`Now::pixel`] on lanes, so the same bits.
+//!
+//! A row is made in blocks of sixteen pixels. What this frame has of it is decoded once for each sample; what the frames before
+//! had stands at the same place while the view stands still, and is else gathered from where the surface was.
+
+use super::{INTERPOLATED, Now, PLACES, among};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+use crate::upscale::history::NOWHERE;
+use crate::upscale::{Light, Motion, Scale, bands};
+
+/// Light of three channels, and a fourth number: a code of alpha, or how many samples a mean is of.
+type Quad = [f32; 4];
+
+/// In the place of the number of samples: nothing is remembered.
+const FORGOTTEN: Quad = [0.0, 0.0, 0.0, -1.0];
+
+/// How an output column lies among the samples of this frame.
+#[derive(Clone, Copy)]
+struct Column {
+    /// The samples before and after it, within the picture.
+    between: [u32; 2],
+    /// How far towards the second.
+    on: f32,
+    /// The sample that lies in the column, if one does.
+    own: Option<u32>,
+    /// The sample nearest to it, and one more, so that the one before the first is 0.
+    nearest: usize,
+}
+
+/// Makes the picture, and what is to be remembered of it.
+pub(super) fn fill(lanes: Lanes, now: &Now<'_>, full: &mut Image<Rgba8>, memory: &mut Image<Quad>) {
+    let (width, height) = full.size();
+    let samples = now.drawn.color.size();
+    let across = now.past.as_ref().map_or_else(Vec::new, |(motion, _)| motion.across(0..width));
+    let frame = Frame {
+        now,
+        columns: (0..width).map(|x| now.axis(0, x, samples.0)).collect(),
+        rows: (0..height).map(|y| now.axis(1, y, samples.1)).collect(),
+        across,
+    };
+    bands::fill_both(full, memory, |first, full, memory| {
+        let mut scratch = Scratch::new(width as usize, samples.0 as usize);
+        let rows = full.chunks_exact_mut(width as usize).zip(memory.chunks_exact_mut(width as usize));
+        for (y, (row, memory)) in (first..).zip(rows) {
+            on_lanes!(lanes, simd => frame.row(simd, y, &mut scratch, row, memory));
+        }
+    });
+}
+
+impl Now<'_> {
+    /// How output column or row `at` lies among so many samples.
+    fn axis(&self, axis: usize, at: u32, samples: u32) -> Column {
+        let (cell, on) = among(self.lattice, self.place[axis], at);
+        let inside = |index: i64| index.clamp(0, i64::from(samples) - 1) as u32;
+        let nearest = cell + i64::from(on > 0.5);
+        Column {
+            between: [inside(cell), inside(cell + 1)],
+            on,
+            own: self.own(cell, on, samples),
+            nearest: (nearest + 1).max(0) as usize,
+        }
+    }
+}
+
+/// Codes that are compared at a time.
+const BYTES: usize = 4 * WIDE;
+
+/// Codes from place `at` on, as many as there are.
+#[inline(always)]
+fn bytes<S: Simd>(simd: S, of: &[u8], at: usize) -> u8x64<S> {
+    match of[at..].first_chunk::<BYTES>() {
+        Some(codes) => u8x64::load_array_ref(simd, codes),
+        None => {
+            let mut codes = [0; BYTES];
+            codes[..of.len() - at].copy_from_slice(&of[at..]);
+            u8x64::load_array(simd, codes)
+        }
+    }
+}
+
+#[inline(always)]
+fn store_bytes<S: Simd>(codes: u8x64<S>, to: &mut [u8], at: usize) {
+    codes.store_slice(&mut to[at..at + BYTES]);
+}
+
+/// What the rows of a picture have in common.
+struct Frame<'a> {
+    now: &'a Now<'a>,
+    columns: Vec<Column>,
+    rows: Vec<Column>,
+    /// See [`Motion::across`].
+    across: Vec<f64>,
+}
+
+/// Memory for a row.
+struct Scratch {
+    /// What this frame has of the pixels, and what that counts for.
+    present: Vec<Quad>,
+    counts_for: Vec<f32>,
+    /// Light of the rows of samples above and below.
+    light: [Vec<Quad>; 2],
+    /// The least and the greatest codes of a column of three samples, those at the ends repeated.
+    codes: [Vec<u8>; 2],
+    /// Light of the least and the greatest of nine, by [`Column::nearest`].
+    bounds: [Vec<Quad>; 2],
+}
+
+impl Scratch {
+    fn new(width: usize, samples: usize) -> Self {
+        let width = width.next_multiple_of(WIDE);
+        Self {
+            present: vec![[0.0; 4]; width],
+            counts_for: vec![1.0; width],
+            light: [0, 1].map(|_| vec![[0.0; 4]; samples]),
+            codes: [0, 1].map(|_| vec![0; (4 * (samples + 4)).next_multiple_of(BYTES) + BYTES]),
+            bounds: [0, 1].map(|_| vec![[0.0; 4]; samples + 2]),
+        }
+    }
+}
+
+/// Sixteen pixels as they are made and remembered.
+type Block<'a> = (&'a mut [Rgba8; WIDE], &'a mut [Quad; WIDE]);
+
+impl Frame<'_> {
+    #[inline(always)]
+    fn row<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch, row: &mut [Rgba8], memory: &mut [Quad]) {
+        self.present(simd, y, scratch);
+        let past = self.now.past.as_ref();
+        if past.is_some_and(|(motion, _)| !motion.is_still()) {
+            self.bounds(simd, y, scratch);
+        }
+        let (blocks, last) = row.as_chunks_mut::<WIDE>();
+        let (remembered, rest) = memory.as_chunks_mut::<WIDE>();
+        let mut from = 0;
+        for block in blocks.iter_mut().zip(remembered) {
+            self.block(simd, (from, y), scratch, block);
+            from += WIDE;
+        }
+        if !last.is_empty() {
+            let mut block = ([[0; 4]; WIDE], [[0.0; 4]; WIDE]);
+            self.block(simd, (from, y), scratch, (&mut block.0, &mut block.1));
+            last.copy_from_slice(&block.0[..last.len()]);
+            rest.copy_from_slice(&block.1[..rest.len()]);
+        }
+    }
+
+    /// What this frame has of the pixels of a row: the means of [`Now::present`].
+    #[inline(always)]
+    fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch) {
+        let color = self.now.drawn.color;
+        let Scratch { present, counts_for, light, .. } = scratch;
+        if self.now.lattice.scale == Scale::ONE {
+            self.now.decode(color.row(y), present);
+            return;
+        }
+        let row = self.rows[y as usize];
+        for (light, row) in light.iter_mut().zip(row.between) {
+            self.now.decode(color.row(row), light);
+        }
+        let [above, below] = light;
+        let own_row = row.own.map(|own| if own == row.between[0] { above.as_slice() } else { below.as_slice() });
+        let pixels = present.iter_mut().zip(counts_for).zip(&self.columns);
+        for (x, ((pixel, counts_for), column)) in (0..).zip(pixels) {
+            if let (Some(light), Some(own)) = (own_row, column.own) {
+                (*pixel, *counts_for) = (light[own as usize], 1.0);
+                continue;
+            }
+            *counts_for = INTERPOLATED;
+            let [left, right] = column.between.map(|column| column as usize);
+            if left == right || row.between[0] == row.between[1] {
+                *pixel = self.now.mean(&self.now.present((x, y)).0);
+                continue;
+            }
+            let mut sum = f32x4::splat(simd, 0.0);
+            for (light, vertical) in [(&above, 1.0 - row.on), (&below, row.on)] {
+                sum += f32x4::load_array_ref(simd, &light[left]) * ((1.0 - column.on) * vertical);
+                sum += f32x4::load_array_ref(simd, &light[right]) * (column.on * vertical);
+            }
+            sum.store_array(pixel);
+        }
+    }
+
+    /// Finds the least and the greatest of the nine samples around every place that a column can be nearest to.
+    #[inline(always)]
+    fn bounds<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch) {
+        let color = self.now.drawn.color;
+        let (width, height) = (color.width() as usize, color.height() as usize);
+        let nearest = self.rows[y as usize].nearest;
+        let rows = nearest.saturating_sub(2)..(nearest + 1).min(height);
+        let [least, greatest] = &mut scratch.codes;
+        let rows = each!(by in [0, 1, 2] => color.row((rows.start + by).min(rows.end - 1) as u32).as_flattened());
+        // The first one is repeated twice before it, the last one after it.
+        let codes = 4 * width;
+        for at in (0..codes).step_by(BYTES) {
+            // The last ones are found with some before them, once more.
+            let at = at.min(codes.saturating_sub(BYTES));
+            let [a, b, c] = each!(row in [0, 1, 2] => bytes(simd, rows[row], at));
+            store_bytes(a.min(b).min(c), least, at + 8);
+            store_bytes(a.max(b).max(c), greatest, at + 8);
+        }
+        for of in [&mut *least, &mut *greatest] {
+            of.copy_within(8..12, 0);
+            of.copy_within(8..12, 4);
+            of.copy_within(codes + 4..codes + 8, codes + 8);
+            of.copy_within(codes + 4..codes + 8, codes + 12);
+        }
+        for at in (0..codes + 8).step_by(BYTES) {
+            let [a, b, c] = each!(by in [0, 4, 8] => bytes(simd, least, at + by));
+            store_bytes(a.min(b).min(c), least, at);
+            let [a, b, c] = each!(by in [0, 4, 8] => bytes(simd, greatest, at + by));
+            store_bytes(a.max(b).max(c), greatest, at);
+        }
+        let [least_light, greatest_light] = &mut scratch.bounds;
+        self.now.decode(&least.as_chunks().0[..width + 2], least_light);
+        self.now.decode(&greatest.as_chunks().0[..width + 2], greatest_light);
+        // They bound three channels, and not how many samples a mean is of.
+        for (least, greatest) in least_light.iter_mut().zip(greatest_light) {
+            (least[3], greatest[3]) = (f32::MIN, f32::MAX);
+        }
+    }
+
+    #[inline(always)]
+    fn block<S: Simd>(&self, simd: S, (from, y): (usize, u32), scratch: &Scratch, (row, memory): Block<'_>) {
+        let present = columns(simd, &scratch.present.as_chunks().0[from / WIDE]);
+        let counts_for = f32x16::load_array_ref(simd, &scratch.counts_for.as_chunks().0[from / WIDE]);
+        let Some((motion, past)) = &self.now.past else {
+            let [red, green, blue, alpha] = present;
+            store(simd, [red, green, blue, counts_for], memory);
+            return self.now.encode(simd, present, alpha, row);
+        };
+        let past = if motion.is_still() {
+            let past = &past.row(y)[from..];
+            match past.first_chunk::<WIDE>() {
+                Some(block) => columns(simd, block),
+                None => {
+                    let mut block = [FORGOTTEN; WIDE];
+                    block[..past.len()].copy_from_slice(past);
+                    columns(simd, &block)
+                }
+            }
+        } else {
+            let mut block = [FORGOTTEN; WIDE];
+            self.gather(simd, motion, past, (from, y), scratch, &mut block);
+            columns(simd, &block)
+        };
+        let alpha = present[3];
+        let count = past[3];
+        let known = count.simd_ge(f32x16::splat(simd, 0.0));
+        let count = count.min((PLACES - 1) as f32);
+        let share = counts_for / (count + counts_for);
+        let [red, green, blue] = each!(channel in [0, 1, 2] => {
+            let (past, now) = (past[channel], present[channel]);
+            known.select(past + (now - past) * share, now)
+        });
+        let mean = [red, green, blue, known.select(count + counts_for, counts_for)];
+        store(simd, mean, memory);
+        self.now.encode(simd, mean, alpha, row);
+    }
+
+    /// What the frames before had of a block, read where the surface was and kept within the bounds of this frame.
+    #[inline(always)]
+    fn gather<S: Simd>(
+        &self,
+        simd: S,
+        motion: &Motion<'_>,
+        past: &Image<Quad>,
+        (from, y): (usize, u32),
+        scratch: &Scratch,
+        block: &mut [Quad; WIDE],
+    ) {
+        let past = past.pixels();
+        let width = self.columns.len();
+        let [least, greatest] = &scratch.bounds;
+        let mut from = from;
+        for eight in block.as_chunks_mut::<LANES>().0 {
+            let Some(across) = self.across.get(from..).and_then(<[f64]>::first_chunk) else { return };
+            let end = width.min(from + LANES);
+            let found = motion.find_part(simd, (from.min(end)..end, y), across);
+            let (upper, lower, step) = (found.upper.to_array(), found.lower.to_array(), found.step.to_array());
+            let (right, down) = (found.right.to_array(), found.down.to_array());
+            for lane in 0..end.saturating_sub(from) {
+                if upper[lane] == NOWHERE {
+                    continue;
+                }
+                let (upper, lower, step) = (upper[lane] as usize, lower[lane] as usize, step[lane] as usize);
+                let [above, below] = each!(left in [upper, lower] => {
+                    let a = f32x4::load_array_ref(simd, &past[left]);
+                    let b = f32x4::load_array_ref(simd, &past[left + step]);
+                    a + (b - a) * right[lane]
+                });
+                let read = above + (below - above) * down[lane];
+                let nearest = self.columns[from + lane].nearest;
+                let greatest = f32x4::load_array_ref(simd, &greatest[nearest]);
+                let least = f32x4::load_array_ref(simd, &least[nearest]);
+                read.min(greatest).max(least).store_array(&mut eight[lane]);
+            }
+            from += LANES;
+        }
+    }
+}
+
+impl Now<'_> {
+    /// Light of samples, and alpha as its code.
+    #[inline(always)]
+    fn decode(&self, samples: &[Rgba8], light: &mut [Quad]) {
+        let table = match self.light {
+            Light::Linear => &self.tables.linear_of_code,
+            Light::Bytes => &self.tables.code,
+        };
+        for (light, [r, g, b, a]) in light.iter_mut().zip(samples) {
+            *light = [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a)];
+        }
+    }
+
+    /// Sixteen pixels from their light and codes of alpha.
+    #[inline(always)]
+    fn encode<S: Simd>(&self, simd: S, light: [f32x16<S>; 4], alpha: f32x16<S>, pixels: &mut [Rgba8; WIDE]) {
+        let [red, green, blue] = each!(channel in [0, 1, 2] => match self.light {
+            Light::Bytes => u32x16::truncate_from(light[channel] + 0.5),
+            Light::Linear => {
+                let (first, second) = light[channel].split();
+                self.tables.encode_lanes(simd, first).combine(self.tables.encode_lanes(simd, second))
+            }
+        });
+        let alpha = u32x16::truncate_from(alpha + 0.5);
+        let words = red | green << 8 | blue << 16 | alpha << 24;
+        words.bitcast::<u8x64<S>>().store_slice(pixels.as_flattened_mut());
+    }
+}
+
+/// Sixteen quads, number by number.
+#[inline(always)]
+fn columns<S: Simd>(simd: S, quads: &[Quad; WIDE]) -> [f32x16<S>; 4] {
+    let numbers = quads.as_flattened();
+    let [a, b, c, d] = each!(run in [0, 1, 2, 3] => f32x16::from_slice(simd, &numbers[run * WIDE..][..WIDE]));
+    let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
+    let ((w, y), (x, z)) = (wy.deinterleave(wy_end), xz.deinterleave(xz_end));
+    [w, x, y, z]
+}
+
+/// The reverse of [`columns`].
+#[inline(always)]
+fn store<S: Simd>(_simd: S, [w, x, y, z]: [f32x16<S>; 4], quads: &mut [Quad; WIDE]) {
+    let ((wy, wy_end), (xz, xz_end)) = (w.interleave(y), x.interleave(z));
+    let ((a, b), (c, d)) = (wy.interleave(xz), wy_end.interleave(xz_end));
+    let numbers = quads.as_flattened_mut();
+    for (run, quads) in [a, b, c, d].into_iter().enumerate() {
+        quads.store_slice(&mut numbers[run * WIDE..][..WIDE]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::upscale::history::tests::frames;
+    use crate::upscale::{Drawn, Upscaling};
+
+    #[test]
+    fn rows_are_what_pixels_are_alone_bit_for_bit() {
+        let mut random = fastrand::Rng::with_seed(8);
+        let chosen = [(Scale::ONE, Light::Linear), (Scale::TWO, Light::Linear), (Scale::TWO, Light::Bytes)];
+        for (scale, light) in chosen {
+            let how = Upscaling::new("accumulation", scale).unwrap().with_light(light);
+            for (size, number) in [((1, 1), 0), ((5, 3), 4), ((75, 9), 0), ((75, 9), 7), ((64, 6), 13), ((140, 5), 2)] {
+                let (columns, rows) = (how.lattice().samples(size.0), how.lattice().samples(size.1));
+                let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..)));
+                for frames in frames(size, number) {
+                    let drawn = Drawn { color: &color, seen: Some(frames.seen()) };
+                    let now = Now::new(how, &drawn, size);
+                    for lanes in Lanes::all() {
+                        let mut full = Image::filled(size.0, size.1, [1, 2, 3, 4]);
+                        let mut memory = Image::filled(size.0, size.1, [-7.0; 4]);
+                        fill(lanes, &now, &mut full, &mut memory);
+                        for at in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+                            let context = || format!("{} {size:?} {number} {at:?} {}", how.label(), lanes.name());
+                            assert_eq!(full.at(at.0, at.1), now.pixel(at), "{}", context());
+                            assert_eq!(memory.at(at.0, at.1), now.mixed(at, &now.present(at)), "{}", context());
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

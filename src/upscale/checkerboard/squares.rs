@@ -1,0 +1,220 @@
+//! The missing pixels of a checkerboard sixteen at a time.
+//!
+//! Packed like the drawn ones: of four pixels of a row the two that are missing. Those beside them are drawn, so that the four drawn
+//! pixels around sixteen missing ones stand one after the other in the packed picture: in the row itself, and, as rows come in
+//! pairs, in one above and one below.
+
+use super::{At, BEHIND, TOUCHING, step};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+use crate::pipeline::grid::SampleGrid;
+use crate::upscale::history::same_surface;
+use crate::upscale::{Scale, Surfaces, bands};
+
+/// How the missing pixels of a checkerboard are made.
+pub(super) trait Fill: Sync {
+    /// Any pixel, drawn or missing.
+    fn pixel(&self, at: At) -> Rgba8;
+
+    /// Sixteen missing pixels, each as its four codes, the first in the lowest byte: the same as one by one.
+    fn missing<S: Simd>(&self, simd: S, run: &Run, around: Around<S>) -> u32x16<S>;
+}
+
+/// Sixteen missing pixels of a row.
+pub(super) struct Run {
+    /// The row, and those that the pixels touch, and that at their backs.
+    pub y: u32,
+    pub across: u32,
+    pub far_across: u32,
+    /// The first, among the missing ones of the row.
+    pub first: usize,
+    /// The column before it.
+    pub before: usize,
+}
+
+impl Run {
+    /// Which of sixteen missing pixels show the same as the drawn ones around them.
+    #[inline(always)]
+    pub(super) fn are_one<S: Simd>(&self, simd: S, surfaces: &Surfaces) -> [mask32x16<S>; 4] {
+        let Surfaces { object, distance } = surfaces;
+        let [own, near, far] = each!(y in [self.y, self.across, self.far_across] => {
+            let objects = &object.row(y).as_flattened()[4 * self.before..];
+            let (even, odd) = words(simd, objects).deinterleave(words(simd, &objects[4 * WIDE..]));
+            let distances = &distance.row(y)[self.before..];
+            let [a, b] = each!(at in [0, WIDE] => f32x16::from_slice(simd, &distances[at..at + WIDE]));
+            ((even, odd), a.deinterleave(b))
+        });
+        // Of four pixels from the one before two missing ones on, the missing ones are the second and the third.
+        let first = firsts(simd);
+        let missing = each!(of in [own, near, far] => {
+            let ((even, odd), (even_far, odd_far)) = of;
+            (first.select(odd, even), first.select(odd_far, even_far))
+        });
+        let ((even, odd), (even_far, odd_far)) = own;
+        let beside = (first.select(even, odd), first.select(even_far, odd_far));
+        let far_beside = (swap_pairs(beside.0), swap_pairs(beside.1.bitcast()).bitcast::<f32x16<S>>());
+        let [own, near, far] = missing;
+        each!(there in [beside, near, far_beside, far] => same_surface(own, there))
+    }
+
+    /// What a full row has in the place of sixteen missing pixels.
+    #[inline(always)]
+    pub(super) fn own<S: Simd>(&self, simd: S, row: &[Rgba8]) -> u32x16<S> {
+        let codes = &row.as_flattened()[4 * self.before..];
+        let (even, odd) = words(simd, codes).deinterleave(words(simd, &codes[4 * WIDE..]));
+        firsts(simd).select(odd, even)
+    }
+
+    /// The objects and the distances of sixteen missing pixels.
+    #[inline(always)]
+    pub(super) fn shown<S: Simd>(&self, simd: S, surfaces: &Surfaces) -> (u32x16<S>, f32x16<S>) {
+        let distances = &surfaces.distance.row(self.y)[self.before..];
+        let [a, b] = each!(at in [0, WIDE] => f32x16::from_slice(simd, &distances[at..at + WIDE]));
+        let (even, odd) = a.deinterleave(b);
+        (self.own(simd, surfaces.object.row(self.y)), firsts(simd).select(odd, even))
+    }
+}
+
+/// The drawn pixels around sixteen missing ones: those that they touch and those at their backs.
+#[derive(Clone, Copy)]
+pub(super) struct Around<S: Simd> {
+    pub beside: u32x16<S>,
+    pub across: u32x16<S>,
+    pub far_beside: u32x16<S>,
+    pub far_across: u32x16<S>,
+}
+
+/// Fills a picture, on all threads.
+pub(super) fn fill(lanes: Lanes, grid: SampleGrid, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>, by: &impl Fill) {
+    let size = full.size();
+    bands::fill(full, Scale::ONE, |first, _, pixels| {
+        for (y, row) in (first..).zip(pixels.chunks_exact_mut(size.0 as usize)) {
+            let filled = on_lanes!(lanes, simd => fill_row(simd, grid, drawn, (size, y), row, by));
+            for x in (0..filled.start).chain(filled.end..row.len()) {
+                row[x] = by.pixel((x as u32, y));
+            }
+        }
+    });
+}
+
+/// Fills the middle of a row, if there are enough pixels with all their sources; says which columns.
+#[inline(always)]
+fn fill_row<S: Simd>(
+    simd: S,
+    grid: SampleGrid,
+    drawn: &Image<Rgba8>,
+    (size, y): ((u32, u32), u32),
+    row: &mut [Rgba8],
+    by: &impl Fill,
+) -> std::ops::Range<usize> {
+    let [Some(across), Some(far_across)] = [TOUCHING, BEHIND].map(|by| step(y, by, size.1)) else { return 0..0 };
+    let drawn_first = grid.sample_at(0, y).is_some();
+    // Fours of pixels whose missing two have a drawn one on both sides.
+    let fours = if drawn_first { 0..row.len().saturating_sub(1) / 4 } else { 1..row.len() / 4 };
+    let (from, end) = (2 * fours.start, 2 * fours.end);
+    if end < from + WIDE {
+        return 0..0;
+    }
+    let [own, near, far] = [y, across, far_across].map(|y| drawn.row(y).as_flattened());
+    // Missing and drawn pixels that stand side by side are one apart in their rows, before or after.
+    let beside = |first: usize| if drawn_first { first + 1 } else { first - 1 };
+    let mut first = from;
+    loop {
+        let touching = words(simd, &own[4 * beside(first)..]);
+        let around = Around {
+            beside: touching,
+            across: words(simd, &near[4 * first..]),
+            far_beside: swap_pairs(touching),
+            far_across: words(simd, &far[4 * first..]),
+        };
+        let before = 2 * (first + usize::from(drawn_first)) - 1;
+        let run = Run { y, across, far_across, first, before };
+        let missing = by.missing(simd, &run, around).bitcast::<u64x8<S>>();
+        let drawn = words(simd, &own[4 * first..]).bitcast::<u64x8<S>>();
+        let (left, right) = if drawn_first { drawn.interleave(missing) } else { missing.interleave(drawn) };
+        let codes = row[2 * first..2 * (first + WIDE)].as_flattened_mut();
+        left.bitcast::<u8x64<S>>().store_slice(&mut codes[..4 * WIDE]);
+        right.bitcast::<u8x64<S>>().store_slice(&mut codes[4 * WIDE..]);
+        if first + WIDE == end {
+            return 4 * fours.start..4 * fours.end;
+        }
+        // The last ones are made with some of those before, once more.
+        first = (first + WIDE).min(end - WIDE);
+    }
+}
+
+/// Sixteen pixels from the first of these bytes on.
+#[inline(always)]
+pub(super) fn words<S: Simd>(simd: S, codes: &[u8]) -> u32x16<S> {
+    u8x64::from_slice(simd, &codes[..4 * WIDE]).bitcast()
+}
+
+/// Which of sixteen missing pixels are the first of two.
+#[inline(always)]
+fn firsts<S: Simd>(simd: S) -> mask32x16<S> {
+    let places = u32x16::load_array(simd, [0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1]);
+    places.simd_eq(u32x16::splat(simd, 0))
+}
+
+#[inline(always)]
+fn swap_pairs<S: Simd>(words: u32x16<S>) -> u32x16<S> {
+    let pairs = words.bitcast::<u64x8<S>>();
+    (pairs << 32 | pairs >> 32).bitcast()
+}
+
+/// A channel of sixteen pixels.
+#[inline(always)]
+pub(super) fn channel<S: Simd>(of: u32x16<S>, channel: u32) -> f32x16<S> {
+    f32x16::float_from((of >> (8 * channel)) & 255)
+}
+
+/// Sixteen pixels from the whole numbers below values of their four channels.
+#[inline(always)]
+pub(super) fn pixels<S: Simd>([r, g, b, a]: [f32x16<S>; 4]) -> u32x16<S> {
+    let [r, g, b, a] = each!(channel in [r, g, b, a] => u32x16::truncate_from(channel));
+    r | g << 8 | b << 16 | a << 24
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::upscale::Drawn;
+    use crate::upscale::checkerboard::edges::AlongEdges;
+    use crate::upscale::checkerboard::surfaces::BySurface;
+    use crate::upscale::checkerboard::temporal::{OfPast, grid_of};
+    use crate::upscale::history::tests::frames;
+
+    fn check(grid: SampleGrid, drawn: &Image<Rgba8>, (width, height): (u32, u32), by: &impl Fill) {
+        for lanes in Lanes::all() {
+            let mut full = Image::filled(width, height, [1, 2, 3, 4]);
+            fill(lanes, grid, drawn, &mut full, by);
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                assert_eq!(full.at(x, y), by.pixel((x, y)), "({x}, {y}) of {width}×{height} {grid:?} {}", lanes.name());
+            }
+        }
+    }
+
+    #[test]
+    fn sixteen_at_a_time_are_what_they_are_alone() {
+        let mut random = fastrand::Rng::with_seed(5);
+        for size in [(33, 4), (34, 5), (35, 6), (36, 7), (37, 8), (75, 9), (140, 5)] {
+            for (grid, number) in [(SampleGrid::Checkerboard, 1), (SampleGrid::OddCheckerboard, 2)] {
+                let (columns, rows) = grid.packed_size(size.0, size.1);
+                // Values that agree now and then: differences of nothing.
+                let color = Image::from_fn(columns, rows, |_, _| std::array::from_fn(|_| random.u8(..) & 0xf1));
+                for frames in frames(size, number) {
+                    let drawn = Drawn { color: &color, seen: Some(frames.seen()) };
+                    check(grid, &color, size, &BySurface { grid, drawn: &drawn, size });
+                    if grid_of(&drawn) == grid {
+                        check(grid, &color, size, &OfPast::new(&drawn, size));
+                    }
+                }
+                let drawn = Drawn::from(&color);
+                check(grid, &color, size, &BySurface { grid, drawn: &drawn, size });
+                if grid == SampleGrid::Checkerboard {
+                    check(grid, &color, size, &AlongEdges { drawn: &color, size });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! [`Motion::before`] for eight pixels of a row at a time: the same arithmetic on lanes, so the same bits.
+
+use std::ops::Range;
+
+use super::{Lens, Motion, Path, SAME_DISTANCE};
+use crate::math::lanes::*;
+
+/// Stands for the place of what the frame before did not show.
+pub(in crate::upscale) const NOWHERE: u32 = u32::MAX;
+
+/// Where the frame before showed eight pixels: the four pixels around each place, as indices into a picture, and how far
+/// between them it lies.
+pub(in crate::upscale) struct Found<S: Simd> {
+    /// The upper left one, or [`NOWHERE`].
+    pub upper: u32x8<S>,
+    /// The lower left one.
+    pub lower: u32x8<S>,
+    /// From the left ones to the right ones: 1, or 0 at the border.
+    pub step: u32x8<S>,
+    /// How far the place lies towards the right ones, and the lower ones.
+    pub right: F32<S>,
+    pub down: F32<S>,
+}
+
+/// [`super::Surfaces::are_one`] for sixteen pairs of pixels, from their objects and distances.
+#[inline(always)]
+pub(in crate::upscale) fn same_surface<S: Simd>(
+    (object, distance): (u32x16<S>, f32x16<S>),
+    (other, there): (u32x16<S>, f32x16<S>),
+) -> mask32x16<S> {
+    let near = (there - distance).abs().simd_le(distance.abs() * SAME_DISTANCE);
+    other.simd_eq(object) & (near | there.simd_eq(distance))
+}
+
+impl Motion<'_> {
+    /// Whether nothing moved, so that each pixel is where it was.
+    pub(in crate::upscale) fn is_still(&self) -> bool {
+        self.path.is_none()
+    }
+
+    /// Of pixels in these columns what [`Self::find`] needs; in whole lanes, and nothing if nothing moved.
+    pub(in crate::upscale) fn across(&self, columns: impl Iterator<Item = u32>) -> Vec<f64> {
+        let Some(Path { lenses: [from, _], .. }) = &self.path else { return Vec::new() };
+        let mut across: Vec<f64> = columns.map(|x| from.right_of(f64::from(x) + 0.5)).collect();
+        across.resize(across.len().next_multiple_of(WIDE), 0.0);
+        across
+    }
+
+    /// [`Self::find`] for up to eight pixels of a row one after the other.
+    #[inline(always)]
+    pub(in crate::upscale) fn find_part<S: Simd>(
+        &self,
+        simd: S,
+        (columns, y): (Range<usize>, u32),
+        across: &[f64; LANES],
+    ) -> Found<S> {
+        let (objects, distances) =
+            (&self.surfaces.object.row(y)[columns.clone()], &self.surfaces.distance.row(y)[columns]);
+        // What is not a number is seen nowhere.
+        let (mut object, mut distance) = ([[0; 4]; LANES], [f32::NAN; LANES]);
+        let (objects, distances) = match (objects.first_chunk(), distances.first_chunk()) {
+            (Some(objects), Some(distances)) => (objects, distances),
+            _ => {
+                object[..objects.len()].copy_from_slice(objects);
+                distance[..distances.len()].copy_from_slice(distances);
+                (&object, &distance)
+            }
+        };
+        let object = u8x32::from_slice(simd, objects.as_flattened()).bitcast::<u32x8<S>>();
+        self.find(simd, y, across, (object, F32::load_array_ref(simd, distances)))
+    }
+
+    /// Where the frame before showed eight pixels of row `y`, each [`Self::across`] somewhere, that show these objects at these
+    /// distances. Pictures are at most 2²⁴ px wide and high.
+    #[inline(always)]
+    pub(in crate::upscale) fn find<S: Simd>(
+        &self,
+        simd: S,
+        y: u32,
+        across: &[f64; LANES],
+        (object, distance): (u32x8<S>, F32<S>),
+    ) -> Found<S> {
+        let nowhere = u32x8::splat(simd, NOWHERE);
+        let nought = F32::splat(simd, 0.0);
+        let Some(path) = &self.path else {
+            return Found { upper: nowhere, lower: nowhere, step: nowhere, right: nought, down: nought };
+        };
+        let ([x, y], expected) = path.moved_lanes(simd, y, across, widen(simd, distance));
+        let (width, height) = (f64::from(self.size.0), f64::from(self.size.1));
+        let zero = F64::splat(simd, 0.0);
+        // What is not a number is not inside.
+        let inside = expected.simd_gt(zero)
+            & x.simd_ge(zero)
+            & x.simd_lt(F64::splat(simd, width))
+            & y.simd_ge(zero)
+            & y.simd_lt(F64::splat(simd, height));
+        let (x, y) = (inside.select(x, zero), inside.select(y, zero));
+        let pixel = (whole(simd, y.floor()) * self.size.0 + whole(simd, x.floor())).to_array();
+        let (mut objects, mut distances) = ([0; LANES], [0.0; LANES]);
+        let surfaces = &self.past.surfaces;
+        let (all_objects, all_distances) = (surfaces.object.pixels(), surfaces.distance.pixels());
+        for lane in 0..LANES {
+            let at = pixel[lane] as usize;
+            (objects[lane], distances[lane]) = (u32::from_le_bytes(all_objects[at]), all_distances[at]);
+        }
+        let (there, expected) = (F32::load_array(simd, distances), narrow(simd, expected));
+        let near = (there - expected).abs().simd_le(expected.abs() * SAME_DISTANCE) | there.simd_eq(expected);
+        let is_inside = narrow(simd, inside.select(F64::splat(simd, 1.0), zero)).simd_gt(nought);
+        let same = u32x8::load_array(simd, objects).simd_eq(object) & near & is_inside;
+
+        let ((left, next, right), (top, bottom, down)) = (between(simd, x, width), between(simd, y, height));
+        Found {
+            upper: same.select(top * self.size.0 + left, nowhere),
+            lower: bottom * self.size.0 + left,
+            step: next - left,
+            right,
+            down,
+        }
+    }
+}
+
+/// Doubles that are whole and not negative.
+#[inline(always)]
+fn whole<S: Simd>(simd: S, number: F64<S>) -> u32x8<S> {
+    u32x8::truncate_from(narrow(simd, number))
+}
+
+/// The pixels whose centres lie before and after places on an axis of so many px, and how far the places lie between them.
+#[inline(always)]
+fn between<S: Simd>(simd: S, place: F64<S>, length: f64) -> (u32x8<S>, u32x8<S>, F32<S>) {
+    let from = place - 0.5;
+    let floor = from.floor();
+    let [first, second] = each!(at in [floor, floor + 1.0] => whole(simd, clamp_f64(at, 0.0, length - 1.0)));
+    (first, second, narrow(simd, from - floor))
+}
+
+impl Path {
+    /// [`Path::moved`], but that what lies behind the eye or nowhere is to be sorted out.
+    #[inline(always)]
+    fn moved_lanes<S: Simd>(
+        &self,
+        simd: S,
+        row: u32,
+        across: &[f64; LANES],
+        distance: F64<S>,
+    ) -> ([F64<S>; 2], F64<S>) {
+        let [from, to] = &self.lenses;
+        let spread = from.spread(simd, distance);
+        let right = F64::load_array_ref(simd, across) * spread;
+        let up = spread * from.up_of(f64::from(row) + 0.5);
+        let [a, b, c, d] = self.to_from.to_cols_array_2d();
+        // In the order of a product of matrix and vector.
+        let [x, y, z] = each!(axis in [0, 1, 2] => {
+            ((right * a[axis] + up * b[axis]) - distance * c[axis]) + d[axis]
+        });
+        let distance = -z;
+        let spread = to.spread(simd, distance);
+        let (across, up) = (x / (spread * to.half[0]), y / (spread * to.half[1]));
+        let place = [(across + 1.0) * 0.5 * to.size[0], (F64::splat(simd, 1.0) - up) * 0.5 * to.size[1]];
+        (place, distance)
+    }
+}
+
+impl Lens {
+    #[inline(always)]
+    fn spread<S: Simd>(&self, simd: S, distance: F64<S>) -> F64<S> {
+        if self.in_perspective { distance } else { F64::splat(simd, 1.0) }
+    }
+}
