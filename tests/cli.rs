@@ -398,8 +398,8 @@ fn what_leaving_out_saves_is_told_for_every_scene() {
     let output = run(&folder(), &[&args[..], &["--json"]].concat());
     assert_success(&output);
     let rows: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
-    assert_eq!(rows.as_array().unwrap().len(), builtin::ALL.len() + 2);
-    let behind = &rows.as_array().unwrap()[builtin::ALL.len() + 1];
+    assert_eq!(rows.as_array().unwrap().len(), builtin::ALL.len() + 3);
+    let behind = &rows.as_array().unwrap()[builtin::ALL.len() + 2];
     assert_eq!(behind["scene"], "sheet behind");
     assert_eq!(
         (&behind["savings"]["needed"], &behind["savings"]["savings"][0]["part"]),

@@ -1,7 +1,7 @@
 //! Shading sixteen samples at a time, eight of each of two rows: once per visible sample.
 //!
 //! The arithmetic is that of [`crate::pipeline::interpolate`] and [`crate::pipeline::shade`], operation by operation. Shadings
-//! that show a single quantity, and textures that are mip-mapped, are left to those functions themselves.
+//! that show a single quantity are left to those functions themselves.
 
 use glam::Vec3;
 

@@ -47,7 +47,7 @@ use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
 use super::plan::{DrawPlan, Part};
-use super::settings::{Arithmetic, Interpolation, Settings};
+use super::settings::{Arithmetic, Filter, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
 use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
@@ -66,6 +66,8 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         Some("published rasterizers have an order of their own")
     } else if settings.interpolation == Interpolation::Published {
         Some("the published weights are computed one by one")
+    } else if settings.filter == Filter::Trilinear && settings.shading.reads_material() {
+        Some("gradients for mip-mapping are computed one by one")
     } else if scene.triangle_count() > MOST_TRIANGLES {
         Some("there are more triangles than tiles can number")
     } else {
@@ -185,7 +187,6 @@ impl Workspace {
 /// Everything that tiles read.
 struct Frame<'a> {
     settings: &'a Settings,
-    viewport: Viewport,
     grid: SampleGrid,
     lattice: Lattice,
     packed: (u32, u32),
@@ -239,7 +240,6 @@ pub fn draw(
     let shaders = shaders(scene, settings, &draws);
     let job = Frame {
         settings,
-        viewport,
         grid: *grid,
         lattice,
         packed,
@@ -715,7 +715,6 @@ impl Frame<'_> {
         if let Some((chunk, index)) = key.as_piece() {
             return self.chunks[chunk].pieces[index];
         }
-        let exact = self.shader(draw).shader.attributes().uv_gradient;
         let draw = &self.draws[draw];
         let mut corner = 0;
         let vertices = draw.corners(key.0).map(|index| {
@@ -724,13 +723,14 @@ impl Frame<'_> {
             varyings.source_weights = glam::Vec3::AXES[corner];
             corner += 1;
             let [x, y] = vertex.position().map(|step| step as i32);
-            // Only gradients ask where a corner was before it was snapped.
-            let position_px = if exact {
-                self.viewport.project_vertex(&draw.clip_vertex(index, self.arrays), &self.scale).position_px
-            } else {
-                [to_pixels(x.into()), to_pixels(y.into())]
-            };
-            ScreenVertex { position_px, x, y, depth: vertex.depth(), inv_w: vertex.inv_w(), varyings }
+            ScreenVertex {
+                position_px: [to_pixels(x.into()), to_pixels(y.into())],
+                x,
+                y,
+                depth: vertex.depth(),
+                inv_w: vertex.inv_w(),
+                varyings,
+            }
         });
         let corners = vertices.each_ref().map(Corner::from);
         let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |edges| edges.doubled_area);

@@ -60,9 +60,7 @@ impl<'a> DrawShader<'a> {
     /// `texture` is the material's.
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {
         let settings = shader.settings;
-        // Gradients for mip-mapping are computed one by one.
-        let on_lanes = matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert)
-            && !shader.attributes().uv_gradient;
+        let on_lanes = matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert);
         let texture = texture
             .filter(|_| shader.texture.is_some())
             .map(|texture| TextureReader::new(texture, shader.sampler(), settings.color_space));
@@ -81,8 +79,7 @@ impl<'a> DrawShader<'a> {
         let texels_per_sample = match (shader.texture, settings.filter) {
             (None, _) => 0,
             (Some(_), Filter::Point) => 1,
-            (Some(_), Filter::Bilinear) => 4,
-            (Some(_), Filter::Trilinear) => 8,
+            (Some(_), Filter::Bilinear | Filter::Trilinear) => 4,
         };
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
     }
