@@ -8,10 +8,11 @@ use crate::report::scaling::{amount, finding, guide};
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
+use crate::ui::ticks::log_marks;
 use crate::ui::widgets::empty_state;
 
-/// Room for what is said under a plot, in points.
-const WORDS: f32 = 34.0;
+/// Room for what is said under a plot, in points: three lines.
+const WORDS: f32 = 50.0;
 
 /// Draws the buttons beside the tabs.
 pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
@@ -72,6 +73,8 @@ fn plot(ui: &mut Ui, series: &Series, size: eframe::egui::Vec2) {
         .allow_scroll(false)
         .allow_drag(false)
         .allow_zoom(false)
+        .x_grid_spacer(|input| log_marks(&input))
+        .y_grid_spacer(|input| log_marks(&input))
         .x_axis_formatter(number)
         .y_axis_formatter(number)
         .show(ui, |plot| {
