@@ -102,6 +102,13 @@ impl Lattice {
         [step(x), step(y)]
     }
 
+    /// From the first sample of a tile to the last one, along both axes.
+    #[inline(always)]
+    pub(super) fn tile_extent(&self) -> [f64; 2] {
+        let last = (BLOCKS - 1) as f64;
+        [last * self.block_step + self.block_width, last * BLOCK as f64 * self.row_step + self.block_height]
+    }
+
     /// How far the samples of a row stand to the right of those of a tile's first row.
     #[inline(always)]
     pub(super) fn shift(&self, row: usize) -> f64 {

@@ -261,6 +261,9 @@ impl Tile {
         simd.vectorize(
             #[inline(always)]
             || {
+                if self.hides(simd, triangle, lattice, rules) {
+                    return;
+                }
                 let Setup { edges, columns, rows, .. } = triangle;
                 let (width, height) = (lattice.block_width, lattice.block_height);
                 let reach = each!(i in [0, 1, 2] => {
@@ -282,24 +285,12 @@ impl Tile {
                         continue;
                     }
                     let here = by * BLOCKS..(by + 1) * BLOCKS;
-                    let [low, high] = block_depths(simd, triangle, first, lattice, rules);
+                    let [low, high] = depth_bounds(simd, triangle, first, [width, height], rules);
                     let stored = [
                         F32::from_slice(simd, &self.least[here.clone()]),
                         F32::from_slice(simd, &self.greatest[here.clone()]),
                     ];
-                    let (hidden, in_front) = match rules.comparison {
-                        Comparison::Always => (0, 0xFF),
-                        Comparison::Less => (low.simd_ge(stored[1]).to_bitmask(), high.simd_lt(stored[0]).to_bitmask()),
-                        Comparison::LessEqual => {
-                            (low.simd_gt(stored[1]).to_bitmask(), high.simd_le(stored[0]).to_bitmask())
-                        }
-                        Comparison::Greater => {
-                            (high.simd_le(stored[0]).to_bitmask(), low.simd_gt(stored[1]).to_bitmask())
-                        }
-                        Comparison::GreaterEqual => {
-                            (high.simd_lt(stored[0]).to_bitmask(), low.simd_ge(stored[1]).to_bitmask())
-                        }
-                    };
+                    let (hidden, in_front) = compare_bounds([low, high], stored, rules.comparison);
                     candidates &= !hidden;
                     let whole = if self.bounded { candidates & accepted & in_front } else { 0 };
                     if whole != 0 {
@@ -324,6 +315,31 @@ impl Tile {
                 }
             },
         );
+    }
+
+    /// Whether a triangle lies behind all that the tile holds.
+    #[inline(always)]
+    fn hides<S: Simd>(&self, simd: S, triangle: &Setup, lattice: &Lattice, rules: &DepthRules) -> bool {
+        // A triangle that would be in front at the first sample is not behind everywhere: mostly that is enough to know.
+        let first = weighted_one(triangle.edges.c, &triangle.rises) + triangle.least;
+        let in_front = match rules.comparison {
+            Comparison::Always => true,
+            Comparison::Less | Comparison::LessEqual => first < self.greatest[0].into(),
+            Comparison::Greater | Comparison::GreaterEqual => first > self.least[0].into(),
+        };
+        if in_front || !self.bounded || !rules.stored {
+            return false;
+        }
+        let first = each!(i in [0, 1, 2] => F64::splat(simd, triangle.edges.c[i]));
+        let bounds = depth_bounds(simd, triangle, first, lattice.tile_extent(), rules);
+        // Eight columns of blocks.
+        let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
+        for row in 0..BLOCKS {
+            let row = row * BLOCKS..(row + 1) * BLOCKS;
+            least = least.min(F32::from_slice(simd, &self.least[row.clone()]));
+            greatest = greatest.max(F32::from_slice(simd, &self.greatest[row]));
+        }
+        compare_bounds(bounds, [least, greatest], rules.comparison).0 == 0xFF
     }
 
     /// Draws those samples of a triangle that `keep` wants: of eight of a row, given by edge values, column and row, it is told
@@ -530,6 +546,19 @@ fn rows_in(triangle: &Setup, by: usize) -> std::ops::RangeInclusive<usize> {
     top.max(by * BLOCK)..=bottom.min((by + 1) * BLOCK - 1)
 }
 
+/// Bits of the rectangles in which no depth within some bounds passes against those stored, and of those in which all do.
+#[inline(always)]
+fn compare_bounds<S: Simd>([low, high]: [F32<S>; 2], stored: [F32<S>; 2], comparison: Comparison) -> (u64, u64) {
+    let [least, greatest] = stored;
+    match comparison {
+        Comparison::Always => (0, 0xFF),
+        Comparison::Less => (low.simd_ge(greatest).to_bitmask(), high.simd_lt(least).to_bitmask()),
+        Comparison::LessEqual => (low.simd_gt(greatest).to_bitmask(), high.simd_le(least).to_bitmask()),
+        Comparison::Greater => (high.simd_le(least).to_bitmask(), low.simd_gt(greatest).to_bitmask()),
+        Comparison::GreaterEqual => (high.simd_lt(least).to_bitmask(), low.simd_ge(greatest).to_bitmask()),
+    }
+}
+
 /// Bits of the depths that pass.
 #[inline(always)]
 fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> u64 {
@@ -616,6 +645,11 @@ fn weighted<S: Simd>(v: [F64<S>; 3], rises: &[f64; 3]) -> F64<S> {
     v[0] * rises[0] + v[1] * rises[1] + v[2] * rises[2]
 }
 
+#[inline(always)]
+fn weighted_one(v: [f64; 3], rises: &[f64; 3]) -> f64 {
+    v[0] * rises[0] + v[1] * rises[1] + v[2] * rises[2]
+}
+
 /// [`DepthEncoding::quantize`] for eight depths.
 #[inline(always)]
 fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> {
@@ -631,13 +665,14 @@ fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> 
 /// Rounding errors of a depth relative to the sum of the magnitudes that it is the sum of: some ten operations of 2⁻⁵³ each.
 const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
 
-/// Bounds of the stored depths of a triangle in each block of a row, from its edge values at the blocks' first samples.
+/// Bounds of the stored depths of a triangle in eight rectangles, from its edge values at their first samples and the way from
+/// those to their last samples.
 #[inline(always)]
-fn block_depths<S: Simd>(
+fn depth_bounds<S: Simd>(
     simd: S,
     triangle: &Setup,
     first: [F64<S>; 3],
-    lattice: &Lattice,
+    [width, height]: [f64; 2],
     rules: &DepthRules,
 ) -> [F32<S>; 2] {
     let Setup { edges, rises, least, greatest, .. } = triangle;
@@ -649,7 +684,6 @@ fn block_depths<S: Simd>(
     let terms = each!(i in [0, 1, 2] => first[i] * rises[i]);
     let across = edges.a[0] * rises[0] + edges.a[1] * rises[1] + edges.a[2] * rises[2];
     let down = edges.b[0] * rises[0] + edges.b[1] * rises[1] + edges.b[2] * rises[2];
-    let (width, height) = (lattice.block_width, lattice.block_height);
     let steepest = each!(i in [0, 1, 2] => (edges.a[i].abs() * width + edges.b[i].abs() * height) * rises[i]);
     let slack = (terms[0].abs() + terms[1].abs() + terms[2].abs()) * ROUNDING
         + (slack + (steepest[0] + steepest[1] + steepest[2]) * ROUNDING);
