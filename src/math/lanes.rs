@@ -142,6 +142,18 @@ pub fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
     simd.narrow_f64x4(low, high)
 }
 
+/// Whole numbers below 2³¹ as floats: by way of signed ones, as few processors have an instruction for others.
+#[inline(always)]
+pub fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
+    numbers.bitcast::<i32x16<S>>().to_float()
+}
+
+/// Floats from 0 to below 2³¹ without their broken parts: by way of signed numbers, as [`float_of`].
+#[inline(always)]
+pub fn whole_part<S: Simd>(numbers: f32x16<S>) -> u32x16<S> {
+    numbers.to_int::<i32x16<S>>().bitcast()
+}
+
 /// The lower and the upper halves of eight numbers.
 #[inline(always)]
 pub fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
@@ -155,26 +167,61 @@ pub fn halves<S: Simd>(simd: S, numbers: [u64; LANES]) -> (u32x8<S>, u32x8<S>) {
 /// Eight rows of four floats as four columns.
 #[inline(always)]
 pub fn transpose_quads<S: Simd>([a, b, c, d, e, f, g, h]: [f32x4<S>; LANES]) -> [F32<S>; 4] {
-    let [w, x, y, z] = transpose([a, b, c, d]);
-    let [s, t, u, v] = transpose([e, f, g, h]);
-    [w.combine(s), x.combine(t), y.combine(u), z.combine(v)]
+    transpose_halves([a.combine(e), b.combine(f), c.combine(g), d.combine(h)])
+}
+
+/// Four columns of eight floats as eight rows.
+#[inline(always)]
+pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
+    let [(a, e), (b, f), (c, g), (d, h)] = {
+        let rows = transpose_halves(columns);
+        each!(i in [0, 1, 2, 3] => rows[i].split())
+    };
+    [a, b, c, d, e, f, g, h]
 }
 
 /// Sixteen rows of four floats as four columns.
 #[inline(always)]
 pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
+    if <S::f32s as SimdBase<S>>::LEN < WIDE {
+        let [low, high] = each!(i in [0, LANES] => {
+            transpose_quads(each!(row in [0, 1, 2, 3, 4, 5, 6, 7] => r[i + row]))
+        });
+        return each!(column in [0, 1, 2, 3] => low[column].combine(high[column]));
+    }
     let [a, b, c, d] = each!(i in [0, 4, 8, 12] => r[i].combine(r[i + 1]).combine(r[i + 2].combine(r[i + 3])));
     let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
     let ((w, y), (x, z)) = (wy.deinterleave(wy_end), xz.deinterleave(xz_end));
     [w, x, y, z]
 }
 
-/// Four columns of eight floats as eight rows.
+/// Each number of the lower and of the upper half, four times.
 #[inline(always)]
-pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
-    let [(a, e), (b, f), (c, g), (d, h)] = each!(i in [0, 1, 2, 3] => columns[i].split());
-    let ([a, b, c, d], [e, f, g, h]) = (transpose([a, b, c, d]), transpose([e, f, g, h]));
-    [a, b, c, d, e, f, g, h]
+pub fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
+    let numbers = numbers.to_array();
+    each!(i in [0, 1, 2, 3] => {
+        let [low, high] = each!(i in [i, i + LANES / 2] => f32x4::splat(simd, numbers[i]));
+        low.combine(high)
+    })
+}
+
+/// The lower halves of four rows turned into columns, and the upper halves.
+#[inline(always)]
+pub fn transpose_halves<S: Simd>(rows: [F32<S>; 4]) -> [F32<S>; 4] {
+    let simd = rows[0].simd;
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = simd.level().as_avx2() {
+        let rows = each!(i in [0, 1, 2, 3] => f32x8::load_array(avx2, rows[i].to_array()).into());
+        let columns = x86::transpose_halves(avx2, rows);
+        return each!(i in [0, 1, 2, 3] => {
+            let column: f32x8<_> = columns[i].simd_into(avx2);
+            F32::load_array(simd, column.to_array())
+        });
+    }
+    let halves = each!(i in [0, 1, 2, 3] => rows[i].split());
+    let low = transpose([halves[0].0, halves[1].0, halves[2].0, halves[3].0]);
+    let high = transpose([halves[0].1, halves[1].1, halves[2].1, halves[3].1]);
+    each!(i in [0, 1, 2, 3] => low[i].combine(high[i]))
 }
 
 #[inline(always)]
@@ -182,6 +229,29 @@ fn transpose<S: Simd>([a, b, c, d]: [f32x4<S>; 4]) -> [f32x4<S>; 4] {
     let ((ac0, ac1), (bd0, bd1)) = (a.interleave(c), b.interleave(d));
     let ((w, x), (y, z)) = (ac0.interleave(bd0), ac1.interleave(bd1));
     [w, x, y, z]
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use fearless_simd::kernel;
+
+    kernel! {
+        /// [`super::transpose`] for both halves at once.
+        #[inline]
+        pub(super) fn transpose_halves(avx2: Avx2, rows: [__m256; 4]) -> [__m256; 4] {
+            let [a, b, c, d] = rows;
+            let (ac0, ac1) = (_mm256_unpacklo_ps(a, c), _mm256_unpackhi_ps(a, c));
+            let (bd0, bd1) = (_mm256_unpacklo_ps(b, d), _mm256_unpackhi_ps(b, d));
+            [
+                _mm256_unpacklo_ps(ac0, bd0),
+                _mm256_unpackhi_ps(ac0, bd0),
+                _mm256_unpacklo_ps(ac1, bd1),
+                _mm256_unpackhi_ps(ac1, bd1),
+            ]
+        }
+    }
 }
 
 /// The larger of two floats and the smaller, as `f32::clamp` and `f64::clamp` choose for numbers: NaN does not occur.

@@ -1,65 +1,106 @@
-//! Texels at eight or sixteen places at once: by the instructions for that where the processor has them, else one after the other.
+//! Texels at several places at once: by the instructions for that where the processor has fast ones, else one after the other.
 
 use crate::math::lanes::*;
 
-/// The texels at eight places.
+/// The texels at as many places as a register holds.
 ///
 /// # Panics
-/// If one of the places lies outside of the texels.
+/// If one of the places lies outside of the texels, or there are fewer.
 #[inline(always)]
-pub(super) fn gather<S: Simd>(simd: S, texels: &[u32], places: u32x8<S>) -> u32x8<S> {
+pub(super) fn gather<S: Simd>(simd: S, texels: &[u32], places: &[u32]) -> S::u32s {
+    let places = &places[..S::u32s::LEN];
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = simd.level().as_avx2() {
-        let places = u32x8::load_array(avx2, places.to_array());
-        let texels: u32x8<_> = x86::gather(avx2, texels, places.into()).simd_into(avx2);
-        return u32x8::load_array(simd, texels.to_array());
+    if let Some(avx512) = simd.level().as_avx512() {
+        let texels: u32x16<_> =
+            x86::gather(avx512, texels, u32x16::from_slice(avx512, places).into()).simd_into(avx512);
+        return S::u32s::from_slice(simd, &texels.to_array());
     }
-    let places = places.to_array();
-    u32x8::load_array(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => texels[places[lane] as usize]))
+    S::u32s::from_fn(simd, |lane| texels[places[lane] as usize])
 }
 
-/// The texels at twice sixteen places, each with those after them.
+/// Sixteen texels, each with the one after it, in the order of [`slot_of`].
+pub(super) type Pairs = [[u32; 2]; WIDE];
+
+/// Where the pair of a lane is kept: so that lanes find the first four of each half of a register in order.
+const fn slot_of(lane: usize) -> usize {
+    lane & !0b110 | (lane & 0b100) >> 1 | (lane & 0b010) << 1
+}
+
+/// Whether pairs are better read by [`read_pairs`] before they are asked for: where no instruction gathers them quickly.
+///
+/// AVX2 has one, but many processors take as long for it as for single reads, and those that had to be kept from leaking what
+/// they gather (CVE-2022-40982) several times as long.
+#[inline(always)]
+pub(super) fn reads_ahead<S: Simd>(simd: S) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return simd.level().as_avx512().is_none();
+    #[cfg(not(target_arch = "x86_64"))]
+    return true;
+}
+
+/// Reads the pairs at places of two rows and does nothing else, so that as many reads as possible are under way at a time.
 ///
 /// # Panics
 /// If one of the places, or the one after it, lies outside of the texels.
 #[inline(always)]
-pub(super) fn gather_pairs<S: Simd>(simd: S, texels: &[u32], places: [u32x16<S>; 2]) -> [[u32x16<S>; 2]; 2] {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = simd.level().as_avx512() {
-        let [upper, lower] = each!(places in [places[0], places[1]] => u32x16::load_array(avx512, places.to_array()));
-        let gathered = x86::gather_wide_pairs(avx512, texels, upper.into(), lower.into());
-        return each!(i in [0, 1] => each!(texels in [gathered[2 * i], gathered[2 * i + 1]] => {
-            let texels: u32x16<_> = texels.simd_into(avx512);
-            u32x16::load_array(simd, texels.to_array())
-        }));
+#[expect(
+    unsafe_code,
+    reason = "one test for 32 reads: a picture that is all texture is drawn an eighth faster than with a test for each"
+)]
+pub(super) fn read_pairs<S: Simd>(simd: S, texels: &[u32], places: [&[u32; WIDE]; 2], pairs: &mut [Pairs; 2]) {
+    let [upper, lower] = each!(row in [0, 1] => u32x16::load_array_ref(simd, places[row]));
+    // Lengths are below 2³²: texture sizes are limited.
+    let last = texels.len().saturating_sub(1) as u32;
+    assert!(upper.max(lower).simd_lt(last).all_true(), "all texels are within the texture");
+    for (places, pairs) in places.into_iter().zip(pairs) {
+        for lane in 0..WIDE {
+            let place = places[lane] as usize;
+            // SAFETY: the place is less than that of the last texel, as was just made sure, so that it and the texel after it lie
+            // within the slice; an array asks for no other alignment than its items do.
+            pairs[slot_of(lane)] = unsafe { texels.as_ptr().add(place).cast::<[u32; 2]>().read() };
+        }
     }
-    each!(places in [places[0], places[1]] => {
-        let (low, high) = places.split();
-        let [low, high] = each!(places in [low, high] => gather_eight_pairs(simd, texels, places));
-        [low[0].combine(high[0]), low[1].combine(high[1])]
-    })
 }
 
+/// The first and the second texels of as many pairs as a register holds, from `first` on.
 #[inline(always)]
-fn gather_eight_pairs<S: Simd>(simd: S, texels: &[u32], places: u32x8<S>) -> [u32x8<S>; 2] {
+pub(super) fn split_pairs<S: Simd>(simd: S, pairs: &Pairs, first: usize) -> [S::u32s; 2] {
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = simd.level().as_avx2() {
-        let places = u32x8::load_array(avx2, places.to_array());
-        let (first, second) = x86::gather_pairs(avx2, texels, places.into());
+    if let Some(avx2) = simd.level().as_avx2()
+        && S::u32s::LEN == LANES
+    {
+        let (a, b) = pairs[first..first + LANES].as_flattened().split_at(LANES);
+        let [a, b] = each!(half in [a, b] => u32x8::from_slice(avx2, half));
+        let (first, second) = x86::split(avx2, a.into(), b.into());
         return each!(texels in [first, second] => {
             let texels: u32x8<_> = texels.simd_into(avx2);
-            u32x8::load_array(simd, texels.to_array())
+            S::u32s::from_slice(simd, &texels.to_array())
         });
     }
-    let places = places.to_array();
-    let (first, second) = halves(
-        simd,
-        each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-            let place = places[lane] as usize;
-            u64::from(texels[place]) | u64::from(texels[place + 1]) << 32
-        }),
-    );
-    [first, second]
+    let mut halves = [[0; WIDE]; 2];
+    for lane in 0..S::u32s::LEN {
+        let [left, right] = pairs[slot_of(first + lane)];
+        (halves[0][lane], halves[1][lane]) = (left, right);
+    }
+    each!(half in [0, 1] => S::u32s::from_slice(simd, &halves[half][..S::u32s::LEN]))
+}
+
+/// The texels at twice as many places as a register holds, each with the one after it, by instructions for that.
+///
+/// # Panics
+/// If one of the places, or the one after it, lies outside of the texels, or there are fewer.
+#[inline(always)]
+pub(super) fn gather_pairs<S: Simd>(simd: S, texels: &[u32], places: [&[u32; WIDE]; 2]) -> Option<[[S::u32s; 2]; 2]> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = simd.level().as_avx512() {
+        let [upper, lower] = each!(i in [0, 1] => u32x16::load_array_ref(avx512, places[i]));
+        let gathered = x86::gather_wide_pairs(avx512, texels, upper.into(), lower.into());
+        return Some(each!(i in [0, 1] => each!(texels in [gathered[2 * i], gathered[2 * i + 1]] => {
+            let texels: u32x16<_> = texels.simd_into(avx512);
+            S::u32s::from_slice(simd, &texels.to_array())
+        })));
+    }
+    None
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -69,42 +110,24 @@ mod x86 {
     use fearless_simd::kernel;
 
     kernel! {
-        /// Whether eight places are less than `end`, which must be positive; a greater one than can be told counts for less.
         #[inline]
-        fn are_below(avx2: Avx2, places: __m256i, end: usize) -> bool {
-            let greatest = _mm256_set1_epi32(end.min(i32::MAX as usize) as i32 - 1);
-            _mm256_movemask_epi8(_mm256_cmpeq_epi32(_mm256_min_epu32(places, greatest), places)) == -1
-        }
-    }
-
-    kernel! {
-        #[inline]
-        #[expect(unsafe_code, reason = "one test for eight reads, as for pairs")]
-        pub(super) fn gather(avx2: Avx2, texels: &[u32], places: __m256i) -> __m256i {
-            assert!(!texels.is_empty() && are_below(avx2, places, texels.len()), "all texels are within the texture");
+        #[expect(unsafe_code, reason = "one test and one instruction for sixteen reads")]
+        pub(super) fn gather(avx512: Avx512, texels: &[u32], places: __m512i) -> __m512i {
+            let end = _mm512_set1_epi32(texels.len().min(i32::MAX as usize) as i32);
+            assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
             // SAFETY: every place is less than the number of texels, as was just made sure, and not negative as an i32.
-            unsafe { _mm256_i32gather_epi32::<4>(texels.as_ptr().cast(), places) }
+            unsafe { _mm512_i32gather_epi32::<4>(places, texels.as_ptr().cast()) }
         }
     }
 
     kernel! {
+        /// Every second number from the first and from the second on, of four and four of each half.
         #[inline]
-        #[expect(unsafe_code, reason = "one test for eight reads: fills are shaded an eighth faster than with a test for each")]
-        pub(super) fn gather_pairs(avx2: Avx2, texels: &[u32], places: __m256i) -> (__m256i, __m256i) {
-            assert!(texels.len() > 1 && are_below(avx2, places, texels.len() - 1), "all texels are within the texture");
-            // So that the halves of what is read come out in the order of places: 0 1 4 5, 2 3 6 7.
-            let ordered = _mm256_permute4x64_epi64::<0b11_01_10_00>(places);
-            let (low, high) = (_mm256_castsi256_si128(ordered), _mm256_extracti128_si256::<1>(ordered));
-            let start = texels.as_ptr().cast();
-            // SAFETY: every place is less than that of the last texel, as was just made sure, and not negative as an i32, so
-            // that it and the texel after it lie within the slice; the instruction asks for no alignment.
-            let (low, high) = unsafe {
-                (_mm256_i32gather_epi64::<4>(start, low), _mm256_i32gather_epi64::<4>(start, high))
-            };
-            let (low, high) = (_mm256_castsi256_ps(low), _mm256_castsi256_ps(high));
+        pub(super) fn split(avx2: Avx2, a: __m256i, b: __m256i) -> (__m256i, __m256i) {
+            let (a, b) = (_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
             (
-                _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(low, high)),
-                _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(low, high)),
+                _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(a, b)),
+                _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(a, b)),
             )
         }
     }
@@ -148,6 +171,19 @@ mod x86 {
 mod tests {
     use super::*;
 
+    /// The pairs at as many places as a register holds, the way these lanes read them.
+    #[inline(always)]
+    fn pairs<S: Simd>(simd: S, texels: &[u32], places: &[u32; WIDE]) -> [Vec<u32>; 2] {
+        let pairs = if let Some([pairs, _]) = gather_pairs(simd, texels, [places, places]) {
+            pairs
+        } else {
+            let mut pairs = [[[0; 2]; WIDE]; 2];
+            read_pairs(simd, texels, [places, places], &mut pairs);
+            split_pairs(simd, &pairs[1], WIDE - S::u32s::LEN)
+        };
+        pairs.map(|texels| texels.as_slice().to_vec())
+    }
+
     fn texels() -> Vec<u32> {
         (0..1000_u32).map(|i| i.wrapping_mul(2_654_435_761)).collect()
     }
@@ -159,14 +195,18 @@ mod tests {
         for lanes in Lanes::all() {
             for _ in 0..100 {
                 let places: [u32; WIDE] = std::array::from_fn(|_| random.u32(0..999));
-                let (one, pair) = on_lanes!(lanes, simd => {
-                    let places = u32x16::load_array(simd, places);
-                    let [[first, second], _] = gather_pairs(simd, &texels, [places, places]);
-                    (gather(simd, &texels, places.split().1).to_array(), [first.to_array(), second.to_array()])
+                let (one, [first, second]) = on_lanes!(lanes, simd => {
+                    let one = gather(simd, &texels, &places).as_slice().to_vec();
+                    (one, pairs(simd, &texels, &places))
                 });
-                assert_eq!(pair[0], places.map(|place| texels[place as usize]));
-                assert_eq!(pair[1], places.map(|place| texels[place as usize + 1]));
-                assert_eq!(one, pair[0][LANES..]);
+                let count = one.len();
+                let expected = |places: &[u32], next: usize| -> Vec<u32> {
+                    places.iter().map(|place| texels[*place as usize + next]).collect()
+                };
+                assert_eq!(one, expected(&places[..count], 0), "by {}", lanes.name());
+                // Where pairs are read ahead those of the last register are looked at.
+                let places = &places[WIDE - count..];
+                assert_eq!([first, second], [0, 1].map(|next| expected(places, next)), "by {}", lanes.name());
             }
         }
     }
@@ -175,16 +215,17 @@ mod tests {
     fn places_beyond_the_texels_are_refused() {
         let texels = texels();
         for lanes in Lanes::all() {
-            for (place, pairs) in
+            for (place, of_pair) in
                 [(999, true), (1000, false), (1000, true), (u32::MAX, false), (i32::MAX as u32 + 1, true)]
             {
                 let refused = std::panic::catch_unwind(|| {
                     on_lanes!(lanes, simd => {
-                        let places = u32x8::load_array(simd, [0, 1, 2, 3, 4, 5, 6, place]);
-                        if pairs {
-                            gather_pairs(simd, &texels, [places.combine(places); 2])[0][0].to_array()[0]
+                        let mut places = [0; WIDE];
+                        places[3] = place;
+                        if of_pair {
+                            pairs(simd, &texels, &places)[0][0]
                         } else {
-                            gather(simd, &texels, places).to_array()[0]
+                            gather(simd, &texels, &places).as_slice()[0]
                         }
                     })
                 });

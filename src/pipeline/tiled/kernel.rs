@@ -25,6 +25,8 @@ use crate::pipeline::viewport::ScreenTriangle;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Queue {
     pairs: [QueuedPair; QUEUED],
+    /// Which texels those of the pairs are.
+    taps: [Taps; QUEUED],
     len: usize,
     /// Position of the shader of all rows.
     shader: usize,
@@ -37,7 +39,6 @@ const QUEUED: usize = 4 * BLOCK / 2;
 #[derive(Clone, Debug, Default)]
 #[repr(align(64))]
 struct QueuedPair {
-    taps: Taps,
     light: [f32; WIDE],
     /// The surface's colour without the texture, where it varies.
     color: [[f32; WIDE]; 3],
@@ -155,11 +156,11 @@ fn shade_rows<S: Simd>(
     let Subject { one, draw, .. } = *subject;
     let shader = frame.shader(draw);
     let rows = patch.end - patch.first;
-    let pairs = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band);
+    let (pairs, taps) = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band);
     let relative_inv_w = one.relative_inv_w(simd);
     let plan = shader.plan;
     let mut start = band.start(patch, patch.first);
-    for (i, pair) in pairs.iter_mut().enumerate() {
+    for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate() {
         // A last row that has no other beside it is computed twice, and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
         let weights = corner_weights(simd, edges([upper, lower]), relative_inv_w);
@@ -168,8 +169,8 @@ fn shade_rows<S: Simd>(
         pair.rows = [row, if lower > upper { below } else { QueuedRow::default() }];
         start += 2 * band.width;
         match plan {
-            Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, one, weights, pair),
-            plan => interpolate_pair(simd, shader, plan, one, weights, pair),
+            Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, one, weights, (pair, taps)),
+            plan => interpolate_pair(simd, shader, plan, one, weights, (pair, taps)),
         }
     }
 }
@@ -250,14 +251,14 @@ fn make_room<'q, S: Simd>(
     pairs: usize,
     queue: &'q mut Queue,
     band: &mut Band<'_>,
-) -> &'q mut [QueuedPair] {
+) -> (&'q mut [QueuedPair], &'q mut [Taps]) {
     if queue.shader != shader || queue.len + pairs > QUEUED {
         flush(simd, frame, queue, band.pixels);
         queue.shader = shader;
     }
     let from = queue.len;
     queue.len += pairs;
-    &mut queue.pairs[from..from + pairs]
+    (&mut queue.pairs[from..queue.len], &mut queue.taps[from..queue.len])
 }
 
 /// Shades a row by the classic way's own functions.
@@ -295,7 +296,7 @@ pub(super) fn shade_gathered<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let [pair] = make_room(simd, frame, shader, 1, queue, band) else { return };
+            let ([pair], [taps]) = make_room(simd, frame, shader, 1, queue, band) else { return };
             let (lattice, row) = (&frame.lattice, patch.first);
             let columns = lattice.columns_i32(simd, patch.column);
             let [upper, lower] = each!(below in [0, 1] => {
@@ -321,8 +322,8 @@ pub(super) fn shade_gathered<S: Simd>(
             pair.rows = [upper, if mine[1] == 0 { QueuedRow::default() } else { lower }];
             let shader = &frame.shaders[shader];
             match shader.plan {
-                Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, many, weights, pair),
-                plan => interpolate_pair(simd, shader, plan, many, weights, pair),
+                Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, many, weights, (pair, taps)),
+                plan => interpolate_pair(simd, shader, plan, many, weights, (pair, taps)),
             }
         },
     );
@@ -344,11 +345,11 @@ fn interpolate_pair<S: Simd>(
     plan: Plan,
     source: impl Source,
     weights: [f32x16<S>; 2],
-    pair: &mut QueuedPair,
+    (pair, taps): (&mut QueuedPair, &mut Taps),
 ) {
     if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
         let [u, v] = source.uv(simd);
-        texture.locate(simd, layout, [u.at(weights), v.at(weights)], &mut pair.taps);
+        texture.locate(simd, layout, [u.at(weights), v.at(weights)], taps);
     }
     match plan.light {
         Light::None => {}
@@ -380,17 +381,20 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
                 return;
             }
             let shader = &frame.shaders[queue.shader];
-            let pairs = &queue.pairs[..pairs];
+            let (pairs, taps) = (&queue.pairs[..pairs], &mut queue.taps[..pairs]);
+            if let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) {
+                texture.read_ahead(simd, layout, taps);
+            }
             // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
             match shader.plan {
                 Plan::COMMON => {
-                    for pair in pairs {
-                        finish_pair(simd, shader, Plan::COMMON, pair, pixels);
+                    for (pair, taps) in pairs.iter().zip(taps) {
+                        finish_pair(simd, shader, Plan::COMMON, (pair, taps), pixels);
                     }
                 }
                 plan => {
-                    for pair in pairs {
-                        finish_pair(simd, shader, plan, pair, pixels);
+                    for (pair, taps) in pairs.iter().zip(taps) {
+                        finish_pair(simd, shader, plan, (pair, taps), pixels);
                     }
                 }
             }
@@ -400,26 +404,77 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
 
 /// Multiplies colour, texture and light, and writes the codes.
 #[inline(always)]
-fn finish_pair<S: Simd>(simd: S, shader: &DrawShader<'_>, plan: Plan, pair: &QueuedPair, pixels: &mut [Rgba8]) {
-    let mut color = if plan.colored {
-        each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &pair.color[channel]))
-    } else {
-        let diffuse = shader.shader.diffuse.to_array();
-        each!(channel in [0, 1, 2] => f32x16::splat(simd, diffuse[channel]))
-    };
-    if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-        let texel = texture.read(simd, layout, plan.space, &pair.taps);
-        // What is multiplied by one stays as it is.
-        let white = !plan.tinted && !plan.colored;
-        color = if white { texel } else { each!(channel in [0, 1, 2] => color[channel] * texel[channel]) };
+fn finish_pair<S: Simd>(
+    simd: S,
+    shader: &DrawShader<'_>,
+    plan: Plan,
+    (pair, taps): (&QueuedPair, &Taps),
+    pixels: &mut [Rgba8],
+) {
+    let mut codes = [0; WIDE];
+    match plan.space {
+        ColorSpace::Bytes => {
+            // Register by register: what all sixteen read would not fit where registers are narrower.
+            for first in (0..WIDE).step_by(S::f32s::LEN) {
+                let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
+                if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
+                    color = textured(plan, color, texture.read_bytes(simd, layout, taps, first));
+                }
+                let color = lit(simd, plan, color, pair, first);
+                pack::<S>(color).store_slice(&mut codes[first..first + S::u32s::LEN]);
+            }
+        }
+        ColorSpace::Linear => {
+            let mut color = surface_color::<S, f32x16<S>>(simd, shader, plan, pair, 0);
+            if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
+                color = textured(plan, color, texture.read_linear(simd, layout, taps));
+            }
+            encode(simd, lit(simd, plan, color, pair, 0)).store_array(&mut codes);
+        }
     }
-    if plan.light != Light::None {
-        let light = f32x16::load_array_ref(simd, &pair.light);
-        color = each!(channel in [0, 1, 2] => color[channel] * light);
-    }
-    let (upper, lower) = code(simd, color, plan.space).split();
+    let (upper, lower) = u32x16::load_array(simd, codes).split();
     write_row(simd, upper, &pair.rows[0], pixels);
     write_row(simd, lower, &pair.rows[1], pixels);
+}
+
+/// The surface's own colour at some samples, from `first` on.
+#[inline(always)]
+fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
+    simd: S,
+    shader: &DrawShader<'_>,
+    plan: Plan,
+    pair: &QueuedPair,
+    first: usize,
+) -> [F; 3] {
+    if plan.colored {
+        each!(channel in [0, 1, 2] => F::from_slice(simd, &pair.color[channel][first..first + F::LEN]))
+    } else {
+        let diffuse = shader.shader.diffuse.to_array();
+        each!(channel in [0, 1, 2] => F::splat(simd, diffuse[channel]))
+    }
+}
+
+/// Times the texture. What is multiplied by one stays as it is.
+#[inline(always)]
+fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, color: [F; 3], texel: [F; 3]) -> [F; 3] {
+    let white = !plan.tinted && !plan.colored;
+    if white { texel } else { each!(channel in [0, 1, 2] => color[channel] * texel[channel]) }
+}
+
+/// Times the light, of some samples from `first` on.
+#[inline(always)]
+fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
+    simd: S,
+    plan: Plan,
+    color: [F; 3],
+    pair: &QueuedPair,
+    first: usize,
+) -> [F; 3] {
+    if plan.light == Light::None {
+        return color;
+    }
+    let light = F::from_slice(simd, &pair.light[first..first + F::LEN]);
+    each!(channel in [0, 1, 2] => color[channel] * light)
 }
 
 #[inline(always)]
@@ -442,23 +497,24 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
     codes.bitcast::<u8x32<S>>().store_slice(bytes);
 }
 
-/// Colours of sixteen samples, packed.
+/// Colours in bytes, packed.
 #[inline(always)]
-fn code<S: Simd>(simd: S, color: [f32x16<S>; 3], space: ColorSpace) -> u32x16<S> {
-    let codes = match space {
-        ColorSpace::Bytes => each!(c in [0, 1, 2] => {
-            let code = (color[c] * 255.0 + 0.5).max(0.0).min(255.0);
-            code.to_int::<i32x16<S>>().bitcast::<u32x16<S>>()
-        }),
-        ColorSpace::Linear => {
-            let tables = Tables::get();
-            each!(c in [0, 1, 2] => {
-                let (first, second) = color[c].split();
-                tables.encode_lanes(simd, first).combine(tables.encode_lanes(simd, second))
-            })
-        }
-    };
-    codes[0] | codes[1] << 8 | codes[2] << 16 | 0xFF00_0000
+fn pack<S: Simd>(color: [S::f32s; 3]) -> S::u32s {
+    let [r, g, b] = each!(c in [0, 1, 2] => {
+        (color[c] * 255.0 + 0.5).max(0.0).min(255.0).to_int::<S::i32s>().bitcast::<S::u32s>()
+    });
+    r | g << 8 | b << 16 | 0xFF00_0000
+}
+
+/// Colours in linear light, encoded and packed.
+#[inline(always)]
+fn encode<S: Simd>(simd: S, color: [f32x16<S>; 3]) -> u32x16<S> {
+    let tables = Tables::get();
+    let [r, g, b] = each!(c in [0, 1, 2] => {
+        let (low, high) = color[c].split();
+        tables.encode_lanes(simd, low).combine(tables.encode_lanes(simd, high))
+    });
+    r | g << 8 | b << 16 | 0xFF00_0000
 }
 
 /// Light on normals that are not of unit length; no direct light on those of none.

@@ -1,7 +1,6 @@
 //! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
-use super::gather::{gather, gather_pairs};
-use crate::image::color::Tables;
+use super::gather::{Pairs, gather, gather_pairs, read_pairs, reads_ahead, split_pairs};
 use crate::math::lanes::*;
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
@@ -18,7 +17,10 @@ struct Neighbours<S: Simd> {
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct Taps {
+    /// Places of texels; of pairs those of the upper and of the lower row.
     index: [[u32; WIDE]; 4],
+    /// The pairs themselves, where they are read ahead.
+    pairs: [Pairs; 2],
     right: [f32; WIDE],
     down: [f32; WIDE],
 }
@@ -152,53 +154,95 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Red, green and blue from texels, in the numbers of the colour space.
+    /// Reads the pairs of texels of many samples, if that is quicker than to do so when they are mixed.
     #[inline(always)]
-    pub(super) fn read<S: Simd>(&self, simd: S, layout: Layout, space: ColorSpace, taps: &Taps) -> [f32x16<S>; 3] {
-        if layout == Layout::Single {
-            let values = self.values(simd, space, self.fetch(simd, taps, 0));
-            return each!(channel in [0, 1, 2] => values[channel] * self.sampler.scale);
+    pub(super) fn read_ahead<S: Simd>(&self, simd: S, layout: Layout, all: &mut [Taps]) {
+        let are_pairs = matches!(layout, Layout::Pairs | Layout::PowerOfTwoPairs) && self.linear.is_empty();
+        if are_pairs && reads_ahead(simd) {
+            for Taps { index: [upper, lower, ..], pairs, .. } in all {
+                read_pairs(simd, self.texels, [upper, lower], pairs);
+            }
         }
-        let (right, down) = (f32x16::load_array_ref(simd, &taps.right), f32x16::load_array_ref(simd, &taps.down));
-        let one = f32x16::splat(simd, 1.0);
-        let (left, up) = (one - right, one - down);
-        let weights = [left * up, right * up, left * down, right * down];
-        if space == ColorSpace::Linear {
-            let weights = each!(tap in [0, 1, 2, 3] => weights[tap].to_array());
-            let [first, second] =
-                each!(first in [0, LANES] => self.mix_linear(simd, layout, &weights, &taps.index, first));
-            return each!(channel in [0, 1, 2] => first[channel].combine(second[channel]) * self.sampler.scale);
-        }
+    }
+
+    /// Red, green and blue from texels, in codes as floats: of as many samples as a register holds, from `first` on.
+    #[inline(always)]
+    pub(super) fn read_bytes<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps, first: usize) -> [S::f32s; 3] {
+        let places = |tap: usize| &taps.index[tap][first..first + S::u32s::LEN];
+        let scale = self.sampler.scale;
         let texels = match layout {
-            Layout::Single | Layout::Four => each!(tap in [0, 1, 2, 3] => self.fetch(simd, taps, tap)),
-            Layout::Pairs | Layout::PowerOfTwoPairs => self.fetch_pairs(simd, taps),
+            Layout::Single => {
+                let codes = codes::<S>(gather(simd, self.texels, places(0)));
+                return each!(channel in [0, 1, 2] => codes[channel] * scale);
+            }
+            Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.texels, places(tap))),
+            Layout::Pairs | Layout::PowerOfTwoPairs => {
+                let pairs = gather_pairs(simd, self.texels, [&taps.index[0], &taps.index[1]]);
+                let [[a, b], [c, d]] = match pairs {
+                    Some(pairs) => pairs,
+                    None => each!(row in [0, 1] => split_pairs(simd, &taps.pairs[row], first)),
+                };
+                [a, b, c, d]
+            }
         };
-        let values = each!(tap in [0, 1, 2, 3] => self.values(simd, space, texels[tap]));
+        let weights = weights(
+            simd,
+            S::f32s::from_slice(simd, &taps.right[first..first + S::f32s::LEN]),
+            S::f32s::from_slice(simd, &taps.down[first..first + S::f32s::LEN]),
+        );
+        let codes = each!(tap in [0, 1, 2, 3] => codes::<S>(texels[tap]));
         each!(channel in [0, 1, 2] => {
-            let sum = values[0][channel] * weights[0]
-                + values[1][channel] * weights[1]
-                + values[2][channel] * weights[2]
-                + values[3][channel] * weights[3];
-            sum * self.sampler.scale
+            let sum = codes[0][channel] * weights[0]
+                + codes[1][channel] * weights[1]
+                + codes[2][channel] * weights[2]
+                + codes[3][channel] * weights[3];
+            sum * scale
         })
     }
 
-    /// Four texels of each of eight samples from `first` on in linear light, weighed and added: sample by sample with all
-    /// channels at once, as looking up twelve channels for each would take longer.
+    /// Red, green and blue from texels in linear light.
+    #[inline(always)]
+    pub(super) fn read_linear<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps) -> [f32x16<S>; 3] {
+        let scale = self.sampler.scale;
+        if layout == Layout::Single {
+            let [low, high] = each!(first in [0, LANES] => {
+                let texels = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+                    f32x4::load_array_ref(simd, &self.linear[taps.index[0][first + lane] as usize])
+                });
+                transpose_quads(texels)
+            });
+            return each!(channel in [0, 1, 2] => low[channel].combine(high[channel]) * scale);
+        }
+        let weights =
+            weights(simd, f32x16::load_array_ref(simd, &taps.right), f32x16::load_array_ref(simd, &taps.down));
+        let halves = each!(tap in [0, 1, 2, 3] => weights[tap].split());
+        let low = each!(tap in [0, 1, 2, 3] => halves[tap].0);
+        let high = each!(tap in [0, 1, 2, 3] => halves[tap].1);
+        let [low, high] = each!((weights, first) in [(low, 0), (high, LANES)] => {
+            self.mix_linear(simd, layout, weights, &taps.index, first)
+        });
+        each!(channel in [0, 1, 2] => low[channel].combine(high[channel]) * scale)
+    }
+
+    /// Four texels of each of eight samples from `first` on in linear light, weighed and added: two samples at a time with all
+    /// their channels, as looking up twelve channels for each would take longer.
     #[inline(always)]
     fn mix_linear<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
-        weights: &[[f32; WIDE]; 4],
+        weights: [F32<S>; 4],
         index: &[[u32; WIDE]; 4],
         first: usize,
     ) -> [F32<S>; 4] {
-        let rows = match layout {
-            Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+        let weights = each!(tap in [0, 1, 2, 3] => repeat_each(simd, weights[tap]));
+        let two = match layout {
+            Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3] => {
                 let [a, b, c, d] = each!(tap in [0, 1, 2, 3] => {
-                    let texel = &self.linear[index[tap][first + lane] as usize];
-                    f32x4::load_array_ref(simd, texel) * weights[tap][first + lane]
+                    let [low, high] = each!(lane in [lane, lane + LANES / 2] => {
+                        f32x4::load_array_ref(simd, &self.linear[index[tap][first + lane] as usize])
+                    });
+                    low.combine(high) * weights[tap][lane]
                 });
                 a + b + c + d
             }),
@@ -206,58 +250,38 @@ impl<'a> TextureReader<'a> {
                 let pairs = each!(row in [0, 1] => {
                     neighbours_at(simd, self.linear, u32x8::from_slice(simd, &index[row][first..first + LANES]))
                 });
-                each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
+                each!(lane in [0, 1, 2, 3] => {
                     let [a, b, c, d] = each!((tap, row, column) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1)] => {
-                        f32x4::load_array_ref(simd, &pairs[row][lane][column]) * weights[tap][first + lane]
+                        let [low, high] = each!(lane in [lane, lane + LANES / 2] => {
+                            f32x4::load_array_ref(simd, &pairs[row][lane][column])
+                        });
+                        low.combine(high) * weights[tap][lane]
                     });
                     a + b + c + d
                 })
             }
         };
-        transpose_quads(rows)
-    }
-
-    /// Upper left, upper right, lower left and lower right texels.
-    #[inline(always)]
-    fn fetch_pairs<S: Simd>(&self, simd: S, taps: &Taps) -> [u32x16<S>; 4] {
-        let rows = each!(row in [0, 1] => u32x16::load_array_ref(simd, &taps.index[row]));
-        let [[a, b], [c, d]] = gather_pairs(simd, self.texels, rows);
-        [a, b, c, d]
-    }
-
-    /// One texel of each sample.
-    #[inline(always)]
-    fn fetch<S: Simd>(&self, simd: S, taps: &Taps, tap: usize) -> u32x16<S> {
-        let (first, second) = u32x16::load_array_ref(simd, &taps.index[tap]).split();
-        gather(simd, self.texels, first).combine(gather(simd, self.texels, second))
+        transpose_halves(two)
     }
 
     #[inline(always)]
     fn index<S: Simd>(&self, x: i32x8<S>, y: i32x8<S>) -> u32x8<S> {
         (y * self.stride + x).bitcast()
     }
+}
 
-    /// The numbers that texels are mixed in.
-    #[inline(always)]
-    fn values<S: Simd>(&self, simd: S, space: ColorSpace, texels: u32x16<S>) -> [f32x16<S>; 3] {
-        let codes = each!(shift in [0, 8, 16] => (texels >> shift) & 255);
-        match space {
-            ColorSpace::Bytes => {
-                each!(c in [0, 1, 2] => codes[c].bitcast::<i32x16<S>>().to_float::<f32x16<S>>())
-            }
-            ColorSpace::Linear => {
-                let table = &Tables::get().linear_of_code;
-                each!(channel in [0, 1, 2] => {
-                    let codes = codes[channel].to_array();
-                    let mut values = [0.0; WIDE];
-                    for (value, code) in values.iter_mut().zip(codes) {
-                        *value = table[usize::from(code as u8)];
-                    }
-                    f32x16::load_array(simd, values)
-                })
-            }
-        }
-    }
+/// Shares of the upper left, upper right, lower left and lower right texels.
+#[inline(always)]
+fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) -> [F; 4] {
+    let one = F::splat(simd, 1.0);
+    let (left, up) = (one - right, one - down);
+    [left * up, right * up, left * down, right * down]
+}
+
+/// Red, green and blue codes of texels.
+#[inline(always)]
+fn codes<S: Simd>(texels: S::u32s) -> [S::f32s; 3] {
+    each!(shift in [0, 8, 16] => ((texels >> shift) & 255).bitcast::<S::i32s>().to_float::<S::f32s>())
 }
 
 /// Of a row of texels those at eight places, each with its right neighbour.
