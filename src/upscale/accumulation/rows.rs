@@ -315,7 +315,7 @@ impl Now<'_> {
             let words = u8x64::from_slice(simd, run.as_flattened()).bitcast::<u32x16<S>>();
             let [red, green, blue] =
                 each!(channel in [0, 8, 16] => Tables::lookup(simd, table, (words >> channel) & 255));
-            store(simd, [red, green, blue, f32x16::float_from(words >> 24)], light);
+            store(simd, [red, green, blue, float_of(words >> 24)], light);
         }
         for (light, [r, g, b, a]) in narrow.iter_mut().zip(rest) {
             *light = [table[*r as usize], table[*g as usize], table[*b as usize], f32::from(*a)];
@@ -326,13 +326,13 @@ impl Now<'_> {
     #[inline(always)]
     fn encode<S: Simd>(&self, simd: S, light: [f32x16<S>; 4], alpha: f32x16<S>, pixels: &mut [Rgba8; WIDE]) {
         let [red, green, blue] = each!(channel in [0, 1, 2] => match self.light {
-            Light::Bytes => u32x16::truncate_from(light[channel] + 0.5),
+            Light::Bytes => whole_part(light[channel] + 0.5),
             Light::Linear => {
                 let (first, second) = light[channel].split();
                 self.tables.encode_lanes(simd, first).combine(self.tables.encode_lanes(simd, second))
             }
         });
-        let alpha = u32x16::truncate_from(alpha + 0.5);
+        let alpha = whole_part(alpha + 0.5);
         let words = red | green << 8 | blue << 16 | alpha << 24;
         words.bitcast::<u8x64<S>>().store_slice(pixels.as_flattened_mut());
     }

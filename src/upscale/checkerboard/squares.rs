@@ -165,13 +165,13 @@ fn swap_pairs<S: Simd>(words: u32x16<S>) -> u32x16<S> {
 /// A channel of sixteen pixels.
 #[inline(always)]
 pub(super) fn channel<S: Simd>(of: u32x16<S>, channel: u32) -> f32x16<S> {
-    f32x16::float_from((of >> (8 * channel)) & 255)
+    float_of((of >> (8 * channel)) & 255)
 }
 
 /// Sixteen pixels from the whole numbers below values of their four channels.
 #[inline(always)]
 pub(super) fn pixels<S: Simd>([r, g, b, a]: [f32x16<S>; 4]) -> u32x16<S> {
-    let [r, g, b, a] = each!(channel in [r, g, b, a] => u32x16::truncate_from(channel));
+    let [r, g, b, a] = each!(channel in [r, g, b, a] => whole_part(channel));
     r | g << 8 | b << 16 | a << 24
 }
 

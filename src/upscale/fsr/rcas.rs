@@ -86,7 +86,7 @@ fn run<S: Simd>(simd: S, of: &[Rgba8], at: usize) -> u8x64<S> {
 /// A channel of sixteen pixels.
 #[inline(always)]
 fn channel<S: Simd>(of: u8x64<S>, channel: u32) -> f32x16<S> {
-    f32x16::float_from((of.bitcast::<u32x16<S>>() >> (8 * channel)) & 255)
+    float_of((of.bitcast::<u32x16<S>>() >> (8 * channel)) & 255)
 }
 
 /// Quotients, not divided yet: of those that are compared but one counts.
@@ -131,8 +131,8 @@ fn lanes<S: Simd>(simd: S, own: u8x64<S>, [above, left, right, below]: [u8x64<S>
     let odd = (pairs(above, 8) + pairs(left, 8)) + (pairs(right, 8) + pairs(below, 8));
     let sums = [even & 0xffff, odd & 0xffff, even >> 16];
     for (index, around) in (0..3).zip(sums) {
-        let value = (lobe * f32x16::float_from(around) + channel(own, index)) * share;
-        codes |= u32x16::truncate_from(value.max(zero).min(full) + 0.5) << (8 * index);
+        let value = (lobe * float_of(around) + channel(own, index)) * share;
+        codes |= whole_part(value.max(zero).min(full) + 0.5) << (8 * index);
     }
     codes
 }

@@ -122,7 +122,7 @@ impl Motion<'_> {
 /// Doubles that are whole and not negative.
 #[inline(always)]
 fn whole<S: Simd>(simd: S, number: F64<S>) -> u32x8<S> {
-    u32x8::truncate_from(narrow(simd, number))
+    narrow(simd, number).to_int::<i32x8<S>>().bitcast()
 }
 
 /// The pixels whose centres lie before and after places on an axis of so many px, and how far the places lie between them.

@@ -124,8 +124,7 @@ impl Source {
         let mut at = MARGIN;
         for run in runs {
             let words = words(simd, run);
-            let [red, green, blue, alpha] =
-                each!(channel in [0, 8, 16, 24] => f32x16::<S>::float_from((words >> channel) & 255));
+            let [red, green, blue, alpha] = each!(channel in [0, 8, 16, 24] => float_of((words >> channel) & 255));
             let luma = (red + blue) * 0.5 + green;
             for (plane, values) in [(0, red), (1, green), (2, blue), (3, alpha), (LUMA, luma)] {
                 values.store_slice(&mut self.plane_mut(row, plane)[at..at + WIDE]);

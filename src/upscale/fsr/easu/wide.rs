@@ -114,10 +114,10 @@ impl Part<'_> {
     #[inline(always)]
     fn plain<S: Simd>(&self, simd: S, at: usize) -> u32x16<S> {
         let [red, green, blue] =
-            each!(channel in [0, 1, 2] => u32x16::truncate_from(values(simd, self.colors[channel].least, at)));
+            each!(channel in [0, 1, 2] => whole_part(values(simd, self.colors[channel].least, at)));
         let alpha = match &self.alpha {
             None => u32x16::splat(simd, 255),
-            Some(alpha) => u32x16::truncate_from(values(simd, alpha.least, at)),
+            Some(alpha) => whole_part(values(simd, alpha.least, at)),
         };
         red | green << 8 | blue << 16 | alpha << 24
     }
