@@ -6,6 +6,8 @@
 //! triangle that lies behind all of it is not looked at there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
 //! SIGGRAPH 1993).
 
+use std::ops::Range;
+
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
 use super::record::Slot;
 use super::setup::{Edges, Setup};
@@ -417,21 +419,23 @@ impl Tile {
     ) {
         let Setup { edges, .. } = triangle;
         let x = F64::load_array(simd, lattice.lanes) + bx as f64 * lattice.block_step;
-        let mut rows = Rows::new(simd, edges, x, by * BLOCK, lattice);
-        for row in by * BLOCK..(by + 1) * BLOCK {
+        let touched = rows_in(triangle, by);
+        self.counts.visited += (touched.len() * BLOCK) as u64;
+        let mut rows = Rows::new(simd, edges, x, touched.start, lattice);
+        let mut written = false;
+        for row in touched {
             let e = rows.next(edges, row, lattice);
             let covered = inside(simd, triangle, e);
             if covered != 0 {
-                self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
+                written |= self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
             }
         }
-        self.counts.visited += (BLOCK * BLOCK) as u64;
-        if self.bounded && rules.stored {
+        if written && self.bounded && rules.stored {
             self.measure_bounds(simd, (bx, by));
         }
     }
 
-    /// Tests the covered samples of eight in a row, and stores those that pass.
+    /// Tests the covered samples of eight in a row, and stores those that pass. Whether there are any.
     #[inline(always)]
     fn write<S: Simd>(
         &mut self,
@@ -441,7 +445,7 @@ impl Tile {
         covered: u64,
         (column, row): (usize, usize),
         rules: &DepthRules,
-    ) {
+    ) -> bool {
         let at = row * STRIDE + column;
         let ids = &mut self.ids[at..at + LANES];
         let mut passed = covered;
@@ -451,12 +455,13 @@ impl Tile {
             let stored = F32::from_slice(simd, depths);
             passed &= passes(new, stored, rules.comparison);
             if passed == 0 {
-                return;
+                return false;
             }
             mask32x8::from_bitmask(simd, passed).select(new, stored).store_slice(depths);
         }
         let slot = u32x8::splat(simd, triangle.slot.0);
         mask32x8::from_bitmask(simd, passed).select(slot, u32x8::from_slice(simd, ids)).store_slice(ids);
+        true
     }
 
     /// Writes the samples of a plain block.
@@ -541,9 +546,9 @@ fn blocks(triangle: &Setup) -> impl Iterator<Item = (usize, usize)> + use<> {
 }
 
 /// The rows of a triangle that lie in a row of blocks.
-fn rows_in(triangle: &Setup, by: usize) -> std::ops::RangeInclusive<usize> {
+fn rows_in(triangle: &Setup, by: usize) -> Range<usize> {
     let [top, bottom] = triangle.rows;
-    top.max(by * BLOCK)..=bottom.min((by + 1) * BLOCK - 1)
+    top.max(by * BLOCK)..(bottom + 1).min((by + 1) * BLOCK)
 }
 
 /// Bits of the rectangles in which no depth within some bounds passes against those stored, and of those in which all do.
