@@ -200,7 +200,7 @@ pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
 pub fn repeat_each<S: Simd>(simd: S, numbers: F32<S>) -> [F32<S>; 4] {
     let numbers = numbers.to_array();
     each!(i in [0, 1, 2, 3] => {
-        let [low, high] = each!(i in [i, i + LANES / 2] => f32x4::splat(simd, numbers[i]));
+        let [low, high] = each!(place in [i, i + LANES / 2] => f32x4::splat(simd, numbers[place]));
         low.combine(high)
     })
 }
@@ -258,4 +258,36 @@ mod x86 {
 #[inline(always)]
 pub fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
     x.max(least).min(greatest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_and_columns_change_places() {
+        let rows: [[f32; 4]; WIDE] = std::array::from_fn(|row| std::array::from_fn(|column| (row * 4 + column) as f32));
+        let column = |column: usize| rows.map(|row| row[column]);
+        for lanes in Lanes::all() {
+            let (eight, sixteen, back, repeated) = on_lanes!(lanes, simd => {
+                let r = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => f32x4::load_array(simd, rows[i]));
+                let columns = transpose_quads([r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7]]);
+                let back = rows_of_quads(columns);
+                let repeated = repeat_each(simd, columns[0]);
+                (
+                    columns.map(SimdBase::to_array),
+                    transpose_wide(r).map(SimdBase::to_array),
+                    back.map(SimdBase::to_array),
+                    repeated.map(SimdBase::to_array),
+                )
+            });
+            for i in 0..4 {
+                assert_eq!(sixteen[i], column(i), "by {}", lanes.name());
+                assert_eq!(eight[i], column(i)[..LANES], "by {}", lanes.name());
+                let [low, high] = [column(0)[i], column(0)[i + 4]];
+                assert_eq!(repeated[i], [low, low, low, low, high, high, high, high], "by {}", lanes.name());
+            }
+            assert_eq!(back, rows[..LANES], "by {}", lanes.name());
+        }
+    }
 }

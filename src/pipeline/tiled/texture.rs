@@ -239,8 +239,8 @@ impl<'a> TextureReader<'a> {
         let two = match layout {
             Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3] => {
                 let [a, b, c, d] = each!(tap in [0, 1, 2, 3] => {
-                    let [low, high] = each!(lane in [lane, lane + LANES / 2] => {
-                        f32x4::load_array_ref(simd, &self.linear[index[tap][first + lane] as usize])
+                    let [low, high] = each!(of in [lane, lane + LANES / 2] => {
+                        f32x4::load_array_ref(simd, &self.linear[index[tap][first + of] as usize])
                     });
                     low.combine(high) * weights[tap][lane]
                 });
@@ -252,8 +252,8 @@ impl<'a> TextureReader<'a> {
                 });
                 each!(lane in [0, 1, 2, 3] => {
                     let [a, b, c, d] = each!((tap, row, column) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1)] => {
-                        let [low, high] = each!(lane in [lane, lane + LANES / 2] => {
-                            f32x4::load_array_ref(simd, &pairs[row][lane][column])
+                        let [low, high] = each!(of in [lane, lane + LANES / 2] => {
+                            f32x4::load_array_ref(simd, &pairs[row][of][column])
                         });
                         low.combine(high) * weights[tap][lane]
                     });
