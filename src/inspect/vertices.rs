@@ -114,7 +114,10 @@ impl<'a> ObjectVertices<'a> {
         let instance = scene.instances.get(instance)?;
         Some(Self {
             mesh: scene.library.mesh(instance.mesh),
-            matrices: DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping()),
+            matrices: DrawMatrices::new(
+                instance,
+                camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping()),
+            ),
             world_from_model: instance.world_from_model.as_dmat4(),
             view_from_world: camera.view_from_world_f64(),
             viewport,

@@ -153,8 +153,8 @@ pub fn savings(
 
 /// Makes the plans of a frame, and tells how many milliseconds that takes. Matrices are none of it: draws need them anyway.
 fn time_of_planning(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> f64 {
-    let mapping = settings.depth_format.mapping();
-    let matrices = |instance| DrawMatrices::new(instance, camera, viewport.aspect(), mapping).clip_from_model;
+    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
+    let matrices = |instance| DrawMatrices::new(instance, clip_from_world).clip_from_model;
     let draws: Vec<_> = scene.instances.iter().map(|instance| (instance, matrices(instance))).collect();
     let start = Instant::now();
     for (instance, clip_from_model) in draws {

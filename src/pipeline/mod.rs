@@ -56,6 +56,8 @@ pub mod wireframe;
 use std::ops::Range;
 use std::time::{Duration, Instant};
 
+use glam::DMat4;
+
 use depth::{Comparison, DepthScale};
 use framebuffer::Framebuffer;
 use observe::{Fate, Observer};
@@ -178,8 +180,10 @@ pub fn prepare<O: Observer>(
     observer: &mut O,
 ) -> Geometry {
     let mut geometry = Geometry { depth_scale: DepthScale::new(settings.depth_format, camera), ..Geometry::default() };
+    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
+    let seen_by = (camera, clip_from_world);
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
-        prepare_draw(scene, camera, settings, viewport, (index, instance, first), &mut geometry, observer);
+        prepare_draw(scene, seen_by, settings, viewport, (index, instance, first), &mut geometry, observer);
     }
     geometry.draw_blended_last();
     geometry.triangles.find_boxes();
@@ -188,7 +192,7 @@ pub fn prepare<O: Observer>(
 
 fn prepare_draw<O: Observer>(
     scene: &Scene,
-    camera: &Camera,
+    (camera, clip_from_world): (&Camera, DMat4),
     settings: &Settings,
     viewport: Viewport,
     (index, instance, first): (usize, &Instance, TriangleId),
@@ -199,7 +203,7 @@ fn prepare_draw<O: Observer>(
     out.triangles_in += mesh.triangles.len();
 
     let start = Instant::now();
-    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
+    let matrices = DrawMatrices::new(instance, clip_from_world);
     let inside = containment(mesh.bounds(), matrices.clip_from_model);
     let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
     out.plans.push(plan);

@@ -11,7 +11,7 @@ use super::plan::{Containment, DrawPlan, Part};
 use super::settings::{Settings, Shading};
 use super::shade::{lambert, to_working_space};
 use crate::math::{Aabb, unit_or};
-use crate::scene::{Camera, DepthMapping, Instance, Mesh};
+use crate::scene::{Instance, Mesh};
 
 /// What is interpolated over a triangle besides position. Parts that the plan leaves out are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,19 +69,17 @@ pub struct DrawMatrices {
 }
 
 impl DrawMatrices {
-    /// For one instance seen by a camera. `aspect` is width over height.
-    pub fn new(instance: &Instance, camera: &Camera, aspect: f32, mapping: DepthMapping) -> Self {
-        let product = Self::product(instance, camera, aspect, mapping);
+    /// For one instance seen by a camera: [`Camera::clip_from_world_f64`], the same for all instances.
+    pub fn new(instance: &Instance, clip_from_world: DMat4) -> Self {
+        let product = Self::product(instance, clip_from_world);
         let linear = glam::DMat3::from_mat4(instance.world_from_model.as_dmat4());
         let normal = if linear.determinant() == 0.0 { linear } else { linear.inverse().transpose() };
         Self { clip_from_model: product.as_mat4(), world_from_model_normal: normal.as_mat3() }
     }
 
     /// Clip space from model space before it is rounded.
-    pub(crate) fn product(instance: &Instance, camera: &Camera, aspect: f32, mapping: DepthMapping) -> DMat4 {
-        camera.clip_from_view(aspect, mapping).as_dmat4()
-            * camera.view_from_world_f64()
-            * instance.world_from_model.as_dmat4()
+    pub(crate) fn product(instance: &Instance, clip_from_world: DMat4) -> DMat4 {
+        clip_from_world * instance.world_from_model.as_dmat4()
     }
 
     /// A position in clip space.

@@ -155,6 +155,11 @@ impl Camera {
         rotation.as_dmat4() * DMat4::from_translation(-self.eye.as_dvec3())
     }
 
+    /// Clip space from world space before it is rounded, but for what [`Camera::clip_from_view`] rounds.
+    pub fn clip_from_world_f64(&self, aspect: f32, mapping: DepthMapping) -> DMat4 {
+        self.clip_from_view(aspect, mapping).as_dmat4() * self.view_from_world_f64()
+    }
+
     /// Clip space from view space; z/w is the depth that `mapping` gives. [`DepthMapping::Linear`] in perspective is no
     /// quotient of z and w; its z serves for clipping alone and is the reversed one, which f32 holds well at both planes
     /// (where f/n is above 2²⁴, the standard z is rounded to w, and the far plane is lost). `aspect` is width over height.

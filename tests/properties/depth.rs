@@ -205,7 +205,7 @@ fn what_is_cut_at_a_plane_has_exactly_the_depth_of_that_plane() {
         let scale = DepthScale::new(*format, &camera);
         for (instance, plan) in scene.instances.iter().zip(&plans).filter(|(_, plan)| plan.runs(Part::Clipping)) {
             let mesh = scene.library.mesh(instance.mesh);
-            let matrices = DrawMatrices::new(instance, &camera, VIEW.aspect(), format.mapping());
+            let matrices = DrawMatrices::new(instance, camera.clip_from_world_f64(VIEW.aspect(), format.mapping()));
             let vertices = transform(mesh, &matrices, &recipe.pipeline, plan);
             let widening = guard_band_widening(VIEW.width, VIEW.height);
             for triangle in clip(&vertices, &mesh.triangles, TriangleId(0), true, widening, &mut ()) {

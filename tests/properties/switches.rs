@@ -276,7 +276,8 @@ fn leaving_out_the_clipping_of_an_object_inside_changes_no_bit() {
         let recipe = Recipe::default();
         let instance = &scene.instances[0];
         let mesh = scene.library.mesh(instance.mesh);
-        let matrices = vertex::DrawMatrices::new(instance, &scene.home, VIEW.aspect(), DepthMapping::Standard);
+        let matrices =
+            vertex::DrawMatrices::new(instance, scene.home.clip_from_world_f64(VIEW.aspect(), DepthMapping::Standard));
         let plan = render(&scene, &recipe, SIZE).geometry.plans[0];
         if plan.runs(Part::Clipping) {
             return;

@@ -100,7 +100,8 @@ impl<'a> Draw<'a> {
         let (settings, raster) = (&recipe.pipeline, frame.raster);
         let (instance, plan) = (&scene.instances[index], &frame.plans[index]);
         let mesh = scene.library.mesh(instance.mesh);
-        let matrices = DrawMatrices::new(instance, camera, raster.aspect(), settings.depth_format.mapping());
+        let matrices =
+            DrawMatrices::new(instance, camera.clip_from_world_f64(raster.aspect(), settings.depth_format.mapping()));
         let vertex = |p: &Vec3| ClipVertex::at(matrices.clip_from_model * p.extend(1.0));
         let vertices: Vec<_> = mesh.positions.par_iter().with_min_len(CHUNK).map(vertex).collect();
         let positions_px = vertices.par_iter().with_min_len(CHUNK).map(|vertex| position_px(raster, vertex)).collect();

@@ -273,7 +273,8 @@ fn clipped(scene: &Scene, inner: &Inner, id: TriangleId) -> Option<(Vec<ClipVert
     let instance = scene.instances.get(instance)?;
     let mesh = scene.library.mesh(instance.mesh);
     let Inner { camera, settings, viewport } = inner;
-    let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
+    let matrices =
+        DrawMatrices::new(instance, camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping()));
     let mut corner = 0;
     let triangle = indices.map(|index| {
         let mut vertex = ClipVertex::at(matrices.clip_position(mesh.positions[index as usize]));

@@ -85,7 +85,8 @@ fn part(what: &str, axis: usize) -> &'static str {
 /// The entries of clip from model, each rounded once from a product in f64.
 fn matrix(subject: &Subject<'_>, matrices: &DrawMatrices, scribe: &mut Scribe) {
     let mapping = subject.settings.depth_format.mapping();
-    let product = DrawMatrices::product(subject.instance, &subject.camera, subject.raster.aspect(), mapping);
+    let product =
+        DrawMatrices::product(subject.instance, subject.camera.clip_from_world_f64(subject.raster.aspect(), mapping));
     for row in 0..4 {
         for column in 0..4 {
             let unrounded = given("(projection × view × model) in f64", product.col(column)[row]);

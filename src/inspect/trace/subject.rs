@@ -75,7 +75,7 @@ impl<'a> Subject<'a> {
     /// The matrices of its draw.
     pub(super) fn matrices(&self) -> DrawMatrices {
         let mapping = self.settings.depth_format.mapping();
-        DrawMatrices::new(self.instance, &self.camera, self.raster.aspect(), mapping)
+        DrawMatrices::new(self.instance, self.camera.clip_from_world_f64(self.raster.aspect(), mapping))
     }
 
     /// What is done with the vertices of its mesh.

@@ -422,9 +422,10 @@ fn plan<'a>(
 ) -> (Vec<Draw<'a>>, Vec<DrawPlan>) {
     let (mut draws, mut plans) = (Vec::new(), Vec::new());
     let mut first_vertex = 0;
+    let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
         let mesh = scene.library.mesh(instance.mesh);
-        let matrices = DrawMatrices::new(instance, camera, viewport.aspect(), settings.depth_format.mapping());
+        let matrices = DrawMatrices::new(instance, clip_from_world);
         let inside = containment(mesh.bounds(), matrices.clip_from_model);
         let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside);
         let mut kept = Kept::all(mesh);
