@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::{SceneBuilder, scenes};
 use glam::{Mat4, Vec3, Vec4};
-use rasterscope::antialias::settings::Method;
+use rasterscope::antialias::settings::{Method, Samples};
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::math::lanes::Lanes;
 use rasterscope::pipeline::plan::{DrawPlan, Part, Unseen};
@@ -146,6 +146,32 @@ fn every_way_to_smooth_gives_the_same_picture() {
         r.antialias.method = c;
         r.upscaler = Upscaling::new("checkerboard", 1).unwrap();
     }));
+    check_all(&recipes);
+}
+
+/// Recipes that multisample, with all numbers of samples if `every`, else with 4 and 16.
+fn multisampled(every: bool) -> Vec<Recipe> {
+    let mut recipe = Recipe::default();
+    recipe.antialias.method = Method::Multisample;
+    let recipes = with::<Samples>(&[recipe], |r, c| r.antialias.samples = c);
+    recipes.into_iter().filter(|r| every || r.antialias.count() <= 16).collect()
+}
+
+#[test]
+fn every_number_of_multisamples_gives_the_same_picture() {
+    check_all(&multisampled(true));
+}
+
+#[test]
+fn multisampling_gives_the_same_picture_by_every_switch() {
+    let few = multisampled(false);
+    let mut recipes = with::<Culling>(&few, |r, c| r.pipeline.culling = c);
+    recipes.extend(with::<FillRule>(&few, |r, c| r.pipeline.fill_rule = c));
+    recipes.extend(with::<Shading>(&few[..1], |r, c| r.pipeline.shading = c));
+    recipes.extend(with::<Filter>(&few[..1], |r, c| r.pipeline.filter = c));
+    recipes.extend(with::<ColorSpace>(&few, |r, c| r.pipeline.color_space = c));
+    recipes.extend(with::<ColorSpace>(&few, |r, c| r.antialias.light = c));
+    recipes.extend(Upscaling::every().map(|upscaler| Recipe { upscaler, ..few[0] }));
     check_all(&recipes);
 }
 

@@ -14,6 +14,7 @@ use crate::antialias::pattern::{Pattern, jitter, jittered_places};
 use crate::antialias::resolve::{self, Mean};
 use crate::antialias::settings::{Antialiasing, Method};
 use crate::image::{Image, Rgba8};
+use crate::math::fixed::snap;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::multisample::{self, Places, ShadingRate};
@@ -72,6 +73,12 @@ fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
         _ => antialias.pattern().offsets(0, 0).into_iter().map(|place| vec![place]).collect(),
     };
     places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
+}
+
+/// What a recipe's multisampling is for tiles: where samples lie from the centres of their pixels; none if it has none.
+pub(super) fn offsets(antialias: Antialiasing) -> Option<Vec<[i32; 2]>> {
+    let on_grid = |places: Vec<[f32; 2]>| places.into_iter().map(|place| place.map(|px| snap(px) as i32));
+    (antialias.method == Method::Multisample).then(|| candidates(antialias).into_iter().flat_map(on_grid).collect())
 }
 
 /// All samples of the pixels of a rectangle, drawn into copies of a cleared framebuffer.

@@ -64,16 +64,16 @@ impl Frame<'_> {
         entrants: &Entrants,
         blended: &[Slot],
         place: (usize, usize),
-        origin: ([f64; 2], [f32; 2]),
         colors: &mut [Rgba8],
     ) -> u64 {
+        let owner = self.owner(entrants, &self.lattice, place);
         let mut sorted: Vec<(f64, usize, Setup, ScreenTriangle)> = blended
             .iter()
             .filter_map(|slot| {
                 let entrant = entrants.get(*slot);
                 let triangle = self.screen_triangle(entrant.key, entrant.draw as usize);
                 let distance = mean_distance(&self.scale, &triangle);
-                Some((distance, entrant.draw as usize, self.set_up_again(entrants, *slot, origin)?, triangle))
+                Some((distance, entrant.draw as usize, owner(*slot)?, triangle))
             })
             .collect();
         sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -82,7 +82,6 @@ impl Frame<'_> {
         let mut samples = 0;
         for (_, draw, setup, triangle) in &sorted {
             let shader = &self.shader(*draw).shader;
-            let owner = |slot| self.set_up_again(entrants, slot, origin);
             tile.draw_kept(simd, setup, &self.lattice, &self.rules, &owner, |edges, (column, row), passed| {
                 for lane in set_bits(passed) {
                     let column = column + lane;

@@ -116,6 +116,32 @@ impl Tile {
         &self.ids[row * STRIDE + column..][..LANES]
     }
 
+    /// The triangles of eight samples of a row, written or not.
+    #[inline(always)]
+    pub(super) fn seen<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
+        match self.owner(row / BLOCK * BLOCKS + column / BLOCK) {
+            Some(slot) => u32x8::splat(simd, slot.0),
+            None => u32x8::from_slice(simd, self.slots(column, row)),
+        }
+    }
+
+    /// Gives a block to one triangle, or leaves it to its samples.
+    pub(super) fn set_owner(&mut self, block: usize, owner: Option<Slot>) {
+        match owner {
+            Some(slot) => {
+                self.plain |= 1 << block;
+                self.owners[block] = slot;
+            }
+            None => self.plain &= !(1 << block),
+        }
+    }
+
+    /// Gives eight samples of a row to their triangles.
+    #[inline(always)]
+    pub(super) fn set_seen<S: Simd>(&mut self, column: usize, row: usize, slots: u32x8<S>) {
+        slots.store_slice(&mut self.ids[row * STRIDE + column..][..LANES]);
+    }
+
     /// Stored depths of a row.
     pub(super) fn depths(&self, row: usize) -> &[f32] {
         &self.depths[row * STRIDE..][..TILE]
