@@ -121,13 +121,41 @@ fn finished(sum: [f32; 3], samples: u32, light: ColorSpace) -> Rgba8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::antialias::settings::Samples;
     use crate::pipeline::settings::Choice as _;
 
     #[test]
     fn equal_samples_stay_as_they_are() {
-        for light in ColorSpace::ALL {
+        for (light, samples) in ColorSpace::ALL.iter().flat_map(|light| Samples::ALL.iter().map(move |s| (*light, *s)))
+        {
             for code in 0..=255 {
-                assert_eq!(mean(&[[code, 255 - code, 7, 255]; 16], *light), [code, 255 - code, 7, 255]);
+                let color = [code, 255 - code, 7, 255];
+                assert_eq!(mean(&vec![color; samples.count() as usize], light), color, "{samples:?} {light:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn sixteen_means_at_a_time_are_those_one_by_one() {
+        let mut random = fastrand::Rng::with_seed(12);
+        let colors: Vec<Rgba8> = (0..300).map(|_| [random.u8(..), random.u8(..), random.u8(..), 255]).collect();
+        for (light, pixels) in
+            ColorSpace::ALL.iter().flat_map(|light| [0_usize, 1, 16, 37].map(|pixels| (*light, pixels)))
+        {
+            for samples in [1, 4, 16, 64] {
+                let picks: Vec<Picks> = (0..samples * pixels.div_ceil(WIDE))
+                    .map(|_| std::array::from_fn(|_| random.u32(0..colors.len() as u32)))
+                    .collect();
+                let of_pixel = |pixel: usize| -> Vec<Rgba8> {
+                    let picks = picks[pixel / WIDE * samples..][..samples].iter();
+                    picks.map(|picks| colors[picks[pixel % WIDE] as usize]).collect()
+                };
+                let expected: Vec<Rgba8> = (0..pixels).map(|pixel| mean(&of_pixel(pixel), light)).collect();
+                for lanes in Lanes::all() {
+                    let mut found = vec![[0; 4]; pixels];
+                    means(lanes, &colors, &picks, light, &mut found);
+                    assert_eq!(found, expected, "{} {light:?} {samples}", lanes.name());
+                }
             }
         }
     }

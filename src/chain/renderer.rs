@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
 use super::run::{mean_of_passes, run_after};
-use super::samples::offsets;
+use super::samples::multisample_offsets;
 use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
 use super::{Frame, FrameTimes, Recipe};
 use crate::antialias::resolve::means;
@@ -146,7 +146,7 @@ impl Renderer {
         };
         // The centres of pixels are drawn for their colours, or for their depths, or not at all.
         let Antialiasing { light, .. } = recipe.antialias;
-        let (offsets, lanes) = (offsets(recipe.antialias), self.lanes);
+        let (offsets, lanes) = (multisample_offsets(recipe.antialias), self.lanes);
         let mean = |colors: &[Rgba8], picks: &[Picks], out: &mut [Rgba8]| means(lanes, colors, picks, light, out);
         let multisampling = offsets.as_ref().map(|offsets| Multisampling { offsets, mean: &mean });
         let one_pass = recipe.antialias.is_off() || multisampling.is_some();
@@ -256,17 +256,12 @@ impl Renderer {
 pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),
-        Execution::Tiled => match obstacle(scene, recipe) {
+        Execution::Tiled if recipe.antialias.method == Method::Jittered => {
+            (Execution::Classic, Some("jittered samples lie elsewhere in each pixel"))
+        }
+        Execution::Tiled => match tiled::obstacle(scene, &recipe.pipeline) {
             None => (Execution::Tiled, None),
             why => (Execution::Classic, why),
         },
-    }
-}
-
-fn obstacle(scene: &Scene, recipe: &Recipe) -> Option<&'static str> {
-    match recipe.antialias.method {
-        Method::Jittered => Some("jittered samples lie elsewhere in each pixel"),
-        Method::Multisample => tiled::obstacle_to_multisampling(scene, &recipe.pipeline),
-        _ => tiled::obstacle(scene, &recipe.pipeline),
     }
 }

@@ -78,6 +78,17 @@ pub(super) struct Band<'a> {
 }
 
 impl Band<'_> {
+    /// Columns and rows of a tile that lie within the picture.
+    pub(super) fn size(&self, tile: (usize, usize)) -> (usize, usize) {
+        ((self.width - tile.0 * TILE).min(TILE), self.pixels.len() / self.width)
+    }
+
+    /// The part of each row that lies in a tile.
+    pub(super) fn rows(&mut self, tile: (usize, usize)) -> impl Iterator<Item = &mut [Rgba8]> {
+        let columns = tile.0 * TILE..((tile.0 + 1) * TILE).min(self.width);
+        self.pixels.chunks_mut(self.width).map(move |row| &mut row[columns.clone()])
+    }
+
     #[inline(always)]
     fn start(&self, patch: &Patch, row: usize) -> usize {
         row * self.width + patch.tile.0 * TILE + patch.column

@@ -7,6 +7,9 @@ use crate::pipeline::grid::SampleGrid;
 /// Side of a tile in packed samples.
 pub(super) const TILE: usize = 64;
 
+/// Samples of a tile.
+pub(super) const TILE_SAMPLES: usize = TILE * TILE;
+
 /// Side of a block in packed samples: as many as there are lanes.
 pub(super) const BLOCK: usize = LANES;
 
@@ -169,6 +172,12 @@ impl Lattice {
                 ((column / 2 * 4 + column % 2) as i64 * SUBPIXELS) as f64
             }
         }
+    }
+
+    /// Distance of a sample from the tile's first one, by its column and row.
+    #[inline(always)]
+    pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
+        [(self.column(column) + self.shift(row)) as i32, row as i32 * self.row_step as i32]
     }
 
     /// Packed columns or rows from the first to the last that may lie within a range of grid steps; both may be beyond the

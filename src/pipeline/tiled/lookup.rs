@@ -3,12 +3,14 @@
 use super::Frame;
 use super::bins::Key;
 use super::geometry::{Arrays, Surface, Vertex};
+use super::record::Entrant;
 use super::setup::{self, Corner};
 use super::shader::DrawShader;
 use crate::math::fixed::to_pixels;
 use crate::pipeline::plan::Part;
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, relative_inv_w};
 use crate::scene::TriangleId;
+use crate::scene::material::Transparency;
 
 impl Frame<'_> {
     /// Whether samples can be shaded together whatever draws they are of.
@@ -19,6 +21,12 @@ impl Frame<'_> {
     #[inline(always)]
     pub(super) fn shader(&self, draw: usize) -> &DrawShader<'_> {
         &self.shaders[draw]
+    }
+
+    /// How a triangle meets what lies behind.
+    #[inline(always)]
+    pub(super) fn transparency(&self, entrant: Entrant) -> Transparency {
+        self.shader(entrant.draw as usize).shader.transparency()
     }
 
     /// The triangle of the scene that a key stands for.

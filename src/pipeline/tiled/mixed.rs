@@ -6,8 +6,8 @@
 
 use super::Frame;
 use super::kernel::{ALL, Band, Queue, Scattered};
-use super::lattice::{BLOCK, BLOCKS, Lattice};
-use super::multisample::{Multisampling, Picks};
+use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
+use super::multisample::{Picks, Planes};
 use super::record::{Entrant, Entrants, Many, Slot};
 use super::setup::least_inside;
 use super::shade::{Job, Shaded};
@@ -38,15 +38,6 @@ const BACKGROUND: u32 = 0;
 
 /// Position of the colour of the first fragment.
 const FIRST: usize = WIDE;
-
-/// The rows of the packed picture that start with a tile's first one.
-pub(super) struct Pixels<'a> {
-    pub(super) colors: &'a mut [Rgba8],
-    /// The tile's first column.
-    pub(super) left: usize,
-    /// Samples in a row.
-    pub(super) width: usize,
-}
 
 impl MixedPixels {
     /// Bytes held.
@@ -113,13 +104,11 @@ impl MixedPixels {
         for sample in samples {
             self.seen.push(sample.seen(simd, column, row).to_array());
         }
-        let y = row as i32 * lattice.row_step as i32;
         while mixed != 0 {
             let lane = mixed.trailing_zeros() as usize;
             mixed &= mixed - 1;
-            let column = column + lane;
-            let x = (lattice.column(column) + lattice.shift(row)) as i32;
-            self.push((column, row), [x, y], lane);
+            let place = (column + lane, row);
+            self.push(place, lattice.place(place), lane);
         }
     }
 
@@ -148,7 +137,7 @@ impl MixedPixels {
         &mut self,
         simd: S,
         frame: &Frame<'_>,
-        samples: &Multisampling<'_>,
+        planes: &Planes<'_>,
         (entrants, queue): (&Entrants, &mut Queue),
         tile: (usize, usize),
     ) -> Shaded {
@@ -158,26 +147,31 @@ impl MixedPixels {
         let mut job = Job::new(frame, entrants, queue, tile, Band { pixels: colors, width: 0 });
         for (number, sixteen) in fragments.list.iter().enumerate() {
             let count = (fragments.len - number * WIDE).min(WIDE);
-            job.fragments(
-                simd,
-                sixteen,
-                u32::MAX >> (u32::BITS as usize - count),
-                samples.offsets,
-                FIRST + number * WIDE,
-            );
+            let open = u32::MAX >> (u32::BITS as usize - count);
+            job.fragments(simd, (sixteen, open), &planes.shading_places, FIRST + number * WIDE);
         }
         let shaded = job.finish(simd);
         means.clear();
         means.resize(places.len(), frame.background);
-        (samples.mean)(colors, picks, means);
+        (planes.samples.mean)(colors, picks, means);
         shaded
     }
 
+    /// Gives each sample of the pixels its colour, sample by sample.
+    pub(super) fn spread(&self, samples: &mut [Rgba8]) {
+        let count = samples.len() / TILE_SAMPLES;
+        for (pixel, (column, row)) in self.places.iter().enumerate() {
+            let picks = self.picks[pixel / WIDE * count..].iter().map(|picks| picks[pixel % WIDE]);
+            for (sample, pick) in samples.chunks_exact_mut(TILE_SAMPLES).zip(picks) {
+                sample[row * TILE + column] = self.colors[pick as usize];
+            }
+        }
+    }
+
     /// Writes the colours of the pixels.
-    pub(super) fn write(&self, picture: Pixels<'_>) {
-        let Pixels { colors, left, width } = picture;
+    pub(super) fn write(&self, picture: &mut Band<'_>, tile: (usize, usize)) {
         for ((column, row), color) in self.places.iter().zip(&self.means) {
-            colors[row * width + left + column] = *color;
+            picture.pixels[row * picture.width + tile.0 * TILE + column] = *color;
         }
     }
 }
@@ -224,9 +218,16 @@ impl Fragments {
 }
 
 impl Job<'_> {
-    /// Shades the fragments that have a bit; their colours go to `start` and on.
+    /// Shades the fragments that have a bit, each at the first of some places of its pixel that its triangle covers; their colours
+    /// go to `start` and on.
     #[inline(always)]
-    fn fragments<S: Simd>(&mut self, simd: S, fragments: &Sixteen, mut open: u32, offsets: &[[i32; 2]], start: usize) {
+    fn fragments<S: Simd>(
+        &mut self,
+        simd: S,
+        (fragments, mut open): (&Sixteen, u32),
+        offsets: &[[i32; 2]],
+        start: usize,
+    ) {
         let slots = &fragments.slots;
         let [x, y] = self.shading_places(simd, fragments, open, offsets);
         let spots = Scattered { places: [&x, &y], start };
@@ -263,15 +264,10 @@ impl Job<'_> {
         self.find_large(simd, open, &fragments.slots);
         let of_large = self.large.iter().fold(0, |all, (lanes, _)| all | lanes);
         let mut places =
-            covered_places(simd, self.entrants.many(&fragments.slots), centres, open & !of_large, offsets, rule);
+            first_covered(simd, self.entrants.many(&fragments.slots), centres, open & !of_large, offsets, rule);
         for (lanes, edges) in &self.large {
-            let inside = edges.inside(rule);
             for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 != 0) {
-                let centre = fragments.centres.map(|along| along[lane]);
-                let at = |offset: &[i32; 2]| [centre[0] + offset[0], centre[1] + offset[1]];
-                let covers =
-                    |place: &[i32; 2]| edges.at(place.map(f64::from)).iter().zip(inside).all(|(e, least)| *e >= least);
-                let place = [[0; 2]].iter().chain(offsets).map(at).find(covers).unwrap_or(centre);
+                let place = edges.first_covered(fragments.centres.map(|along| along[lane]), offsets, rule);
                 (places[0][lane], places[1][lane]) = (place[0], place[1]);
             }
         }
@@ -288,17 +284,18 @@ impl Job<'_> {
             return color;
         }
         let triangle = frame.screen_triangle(key, draw);
-        let edges = self.exact_edges(slot).unwrap_or_default().at(place.map(f64::from));
+        let edges = self.exact_edges(slot).unwrap_or_default().at(place);
         let fragment =
             interpolate(&triangle, Sample { column: 0, row: 0, x: 0, y: 0, edges }, shader.shader.attributes());
         shader.shader.shade(&fragment, &triangle)
     }
 }
 
-/// For triangles whose edge values 32 bits hold: the centres of their pixels, or the first samples that they cover where they
-/// do not cover those. Each must cover some sample of its pixel, so that no value there is too large.
+/// [`Edges::first_covered`] for sixteen triangles whose edge values 32 bits hold, those that have a bit.
+///
+/// [`Edges::first_covered`]: super::setup::Edges::first_covered
 #[inline(always)]
-fn covered_places<S: Simd>(
+fn first_covered<S: Simd>(
     simd: S,
     many: Many<'_>,
     centres: [i32x16<S>; 2],
@@ -314,7 +311,7 @@ fn covered_places<S: Simd>(
     // Inside of an edge no value is below zero.
     let edges = each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - least_inside([zero, one], a, b, rule)));
     let mut moved = [zero; 2];
-    for [right, down] in [[0; 2]].iter().chain(offsets) {
+    for [right, down] in offsets {
         let [e0, e1, e2] = each!((a, b, e) in [edges[0], edges[1], edges[2]] => e + a * *right + b * *down);
         let covers = (e0 | e1 | e2).simd_ge(zero).to_bitmask() as u32 & open;
         let here = mask32x16::from_bitmask(simd, covers.into());

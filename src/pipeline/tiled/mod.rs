@@ -10,6 +10,9 @@
 //! costs no shading, however much of it there is. Vertices are snapped, edges are whole numbers, depth and attributes are
 //! computed by the same operations in the same order as in the classic way, so the picture is the same bit for bit, whatever
 //! the number of threads and whatever the instructions of the processor.
+//!
+//! Several samples for each pixel, with one shading for each triangle that they see, are several tiles at once:
+//! [`Multisampling`].
 
 mod bins;
 mod clusters;
@@ -23,6 +26,7 @@ mod multisample;
 mod outcode;
 mod record;
 mod see_through;
+mod see_through_samples;
 mod setup;
 mod shade;
 mod shader;
@@ -43,6 +47,7 @@ use mixed::MixedPixels;
 use multisample::Planes;
 pub use multisample::{MeanOfSamples, Multisampling, Picks};
 use record::{Entrant, Entrants, Slot, SurfaceRecord};
+use see_through_samples::SeenThrough;
 use setup::{Batch, Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
 use shader::{DrawShader, Light};
@@ -52,7 +57,7 @@ use super::clip::guard_band_widening;
 use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
-use super::plan::{DrawPlan, Part, transparency};
+use super::plan::{DrawPlan, Part};
 use super::settings::{Arithmetic, Filter, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
@@ -78,15 +83,6 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
     } else {
         None
     }
-}
-
-/// Why a frame cannot be drawn tile by tile with several samples for each pixel, each triangle shaded once, if so.
-pub fn obstacle_to_multisampling(scene: &Scene, settings: &Settings) -> Option<&'static str> {
-    let seen_through = scene
-        .instances
-        .iter()
-        .any(|instance| transparency(&scene.library, instance, settings.shading) != Transparency::Opaque);
-    obstacle(scene, settings).or(seen_through.then_some("what is seen through is multisampled triangle after triangle"))
 }
 
 /// Wall-clock time of each stage. Tiles are drawn and shaded in turn by all threads: the time of both is shared out by the
@@ -174,6 +170,7 @@ struct Workspace {
     /// Of multisampled frames one tile for each sample of the pixels.
     planes: Vec<Tile>,
     mixed: MixedPixels,
+    seen_through: SeenThrough,
     entrants: Entrants,
     batches: [Batch; BATCHES],
     queue: Queue,
@@ -187,6 +184,7 @@ impl Workspace {
             tile: Tile::new(),
             planes: Vec::new(),
             mixed: MixedPixels::default(),
+            seen_through: SeenThrough::default(),
             entrants: Entrants::default(),
             batches: Default::default(),
             queue: Queue::default(),
@@ -198,6 +196,7 @@ impl Workspace {
         self.tile.bytes()
             + self.planes.iter().map(Tile::bytes).sum::<usize>()
             + self.mixed.bytes()
+            + self.seen_through.bytes()
             + self.entrants.bytes()
             + size_of::<[Batch; BATCHES]>()
             + size_of::<Queue>()
@@ -360,12 +359,14 @@ pub fn draw(
 pub const TILE_SIDE: u32 = TILE as u32;
 
 /// How many triangles each tile is handed: those whose boxes touch it, before they are set up. One value for each tile of
-/// [`TILE_SIDE`] samples a side. [`obstacle`] must have found none.
+/// [`TILE_SIDE`] samples a side, whose pixels are sampled at their centres or, if there are any, at [`Multisampling::offsets`].
+/// [`obstacle`] must have found none.
 pub fn tile_loads(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
     (grid, viewport): (SampleGrid, Viewport),
+    offsets: &[[i32; 2]],
 ) -> Image<u32> {
     let (scale, lanes) = (DepthScale::new(settings.depth_format, camera), Lanes::best());
     let (draws, _) = plan(scene, camera, settings, viewport, lanes);
@@ -374,7 +375,7 @@ pub fn tile_loads(
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, &mut arrays);
     let packed = grid.packed_size(viewport.width, viewport.height);
     let tiles = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
-    let lattice = Lattice::new(grid);
+    let lattice = Lattice::new(grid).with_samples(offsets);
     Binning { draws: &draws, arrays: &arrays, settings, viewport, scale, lattice, packed, tiles }
         .run(lanes, &mut chunks);
     Image::from_fn(tiles.0 as u32, tiles.1 as u32, |column, row| {
@@ -561,8 +562,8 @@ impl Frame<'_> {
                         tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner);
                         continue;
                     }
-                    let Entrant { key, draw, .. } = entrants.get(slot);
-                    match self.shader(draw as usize).shader.transparency() {
+                    let entrant @ Entrant { key, draw } = entrants.get(slot);
+                    match self.transparency(entrant) {
                         Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner),
                         Transparency::CutOut => {
                             let keep = self.keeper(key, draw as usize, place);
@@ -580,7 +581,7 @@ impl Frame<'_> {
         let Target { colors, .. } = target;
         let mut shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: colors });
         if !blended.is_empty() {
-            shaded.samples += self.blend(simd, tile, entrants, blended, place, colors);
+            shaded.samples += self.blend(simd, tile, (entrants, blended), place, colors);
         }
         work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
     }

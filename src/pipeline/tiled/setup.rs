@@ -69,8 +69,18 @@ impl Edges {
     }
 
     /// Values at an offset from the origin, in grid steps.
-    pub(super) fn at(&self, [x, y]: [f64; 2]) -> [f64; 3] {
+    pub(super) fn at(&self, place: [i32; 2]) -> [f64; 3] {
+        let [x, y] = place.map(f64::from);
         each!(i in [0, 1, 2] => self.a[i] * x + self.b[i] * y + self.c[i])
+    }
+
+    /// The first of some places of a pixel that the triangle covers, of which there must be one. Places are given by their offsets
+    /// from the pixel's centre, which is given from the origin on, as is what is found.
+    pub(super) fn first_covered(&self, [x, y]: [i32; 2], offsets: &[[i32; 2]], rule: FillRule) -> [i32; 2] {
+        let inside = self.inside(rule);
+        let covers = |place: &[i32; 2]| self.at(*place).iter().zip(inside).all(|(value, least)| *value >= least);
+        let moved = |[right, down]: &[i32; 2]| [x + right, y + down];
+        offsets.iter().map(moved).find(covers).unwrap_or([x, y])
     }
 
     /// The least value of each that is inside: 0 where the fill rule gives the edge to the triangle, else 1.

@@ -52,9 +52,9 @@ pub(super) struct Canvas<'a> {
 #[inline(always)]
 pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>) -> Shaded {
     let Canvas { tile, entrants, queue, place, pixels } = canvas;
-    let width = frame.packed.0 as usize;
-    let (columns, height) = ((width - place.0 * TILE).min(TILE), pixels.len() / width);
-    let mut job = Job::new(frame, entrants, queue, place, Band { pixels, width });
+    let band = Band { pixels, width: frame.packed.0 as usize };
+    let (columns, height) = band.size(place);
+    let mut job = Job::new(frame, entrants, queue, place, band);
     for by in 0..height.div_ceil(BLOCK) {
         for bx in 0..columns.div_ceil(BLOCK) {
             let column = bx * BLOCK;
