@@ -7,7 +7,7 @@ use std::ops::AddAssign;
 
 use super::Frame;
 use super::kernel::{ALL, Band, Patch, Queue, Spots, flush, shade_gathered, shade_uniform};
-use super::lattice::{BLOCK, BLOCKS, TILE};
+use super::lattice::{BLOCK, BLOCKS};
 use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Edges;
 use super::shader::DrawShader;
