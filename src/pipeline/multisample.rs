@@ -2,9 +2,11 @@
 //!
 //! A sample off the centre of its pixel is found by moving the triangle the other way, after projection: edges, depth and
 //! attributes then come about as for a centre, in any arithmetic and by any rasterizer. In fixed point samples stand on the
-//! grid that corners are snapped to (as in D3D11): from wherever it is seen, a triangle keeps its edges. Supersampling shades every sample.
-//! Multisampling shades once for each pixel that a triangle shows up in, at its centre if the triangle covers that and at the
-//! first covered sample if not, and gives all covered samples that colour (Akeley, "RealityEngine Graphics", 1993).
+//! grid that corners are snapped to (as in D3D11): from wherever it is seen, a triangle keeps its shape.
+//!
+//! Supersampling shades every sample. Multisampling shades once for each pixel that a triangle shows up in, at its centre if
+//! the triangle covers that and at the first covered sample if not, and gives all covered samples that colour (Akeley,
+//! "RealityEngine Graphics", 1993).
 
 use super::depth::{Comparison, DepthScale, depth_at};
 use super::framebuffer::Framebuffer;

@@ -14,8 +14,6 @@ use super::shade::{Job, Shaded};
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
-use crate::pipeline::interpolate::interpolate;
-use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::FillRule;
 
 /// The mixed pixels of a tile. Memory is kept from tile to tile.
@@ -125,7 +123,8 @@ impl MixedPixels {
         for (picks, slots) in picks[sixteen * seen.len()..].iter_mut().zip(seen.iter()) {
             let slot = slots[lane];
             if slot != last.0 {
-                last = (slot, if slot == Slot::NONE.0 { BACKGROUND } else { fragments.pick(first, slot, centre) });
+                last =
+                    (slot, if slot == Slot::NONE.0 { BACKGROUND } else { fragments.pick(first, slot, place, centre) });
             }
             picks[pixel] = last.1;
         }
@@ -189,6 +188,8 @@ struct Fragments {
 pub(super) struct Sixteen {
     /// The first triangle stands where there is none.
     slots: [u32; WIDE],
+    /// Columns and rows of the pixels within the tile.
+    pixels: [(u8, u8); WIDE],
     /// The centres of the pixels right of and below the tile's first one, in grid steps.
     centres: [[i32; WIDE]; 2],
 }
@@ -200,15 +201,16 @@ impl Fragments {
     }
 
     /// Where the colour of a triangle will be that shows in a pixel whose fragments begin with `first`.
-    fn pick(&mut self, first: usize, slot: u32, [x, y]: [i32; 2]) -> u32 {
+    fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
         let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
         let place = known.unwrap_or_else(|| {
             let lane = self.len % WIDE;
             if lane == 0 {
-                self.list.push(Sixteen { slots: [0; WIDE], centres: [[0; WIDE]; 2] });
+                self.list.push(Sixteen { slots: [0; WIDE], pixels: [(0, 0); WIDE], centres: [[0; WIDE]; 2] });
             }
-            if let Some(Sixteen { slots, centres }) = self.list.last_mut() {
-                (slots[lane], centres[0][lane], centres[1][lane]) = (slot, x, y);
+            if let Some(Sixteen { slots, pixels, centres }) = self.list.last_mut() {
+                (slots[lane], pixels[lane]) = (slot, (column as u8, row as u8));
+                (centres[0][lane], centres[1][lane]) = (x, y);
             }
             self.len += 1;
             self.len - 1
@@ -245,7 +247,9 @@ impl Job<'_> {
                 self.together(simd, number, mine, slots, spots);
             } else {
                 open &= open - 1;
-                self.band.pixels[start + lane] = self.by_itself(Slot(slots[lane]), [x[lane], y[lane]]);
+                let (column, row) = fragments.pixels[lane];
+                let color = self.by_itself(Slot(slots[lane]), (column.into(), row.into()), [x[lane], y[lane]]);
+                self.band.pixels[start + lane] = color;
             }
         }
     }
@@ -275,7 +279,7 @@ impl Job<'_> {
     }
 
     /// The colour of one fragment by the classic way's own functions.
-    fn by_itself(&mut self, slot: Slot, place: [i32; 2]) -> Rgba8 {
+    fn by_itself(&mut self, slot: Slot, pixel: (usize, usize), place: [i32; 2]) -> Rgba8 {
         let Entrant { key, draw } = self.entrants.get(slot);
         let frame = self.frame;
         let (draw, shader) = (draw as usize, frame.shader(draw as usize));
@@ -285,8 +289,7 @@ impl Job<'_> {
         }
         let triangle = frame.screen_triangle(key, draw);
         let edges = self.exact_edges(slot).unwrap_or_default().at(place);
-        let fragment =
-            interpolate(&triangle, Sample { column: 0, row: 0, x: 0, y: 0, edges }, shader.shader.attributes());
+        let fragment = frame.fragment(&triangle, draw, self.tile, pixel, edges);
         shader.shader.shade(&fragment, &triangle)
     }
 }

@@ -16,6 +16,7 @@
 
 mod bins;
 mod clusters;
+mod depths;
 mod gather;
 mod geometry;
 mod kernel;
@@ -40,6 +41,7 @@ use std::time::{Duration, Instant};
 
 use bins::{Binning, Chunk, MOST_TRIANGLES};
 use clusters::{Kept, View};
+use depths::DepthRules;
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
@@ -51,7 +53,7 @@ use see_through_samples::SeenThrough;
 use setup::{Batch, Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
 use shader::{DrawShader, Light};
-use tile::{DepthRules, Tile, TileCounts};
+use tile::{Tile, TileCounts};
 
 use super::clip::guard_band_widening;
 use super::depth::{Comparison, DepthScale, clear_value};
@@ -174,8 +176,6 @@ struct Workspace {
     entrants: Entrants,
     batches: [Batch; BATCHES],
     queue: Queue,
-    /// Triangles that are blended over the rest.
-    blended: Vec<Slot>,
 }
 
 impl Workspace {
@@ -188,7 +188,6 @@ impl Workspace {
             entrants: Entrants::default(),
             batches: Default::default(),
             queue: Queue::default(),
-            blended: Vec::new(),
         }
     }
 
@@ -200,7 +199,6 @@ impl Workspace {
             + self.entrants.bytes()
             + size_of::<[Batch; BATCHES]>()
             + size_of::<Queue>()
-            + self.blended.capacity() * size_of::<Slot>()
     }
 }
 
@@ -538,7 +536,7 @@ impl Frame<'_> {
     #[inline(always)]
     fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &Work) {
         let start = Instant::now();
-        let Workspace { tile, entrants, batches, queue, blended, .. } = workspace;
+        let Workspace { tile, entrants, batches, queue, seen_through: SeenThrough { blended, .. }, .. } = workspace;
         self.let_enter(target.number, entrants);
         if entrants.len() == 0 {
             target.depth_rows(self.packed.0 as usize).for_each(|row| row.fill(self.rules.clear));

@@ -83,8 +83,8 @@ pub(super) struct Job<'a> {
     pub(super) frame: &'a Frame<'a>,
     pub(super) entrants: &'a Entrants,
     queue: &'a mut Queue,
-    /// Position of the tile's first sample, in grid steps.
-    origin: [f64; 2],
+    /// Column and row among the tiles.
+    pub(super) tile: (usize, usize),
     /// All samples are shaded together, whatever triangles they are of.
     pub(super) alike: bool,
     /// The edges of triangles that 32 bits were not enough for, or that are not shaded on lanes, as far as they were asked for.
@@ -100,14 +100,14 @@ impl<'a> Job<'a> {
         frame: &'a Frame<'a>,
         entrants: &'a Entrants,
         queue: &'a mut Queue,
-        place: (usize, usize),
+        tile: (usize, usize),
         band: Band<'a>,
     ) -> Self {
         Self {
             frame,
             entrants,
             queue,
-            origin: frame.lattice.origin(place),
+            tile,
             alike: frame.are_all_alike(),
             exact: Vec::new(),
             large: Vec::new(),
@@ -171,7 +171,7 @@ impl<'a> Job<'a> {
             return Some(*edges);
         }
         let Entrant { key, draw } = self.entrants.get(slot);
-        let edges = Edges::new(&self.frame.corners(key, draw as usize), self.origin)?;
+        let edges = Edges::new(&self.frame.corners(key, draw as usize), self.frame.lattice.origin(self.tile))?;
         self.exact.push((slot, edges));
         Some(edges)
     }
