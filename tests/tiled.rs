@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use common::{SceneBuilder, scenes};
 use glam::{Mat4, Vec3, Vec4};
-use rasterscope::antialias::settings::Method;
+use rasterscope::antialias::settings::{Method, Samples};
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
 use rasterscope::math::lanes::Lanes;
 use rasterscope::pipeline::plan::{DrawPlan, Part, Unseen};
@@ -22,6 +22,9 @@ use rasterscope::upscale::Upscaling;
 
 /// Odd on purpose: neither tiles nor blocks divide it.
 const SIZE: Viewport = Viewport { width: 203, height: 149 };
+
+/// The same, where each pixel takes long the classic way.
+const SMALL: Viewport = Viewport { width: 101, height: 67 };
 
 /// A recipe for each alternative of a setting, each with the others of `recipes`.
 fn with<C: Choice>(recipes: &[Recipe], set: fn(&mut Recipe, C)) -> Vec<Recipe> {
@@ -72,11 +75,19 @@ fn textures() -> Vec<Recipe> {
 }
 
 /// Renderers whose memory goes from frame to frame: what it held must not matter.
-struct Renderers(Vec<(&'static str, Renderer)>);
+struct Renderers {
+    of_lanes: Vec<(&'static str, Renderer)>,
+    size: Viewport,
+}
 
 impl Renderers {
     fn new() -> Self {
-        Self(Lanes::all().map(|lanes| (lanes.name(), Renderer::on(lanes))).collect())
+        Self::of(SIZE)
+    }
+
+    /// For pictures of this size.
+    fn of(size: Viewport) -> Self {
+        Self { of_lanes: Lanes::all().map(|lanes| (lanes.name(), Renderer::on(lanes))).collect(), size }
     }
 
     /// Draws tile by tile and compares with the classic way.
@@ -84,9 +95,9 @@ impl Renderers {
         if execution(scene, recipe).0 == Execution::Classic {
             return;
         }
-        let expected = run(scene, camera, recipe, SIZE, &mut ());
-        for (lanes, renderer) in &mut self.0 {
-            let frame = renderer.render(scene, camera, recipe, SIZE, KeepDepth::Yes);
+        let expected = run(scene, camera, recipe, self.size, &mut ());
+        for (lanes, renderer) in &mut self.of_lanes {
+            let frame = renderer.render(scene, camera, recipe, self.size, KeepDepth::Yes);
             let context = || format!("{name} {lanes} {recipe:?}");
             assert_eq!(frame.rasterized(), expected.geometry.triangles.len(), "{}", context());
             let (drawn, grid) = (&frame.drawn, frame.drawn.grid);
@@ -107,7 +118,11 @@ impl Renderers {
 }
 
 fn check_all(recipes: &[Recipe]) {
-    let mut renderers = Renderers::new();
+    check_all_at(SIZE, recipes);
+}
+
+fn check_all_at(size: Viewport, recipes: &[Recipe]) {
+    let mut renderers = Renderers::of(size);
     let builtins = builtin::ALL.iter().map(|builtin| (builtin.id, builtin.build()));
     for (name, scene) in builtins.chain(scenes()) {
         let scene = Arc::new(scene);
@@ -120,7 +135,9 @@ fn check_all(recipes: &[Recipe]) {
 #[test]
 fn every_scene_runs_tile_by_tile_whatever_is_seen_through() {
     for builtin in builtin::ALL {
-        assert_eq!(execution(&builtin.build(), &Recipe::default()), (Execution::Tiled, None), "{}", builtin.id);
+        for recipe in [Recipe::default(), multisampled(&[Samples::Four])[0]] {
+            assert_eq!(execution(&builtin.build(), &recipe), (Execution::Tiled, None), "{}", builtin.id);
+        }
     }
 }
 
@@ -149,9 +166,77 @@ fn every_way_to_smooth_gives_the_same_picture() {
     check_all(&recipes);
 }
 
+/// Recipes that multisample, with each of these numbers of samples.
+fn multisampled(samples: &[Samples]) -> Vec<Recipe> {
+    let recipe = |samples: &Samples| {
+        let mut recipe = Recipe::default();
+        (recipe.antialias.method, recipe.antialias.samples) = (Method::Multisample, *samples);
+        recipe
+    };
+    samples.iter().map(recipe).collect()
+}
+
+#[test]
+fn every_number_of_multisamples_gives_the_same_picture() {
+    check_all_at(SMALL, &multisampled(Samples::ALL));
+}
+
+#[test]
+fn multisampling_gives_the_same_picture_by_every_switch() {
+    let few = multisampled(&[Samples::Four, Samples::Sixteen]);
+    let four = &few[..1];
+    let mut recipes = with::<Culling>(&few, |r, c| r.pipeline.culling = c);
+    recipes.extend(with::<FillRule>(&few, |r, c| r.pipeline.fill_rule = c));
+    recipes.extend(with::<ColorSpace>(&few, |r, c| r.antialias.light = c));
+    recipes.extend(with::<ColorSpace>(four, |r, c| r.pipeline.color_space = c));
+    recipes.extend(with::<Shading>(four, |r, c| r.pipeline.shading = c));
+    recipes.extend(with::<Filter>(four, |r, c| r.pipeline.filter = c));
+    recipes.extend(Upscaling::every().map(|upscaler| Recipe { upscaler, ..few[0] }));
+    check_all_at(SMALL, &recipes);
+}
+
+#[test]
+fn multisampling_gives_the_same_picture_by_every_depth_test_and_format() {
+    let mut recipes = multisampled(&[Samples::Four]);
+    recipes[0].pipeline.culling = Culling::None;
+    let recipes = with::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c);
+    check_all_at(SMALL, &with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
+}
+
+/// Triangles from a few steps of the grid across to some hundred times the picture, the edge values of which need more than
+/// 32 bits: most samples of the former are in pixels that others are in too, or just beyond the tile of their corners.
+#[test]
+fn triangles_of_all_sizes_are_multisampled_alike() {
+    let mut renderers = Renderers::of(SMALL);
+    let recipes = multisampled(&[Samples::Four, Samples::Sixteen]);
+    let recipes = with::<FillRule>(&recipes, |r, c| r.pipeline.fill_rule = c);
+    common::for_seeds(6, |random| {
+        let mut triangles = |count: u32, least_px: f32, greatest_px: f32| {
+            let pixel = 4.0 / SMALL.height as f32;
+            let one = |random: &mut fastrand::Rng| {
+                let size = pixel * least_px * (greatest_px / least_px).powf(random.f32());
+                let middle = common::in_cube(random) * Vec3::new(3.0, 2.0, 1.0);
+                [(); 3].map(|()| middle + common::in_cube(random) * Vec3::new(size, size, 0.2))
+            };
+            let positions = (0..count).flat_map(|_| one(random)).collect();
+            common::mesh(positions, (0..count).map(|i| [0, 1, 2].map(|corner| i * 3 + corner)).collect())
+        };
+        let (tiny, large) = (triangles(3000, 0.02, 3.0), triangles(12, 3.0, 20_000.0));
+        let mut scene = SceneBuilder::new(Vec3::Z * 3.0)
+            .with(tiny, Mat4::IDENTITY, None)
+            .with(large, Mat4::IDENTITY, Some([(); 2].map(|()| common::noise_texture(random))))
+            .0;
+        scene.home.projection = Projection::Orthographic { height: 4.0 };
+        let scene = Arc::new(scene);
+        let mut recipe = recipes[random.usize(..recipes.len())];
+        recipe.pipeline.culling = Culling::ALL[random.usize(..Culling::ALL.len())];
+        renderers.check("all sizes", &scene, &scene.home, &recipe);
+    });
+}
+
 #[test]
 fn views_from_within_the_scene_give_the_same_picture() {
-    let mut renderers = Renderers::new();
+    let (mut renderers, mut smooth) = (Renderers::new(), Renderers::of(SMALL));
     let mut random = fastrand::Rng::with_seed(5);
     for builtin in builtin::ALL {
         let scene = Arc::new(builtin.build());
@@ -160,6 +245,7 @@ fn views_from_within_the_scene_give_the_same_picture() {
             camera.eye = camera.eye.lerp(camera.target, random.f32() * 1.5);
             camera.target += common::in_cube(&mut random) * 2.0;
             renderers.check(builtin.id, &scene, &camera, &Recipe::default());
+            smooth.check(builtin.id, &scene, &camera, &multisampled(&[Samples::Four])[0]);
         }
     }
 }
@@ -279,13 +365,16 @@ fn what_runs_without_need_changes_no_picture() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-    let drawn_by = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let render = || Renderer::default().render(&scene, &scene.home, &Recipe::default(), SIZE, KeepDepth::Yes);
-        pool.install(render).drawn
-    };
-    let one = drawn_by(1);
-    for threads in [2, 3, 8] {
-        assert_eq!(drawn_by(threads), one, "{threads} threads");
+    for recipe in [&[Recipe::default()][..], &multisampled(&[Samples::Sixteen])].concat() {
+        let drawn_by = |threads: usize, keep_depth| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let render = || Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep_depth);
+            pool.install(render).drawn
+        };
+        let one = drawn_by(1, KeepDepth::Yes);
+        for threads in [2, 3, 8] {
+            assert_eq!(drawn_by(threads, KeepDepth::Yes), one, "{threads} threads");
+        }
+        assert_eq!(drawn_by(2, KeepDepth::No).color, one.color, "without depths");
     }
 }

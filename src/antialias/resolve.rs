@@ -4,7 +4,9 @@ use rayon::prelude::*;
 
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
+use crate::pipeline::tiled::Picks;
 
 /// Sums samples until their mean is asked for. The order of the samples decides the last bits, nothing else does.
 #[derive(Clone, Debug)]
@@ -52,6 +54,46 @@ pub fn mean(samples: &[Rgba8], light: ColorSpace) -> Rgba8 {
     finished(sum, samples.len() as u32, light)
 }
 
+/// The colours of pixels, sixteen by sixteen, whose samples' colours are among `colors`: `picks` says where, sample by sample
+/// of each sixteen. What [`mean`] gives, computed on lanes.
+pub fn means(lanes: Lanes, colors: &[Rgba8], picks: &[Picks], light: ColorSpace, out: &mut [Rgba8]) {
+    let sixteens = out.len().div_ceil(WIDE);
+    if sixteens == 0 {
+        return;
+    }
+    let samples = picks.len() / sixteens;
+    for (out, picks) in out.chunks_mut(WIDE).zip(picks.chunks(samples)) {
+        let means = on_lanes!(lanes, simd => means_of_sixteen(simd, colors, picks, light));
+        out.copy_from_slice(&means[..out.len()]);
+    }
+}
+
+#[inline(always)]
+fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: ColorSpace) -> [Rgba8; WIDE] {
+    let (mut sums, numbers) = ([f32x16::splat(simd, 0.0); 3], numbers(light));
+    for picks in picks {
+        let mut codes = [0; WIDE];
+        for (code, pick) in codes.iter_mut().zip(picks) {
+            *code = u32::from_le_bytes(colors[*pick as usize]);
+        }
+        let codes = u32x16::load_array(simd, codes);
+        sums = each!(channel in [0, 1, 2] => {
+            sums[channel] + Tables::lookup(simd, numbers, codes >> (8 * channel as u32) & 0xFF)
+        });
+    }
+    let [r, g, b] = each!(sum in [sums[0], sums[1], sums[2]] => {
+        let mean = sum / picks.len().max(1) as f32;
+        match light {
+            ColorSpace::Linear => {
+                let ((first, last), tables) = (mean.split(), Tables::get());
+                tables.encode_lanes(simd, first).combine(tables.encode_lanes(simd, last))
+            }
+            ColorSpace::Bytes => (mean + 0.5).to_int::<u32x16<S>>(),
+        }
+    });
+    (r | g << 8 | b << 16 | 0xFF00_0000).to_array().map(u32::to_le_bytes)
+}
+
 fn numbers(light: ColorSpace) -> &'static [f32; 256] {
     match light {
         ColorSpace::Linear => &Tables::get().linear_of_code,
@@ -79,13 +121,41 @@ fn finished(sum: [f32; 3], samples: u32, light: ColorSpace) -> Rgba8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::antialias::settings::Samples;
     use crate::pipeline::settings::Choice as _;
 
     #[test]
     fn equal_samples_stay_as_they_are() {
-        for light in ColorSpace::ALL {
+        for (light, samples) in ColorSpace::ALL.iter().flat_map(|light| Samples::ALL.iter().map(move |s| (*light, *s)))
+        {
             for code in 0..=255 {
-                assert_eq!(mean(&[[code, 255 - code, 7, 255]; 16], *light), [code, 255 - code, 7, 255]);
+                let color = [code, 255 - code, 7, 255];
+                assert_eq!(mean(&vec![color; samples.count() as usize], light), color, "{samples:?} {light:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn sixteen_means_at_a_time_are_those_one_by_one() {
+        let mut random = fastrand::Rng::with_seed(12);
+        let colors: Vec<Rgba8> = (0..300).map(|_| [random.u8(..), random.u8(..), random.u8(..), 255]).collect();
+        for (light, pixels) in
+            ColorSpace::ALL.iter().flat_map(|light| [0_usize, 1, 16, 37].map(|pixels| (*light, pixels)))
+        {
+            for samples in [1, 4, 16, 64] {
+                let picks: Vec<Picks> = (0..samples * pixels.div_ceil(WIDE))
+                    .map(|_| std::array::from_fn(|_| random.u32(0..colors.len() as u32)))
+                    .collect();
+                let of_pixel = |pixel: usize| -> Vec<Rgba8> {
+                    let picks = picks[pixel / WIDE * samples..][..samples].iter();
+                    picks.map(|picks| colors[picks[pixel % WIDE] as usize]).collect()
+                };
+                let expected: Vec<Rgba8> = (0..pixels).map(|pixel| mean(&of_pixel(pixel), light)).collect();
+                for lanes in Lanes::all() {
+                    let mut found = vec![[0; 4]; pixels];
+                    means(lanes, &colors, &picks, light, &mut found);
+                    assert_eq!(found, expected, "{} {light:?} {samples}", lanes.name());
+                }
             }
         }
     }

@@ -76,8 +76,8 @@ impl Antialiasing {
         self.method == Method::None
     }
 
-    /// Whether places differ from pixel to pixel, or shading is not done for each sample: then pixels are drawn one triangle
-    /// after the other.
+    /// Whether places differ from pixel to pixel, or shading is not done for each sample: then samples are not drawn pass by
+    /// pass.
     pub fn is_per_pixel(self) -> bool {
         matches!(self.method, Method::Jittered | Method::Multisample)
     }

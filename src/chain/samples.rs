@@ -2,7 +2,8 @@
 //!
 //! Where all pixels have their samples at the same places, each sample is a pass of its own: the whole picture, seen through
 //! a window that lies a fraction of a pixel elsewhere, drawn by whatever way draws one sample. Where places differ from
-//! pixel to pixel, or shading is not done for each sample, triangles are drawn one after the other into rows of samples.
+//! pixel to pixel, or shading is not done for each sample, the classic way draws triangles one after the other into rows of
+//! samples; tiles have a way of their own for the latter.
 
 use std::sync::Arc;
 
@@ -14,6 +15,7 @@ use crate::antialias::pattern::{Pattern, jitter, jittered_places};
 use crate::antialias::resolve::{self, Mean};
 use crate::antialias::settings::{Antialiasing, Method};
 use crate::image::{Image, Rgba8};
+use crate::math::fixed::snap;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::multisample::{self, Places, ShadingRate};
@@ -72,6 +74,12 @@ fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
         _ => antialias.pattern().offsets(0, 0).into_iter().map(|place| vec![place]).collect(),
     };
     places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
+}
+
+/// Where multisamples lie from the centres of their pixels, in grid steps; none if there are no such samples.
+pub fn multisample_offsets(antialias: Antialiasing) -> Option<Vec<[i32; 2]>> {
+    let on_grid = |places: Vec<[f32; 2]>| places.into_iter().map(|place| place.map(|px| snap(px) as i32));
+    (antialias.method == Method::Multisample).then(|| candidates(antialias).into_iter().flat_map(on_grid).collect())
 }
 
 /// All samples of the pixels of a rectangle, drawn into copies of a cleared framebuffer.
@@ -274,6 +282,18 @@ mod tests {
         let (regular, recursive) = (of(Method::Regular), of(Method::Recursive));
         let codes = regular.pixels().as_flattened().iter().zip(recursive.pixels().as_flattened());
         assert!(codes.into_iter().all(|(a, b)| a.abs_diff(*b) <= 1));
+    }
+
+    #[test]
+    fn the_centre_is_the_mean_of_multisamples_which_are_not_on_a_line() {
+        for samples in Samples::ALL {
+            let antialias = Antialiasing { method: Method::Multisample, samples: *samples, ..Antialiasing::default() };
+            let offsets = multisample_offsets(antialias).unwrap();
+            assert_eq!(offsets.len(), samples.count() as usize);
+            assert_eq!(offsets.iter().fold([0; 2], |sum, offset| [sum[0] + offset[0], sum[1] + offset[1]]), [0; 2]);
+            let [first, second] = [offsets[1], offsets[2]].map(|o| [o[0] - offsets[0][0], o[1] - offsets[0][1]]);
+            assert_ne!(first[0] * second[1], first[1] * second[0]);
+        }
     }
 
     #[test]

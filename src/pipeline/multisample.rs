@@ -1,19 +1,23 @@
 //! Several samples for each pixel, each where its pixel wants it: what jittered supersampling and multisampling need.
 //!
 //! A sample off the centre of its pixel is found by moving the triangle the other way, after projection: edges, depth and
-//! attributes then come about as for a centre, in any arithmetic and by any rasterizer. Supersampling shades every sample.
-//! Multisampling shades once for each pixel that a triangle shows up in, at its centre if the triangle covers that and at the
-//! first covered sample if not, and gives all covered samples that colour (Akeley, "RealityEngine Graphics", 1993).
+//! attributes then come about as for a centre, in any arithmetic and by any rasterizer. In fixed point samples stand on the
+//! grid that corners are snapped to (as in D3D11): from wherever it is seen, a triangle keeps its shape.
+//!
+//! Supersampling shades every sample. Multisampling shades once for each pixel that a triangle shows up in, at its centre if
+//! the triangle covers that and at the first covered sample if not, and gives all covered samples that colour (Akeley,
+//! "RealityEngine Graphics", 1993).
 
 use super::depth::{Comparison, DepthScale, depth_at};
 use super::framebuffer::Framebuffer;
 use super::interpolate::interpolate;
 use super::raster::numbers::Numbers;
 use super::raster::{Span, Triangle, cover_samples, doubled_area, with_arithmetic};
-use super::settings::Settings;
+use super::settings::{Arithmetic, Settings};
 use super::shade::Shader;
 use super::viewport::{ScreenTriangle, ScreenVertex};
 use super::{Extent, Geometry, Until, samples};
+use crate::math::fixed::snap;
 use crate::scene::{Scene, Transparency};
 
 /// Where the samples of pixels lie.
@@ -92,7 +96,8 @@ impl<'a> Job<'a> {
         out.clear();
         let moved = |offset_px: &[f32; 2]| {
             let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
-            Some((moved, Triangle::<N>::new(moved.corners_px(), self.settings.fill_rule)?))
+            let edges = Triangle::<N>::new(corners_px(&moved, self.settings.arithmetic), self.settings.fill_rule)?;
+            Some((moved, edges))
         };
         out.extend(self.places.candidates.iter().map(|places| places.iter().map(moved).collect()));
     }
@@ -200,24 +205,27 @@ impl<'a> Job<'a> {
     }
 }
 
-/// A triangle moved against an offset; none if snapping leaves nothing of it there.
+/// A triangle moved against an offset; none if the arithmetic leaves nothing of it there.
 fn displaced(
     triangle: &ScreenTriangle,
-    [right, down]: [f32; 2],
+    offset @ [right, down]: [f32; 2],
     settings: &Settings,
     scale: &DepthScale,
 ) -> Option<ScreenTriangle> {
+    let [right_steps, down_steps] = offset.map(|px| snap(px) as i32);
     let vertices = triangle.vertices.map(|vertex| {
         let [x, y] = vertex.position_px;
-        ScreenVertex::at([x - right, y - down], vertex.depth, vertex.inv_w, vertex.varyings)
+        let position_px = [x - right, y - down];
+        ScreenVertex { position_px, x: vertex.x - right_steps, y: vertex.y - down_steps, ..vertex }
     });
-    let positions_px = vertices.each_ref().map(|vertex| vertex.position_px);
+    let moved = ScreenTriangle { vertices, ..*triangle };
+    let positions_px = corners_px(&moved, settings.arithmetic);
     let (area, unit) = doubled_area(settings.arithmetic, positions_px);
     let doubled_area = (area * unit).abs();
-    (doubled_area > 0.0).then(|| ScreenTriangle {
-        vertices,
-        doubled_area,
-        depth: scale.over(&vertices, doubled_area),
-        ..*triangle
-    })
+    (doubled_area > 0.0).then(|| ScreenTriangle { doubled_area, depth: scale.over(&vertices, doubled_area), ..moved })
+}
+
+/// The corners of a moved triangle from which an arithmetic makes edges. Fixed point has them on its grid already.
+fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
+    if arithmetic == Arithmetic::Fixed { triangle.snapped_px() } else { triangle.corners_px() }
 }

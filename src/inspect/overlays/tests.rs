@@ -228,7 +228,15 @@ fn exact_arithmetic_agrees_with_itself_and_finds_what_a_wrong_rule_does() {
 
 #[test]
 fn tiles_are_handed_what_the_tiled_way_says() {
-    let mut bench = Bench::new("cubes", Recipe::default(), (200, 150));
+    let mut smooth = Recipe::default();
+    smooth.set("antialias.method=multisample").unwrap();
+    for recipe in [Recipe::default(), smooth] {
+        tiles_are_handed_what_is_said_of(recipe);
+    }
+}
+
+fn tiles_are_handed_what_is_said_of(recipe: Recipe) {
+    let mut bench = Bench::new("cubes", recipe, (200, 150));
     bench.frame = Renderer::default().render(
         &bench.scene,
         &bench.scene.home,

@@ -47,7 +47,7 @@ struct QueuedPair {
 
 /// Where eight colours go.
 #[derive(Clone, Copy, Debug, Default)]
-struct QueuedRow {
+pub(super) struct QueuedRow {
     /// Position of the first sample in the tile's rows of the picture.
     start: usize,
     /// Samples that lie within the picture.
@@ -79,6 +79,17 @@ pub(super) struct Band<'a> {
 }
 
 impl Band<'_> {
+    /// Columns and rows of a tile that lie within the picture.
+    pub(super) fn size(&self, tile: (usize, usize)) -> (usize, usize) {
+        ((self.width - tile.0 * TILE).min(TILE), self.pixels.len() / self.width)
+    }
+
+    /// The part of each row that lies in a tile.
+    pub(super) fn rows(&mut self, tile: (usize, usize)) -> impl Iterator<Item = &mut [Rgba8]> {
+        let columns = tile.0 * TILE..((tile.0 + 1) * TILE).min(self.width);
+        self.pixels.chunks_mut(self.width).map(move |row| &mut row[columns.clone()])
+    }
+
     #[inline(always)]
     fn start(&self, patch: &Patch, row: usize) -> usize {
         row * self.width + patch.tile.0 * TILE + patch.column
@@ -281,15 +292,67 @@ fn one_by_one(
     }
 }
 
-/// Samples of sixteen triangles that one shader is for, with a bit for each that is shaded: eight in the first row of the
-/// patch and eight in the row below it. Edges are given of triangles that 32 bits are not enough for, each with its samples.
+/// Where sixteen samples lie, and where their colours go.
+pub(super) trait Spots: Copy {
+    /// Right of and below the tile's first sample, in grid steps.
+    fn places<S: Simd>(self, simd: S, lattice: &Lattice) -> [i32x16<S>; 2];
+
+    /// Of the samples that have a bit, eight by eight.
+    fn rows(self, mine: u32, band: &Band<'_>) -> [QueuedRow; 2];
+}
+
+/// Eight samples of the first row of a patch, and eight of the row below it.
+impl Spots for &Patch {
+    #[inline(always)]
+    fn places<S: Simd>(self, simd: S, lattice: &Lattice) -> [i32x16<S>; 2] {
+        let (columns, row) = (lattice.columns_i32(simd, self.column), self.first);
+        let [upper, lower] = each!(below in [0, 1] => {
+            let y = (row + below) as i32 * lattice.row_step as i32;
+            (columns + lattice.shift(row + below) as i32, i32x8::splat(simd, y))
+        });
+        [upper.0.combine(lower.0), upper.1.combine(lower.1)]
+    }
+
+    #[inline(always)]
+    fn rows(self, mine: u32, band: &Band<'_>) -> [QueuedRow; 2] {
+        let [mine, below] = [mine & ALL, mine >> LANES];
+        let upper = QueuedRow { start: band.start(self, self.first), count: self.count, mine };
+        let lower = QueuedRow { start: upper.start + band.width, count: self.count, mine: below };
+        [upper, if below == 0 { QueuedRow::default() } else { lower }]
+    }
+}
+
+/// Samples anywhere, whose colours go side by side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scattered<'a> {
+    /// Right of and below the tile's first sample, in grid steps.
+    pub(super) places: [&'a [i32; WIDE]; 2],
+    /// Where the first colour goes.
+    pub(super) start: usize,
+}
+
+impl Spots for Scattered<'_> {
+    #[inline(always)]
+    fn places<S: Simd>(self, simd: S, _: &Lattice) -> [i32x16<S>; 2] {
+        each!(axis in [0, 1] => i32x16::load_array_ref(simd, self.places[axis]))
+    }
+
+    #[inline(always)]
+    fn rows(self, mine: u32, _: &Band<'_>) -> [QueuedRow; 2] {
+        let first = QueuedRow { start: self.start, count: LANES, mine: mine & ALL };
+        [first, QueuedRow { start: self.start + LANES, count: LANES, mine: mine >> LANES }]
+    }
+}
+
+/// Samples of sixteen triangles that one shader is for, with a bit for each that is shaded. Edges are given of triangles that
+/// 32 bits are not enough for, each with its samples.
 #[inline(never)]
 pub(super) fn shade_gathered<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
     shader: usize,
     (entrants, slots, large): (&Entrants, &[u32; WIDE], &[(u32, Edges)]),
-    (patch, mine): (&Patch, [u32; 2]),
+    (spots, mine): (impl Spots, u32),
     queue: &mut Queue,
     band: &mut Band<'_>,
 ) {
@@ -297,29 +360,19 @@ pub(super) fn shade_gathered<S: Simd>(
         #[inline(always)]
         || {
             let ([pair], [taps]) = make_room(simd, frame, shader, 1, queue, band) else { return };
-            let (lattice, row) = (&frame.lattice, patch.first);
-            let columns = lattice.columns_i32(simd, patch.column);
-            let [upper, lower] = each!(below in [0, 1] => {
-                let y = (row + below) as i32 * lattice.row_step as i32;
-                (columns + lattice.shift(row + below) as i32, i32x8::splat(simd, y))
-            });
-            let (x, y) = (upper.0.combine(lower.0), upper.1.combine(lower.1));
+            let places = spots.places(simd, &frame.lattice);
             let many = entrants.many(slots);
-            let e = many.edge_values(simd, x, y);
+            let e = many.edge_values(simd, places);
             let mut e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
             for (lanes, edges) in large {
-                let (theirs, exact) =
-                    (mask32x16::from_bitmask(simd, (*lanes).into()), ExactRows::new(simd, lattice, edges, patch));
-                let exact = exact.at([0, 1]);
+                let (theirs, exact) = (mask32x16::from_bitmask(simd, (*lanes).into()), exact_at(simd, edges, places));
                 e = each!(i in [0, 1, 2] => theirs.select(exact[i], e[i]));
             }
             let weights = corner_weights(simd, e, many.relative_inv_w(simd));
-            let wanted = mask32x16::from_bitmask(simd, (mine[0] | mine[1] << LANES).into());
+            let wanted = mask32x16::from_bitmask(simd, mine.into());
             // The first corner stands for samples that are not wanted: what is computed there must not lead astray.
             let weights = each!(i in [0, 1] => wanted.select(weights[i], f32x16::splat(simd, 0.0)));
-            let upper = QueuedRow { start: band.start(patch, row), count: patch.count, mine: mine[0] };
-            let lower = QueuedRow { start: upper.start + band.width, count: patch.count, mine: mine[1] };
-            pair.rows = [upper, if mine[1] == 0 { QueuedRow::default() } else { lower }];
+            pair.rows = spots.rows(mine, band);
             let shader = &frame.shaders[shader];
             match shader.plan {
                 Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, many, weights, (pair, taps)),
@@ -327,6 +380,18 @@ pub(super) fn shade_gathered<S: Simd>(
             }
         },
     );
+}
+
+/// Edge values of any triangle at offsets from the tile's first sample.
+#[inline(always)]
+fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
+    // Offsets are small enough for floats.
+    let [(x0, x1), (y0, y1)] = each!(axis in [0, 1] => places[axis].to_float::<f32x16<S>>().split());
+    let [first, last] = each!((x, y) in [(x0, y0), (x1, y1)] => {
+        let (x, y) = (widen(simd, x), widen(simd, y));
+        each!(i in [0, 1, 2] => narrow(simd, x * edges.a[i] + y * edges.b[i] + edges.c[i]))
+    });
+    each!(i in [0, 1, 2] => first[i].combine(last[i]))
 }
 
 /// Weights of the second and third corner.

@@ -7,6 +7,9 @@ use crate::pipeline::grid::SampleGrid;
 /// Side of a tile in packed samples.
 pub(super) const TILE: usize = 64;
 
+/// Samples of a tile.
+pub(super) const TILE_SAMPLES: usize = TILE * TILE;
+
 /// Side of a block in packed samples: as many as there are lanes.
 pub(super) const BLOCK: usize = LANES;
 
@@ -44,6 +47,10 @@ pub(super) struct Lattice {
     pub(super) block_width: f64,
     /// From the first row of a block to the last one.
     pub(super) block_height: f64,
+    /// Where samples lie from the centres of their pixels.
+    offset: [i32; 2],
+    /// Along each axis how far before and behind that others of the same pixel lie: the least and the greatest offset.
+    reach: [[f32; 2]; 2],
 }
 
 #[inline(always)]
@@ -58,6 +65,7 @@ fn shift_of(grid: SampleGrid, row: usize) -> f64 {
 }
 
 impl Lattice {
+    /// The centres of pixels.
     pub(super) fn new(grid: SampleGrid) -> Self {
         let pixel = SUBPIXELS as f64;
         let column = |column: u32| f64::from(grid.pixel(column, 0).0 - grid.pixel(0, 0).0) * pixel;
@@ -85,7 +93,35 @@ impl Lattice {
             has_exact_reciprocal: (row(1) as u64).is_power_of_two(),
             block_width: column(last) + shift,
             block_height: row(last),
+            offset: [0; 2],
+            reach: [[0.0; 2]; 2],
         }
+    }
+
+    /// The same pixels, each with its sample at an offset from the centre.
+    pub(super) fn moved(self, offset: [i32; 2]) -> Self {
+        Self { offset, reach: offset.map(|along| [along as f32; 2]), ..self }
+    }
+
+    /// The same pixels, each with samples at all of these offsets from the centre, which stands for them: ranges are those of
+    /// any of the samples.
+    pub(super) fn with_samples(self, offsets: &[[i32; 2]]) -> Self {
+        let reach = [0, 1].map(|axis| {
+            let along = || offsets.iter().map(|offset| offset[axis]);
+            [along().fold(0, i32::min) as f32, along().fold(0, i32::max) as f32]
+        });
+        Self { reach, ..self }
+    }
+
+    /// From the centres of pixels to their samples.
+    pub(super) fn offset(&self) -> [i32; 2] {
+        self.offset
+    }
+
+    /// The greatest distance along an axis between places of one pixel that are sampled.
+    pub(super) fn extent(&self) -> f64 {
+        let [across, down] = self.reach.map(|[least, greatest]| greatest - least);
+        across.max(down).into()
     }
 
     /// Whether samples stand below each other.
@@ -99,7 +135,7 @@ impl Lattice {
         let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
         let x = x - self.grid.pixel(0, 0).0;
         let step = |pixel: u32| (i64::from(pixel) * SUBPIXELS + HALF_PIXEL) as f64;
-        [step(x), step(y)]
+        [step(x) + f64::from(self.offset[0]), step(y) + f64::from(self.offset[1])]
     }
 
     /// From the first sample of a tile to the last one, along both axes.
@@ -145,11 +181,19 @@ impl Lattice {
         }
     }
 
+    /// Distance of a sample from the tile's first one, by its column and row.
+    #[inline(always)]
+    pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
+        [(self.column(column) + self.shift(row)) as i32, row as i32 * self.row_step as i32]
+    }
+
     /// Packed columns or rows from the first to the last that may lie within a range of grid steps; both may be beyond the
     /// picture. Never too few, seldom too many.
     #[inline(always)]
     pub(super) fn range(&self, axis: usize, least: f32, greatest: f32) -> [f32; 2] {
         let half = HALF_PIXEL as f32;
+        let [before, behind] = self.reach[axis];
+        let (least, greatest) = (least - behind, greatest - before);
         match self.grid {
             SampleGrid::Checkerboard | SampleGrid::OddCheckerboard if axis == 0 => {
                 // Four pixels in a row hold two samples.
@@ -176,6 +220,8 @@ impl Lattice {
     #[inline(always)]
     pub(super) fn range_lanes<S: Simd>(&self, simd: S, axis: usize, least: F32<S>, greatest: F32<S>) -> [F32<S>; 2] {
         let half = F32::splat(simd, HALF_PIXEL as f32);
+        let [before, behind] = self.reach[axis];
+        let (least, greatest) = (least - behind, greatest - before);
         match self.grid {
             SampleGrid::Checkerboard | SampleGrid::OddCheckerboard if axis == 0 => {
                 let per_four = 1.0 / (4.0 * SUBPIXELS as f32);
@@ -196,21 +242,25 @@ mod tests {
         let grids = [1, 2, 3, 4, 5].map(|step| SampleGrid::Block { step });
         let mut random = fastrand::Rng::with_seed(9);
         for grid in grids.into_iter().chain([SampleGrid::Checkerboard, SampleGrid::OddCheckerboard]) {
-            let lattice = Lattice::new(grid);
-            for _ in 0..500 {
-                let ends: [[f32; 2]; LANES] = std::array::from_fn(|_| {
-                    let (least, bits) = (random.i32(-(1 << 14)..1 << 22), random.u32(..22));
-                    [least, least + random.i32(0..1 << bits)].map(|step| step as f32)
-                });
-                for (lanes, axis) in Lanes::all().flat_map(|lanes| [(lanes, 0), (lanes, 1)]) {
-                    let [first, last] = on_lanes!(lanes, simd => {
-                        let [least, greatest] = each!(i in [0, 1] => F32::load_array(simd, ends.map(|ends| ends[i])));
-                        let [first, last] = lattice.range_lanes(simd, axis, least, greatest);
-                        [first.to_array(), last.to_array()]
+            let centres = Lattice::new(grid);
+            let samples = [centres.moved([-33, 5]), centres.with_samples(&[[-96, 32], [97, -128]])];
+            for lattice in [centres].into_iter().chain(samples) {
+                for _ in 0..200 {
+                    let ends: [[f32; 2]; LANES] = std::array::from_fn(|_| {
+                        let (least, bits) = (random.i32(-(1 << 14)..1 << 22), random.u32(..22));
+                        [least, least + random.i32(0..1 << bits)].map(|step| step as f32)
                     });
-                    for lane in 0..LANES {
-                        let [least, greatest] = ends[lane];
-                        assert_eq!([first[lane], last[lane]], lattice.range(axis, least, greatest), "{grid:?}");
+                    for (lanes, axis) in Lanes::all().flat_map(|lanes| [(lanes, 0), (lanes, 1)]) {
+                        let [first, last] = on_lanes!(lanes, simd => {
+                            let [least, greatest] =
+                                each!(i in [0, 1] => F32::load_array(simd, ends.map(|ends| ends[i])));
+                            let [first, last] = lattice.range_lanes(simd, axis, least, greatest);
+                            [first.to_array(), last.to_array()]
+                        });
+                        for lane in 0..LANES {
+                            let [least, greatest] = ends[lane];
+                            assert_eq!([first[lane], last[lane]], lattice.range(axis, least, greatest), "{grid:?}");
+                        }
                     }
                 }
             }

@@ -10,16 +10,24 @@
 //! costs no shading, however much of it there is. Vertices are snapped, edges are whole numbers, depth and attributes are
 //! computed by the same operations in the same order as in the classic way, so the picture is the same bit for bit, whatever
 //! the number of threads and whatever the instructions of the processor.
+//!
+//! Several samples for each pixel, with one shading for each triangle that they see, are several tiles at once:
+//! [`Multisampling`].
 
 mod bins;
 mod clusters;
+mod depths;
 mod gather;
 mod geometry;
 mod kernel;
 mod lattice;
+mod lookup;
+mod mixed;
+mod multisample;
 mod outcode;
 mod record;
 mod see_through;
+mod see_through_samples;
 mod setup;
 mod shade;
 mod shader;
@@ -31,16 +39,21 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use bins::{Binning, Chunk, Key, MOST_TRIANGLES};
+use bins::{Binning, Chunk, MOST_TRIANGLES};
 use clusters::{Kept, View};
+use depths::DepthRules;
 use geometry::{Arrays, Draw, Surface, Vertex};
 use kernel::Queue;
 use lattice::{Lattice, TILE};
+use mixed::MixedPixels;
+use multisample::Planes;
+pub use multisample::{MeanOfSamples, Multisampling, Picks};
 use record::{Entrant, Entrants, Slot, SurfaceRecord};
-use setup::{Batch, Corner, Setup};
-use shade::{Canvas, shade_tile};
+use see_through_samples::SeenThrough;
+use setup::{Batch, Origin, Setup};
+use shade::{Canvas, Shaded, shade_tile};
 use shader::{DrawShader, Light};
-use tile::{DepthRules, Tile};
+use tile::{Tile, TileCounts};
 
 use super::clip::guard_band_widening;
 use super::depth::{Comparison, DepthScale, clear_value};
@@ -50,13 +63,12 @@ use super::plan::{DrawPlan, Part};
 use super::settings::{Arithmetic, Filter, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
-use super::viewport::{ScreenTriangle, ScreenVertex, Viewport, relative_inv_w};
+use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
-use crate::math::fixed::to_pixels;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::scene::material::Transparency;
-use crate::scene::{Camera, Scene, TriangleId};
+use crate::scene::{Camera, Scene};
 
 /// Why a frame cannot be drawn tile by tile, if so.
 pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
@@ -157,30 +169,36 @@ impl Memory {
 #[derive(Clone, Debug)]
 struct Workspace {
     tile: Tile,
+    /// Of multisampled frames one tile for each sample of the pixels.
+    planes: Vec<Tile>,
+    mixed: MixedPixels,
+    seen_through: SeenThrough,
     entrants: Entrants,
     batches: [Batch; BATCHES],
     queue: Queue,
-    /// Triangles that are blended over the rest.
-    blended: Vec<Slot>,
 }
 
 impl Workspace {
     fn new() -> Self {
         Self {
             tile: Tile::new(),
+            planes: Vec::new(),
+            mixed: MixedPixels::default(),
+            seen_through: SeenThrough::default(),
             entrants: Entrants::default(),
             batches: Default::default(),
             queue: Queue::default(),
-            blended: Vec::new(),
         }
     }
 
     fn bytes(&self) -> usize {
         self.tile.bytes()
+            + self.planes.iter().map(Tile::bytes).sum::<usize>()
+            + self.mixed.bytes()
+            + self.seen_through.bytes()
             + self.entrants.bytes()
             + size_of::<[Batch; BATCHES]>()
             + size_of::<Queue>()
-            + self.blended.capacity() * size_of::<Slot>()
     }
 }
 
@@ -206,6 +224,8 @@ struct Frame<'a> {
     shaders: Vec<DrawShader<'a>>,
     /// For each draw the first one that is shaded alike.
     shader_of_draw: Vec<usize>,
+    /// Pixels have several samples.
+    planes: Option<Planes<'a>>,
 }
 
 /// Draws a scene into a framebuffer, all of which it overwrites. [`obstacle`] must have found none.
@@ -214,7 +234,7 @@ pub fn draw(
     camera: &Camera,
     settings: &Settings,
     viewport: Viewport,
-    frame: &mut Framebuffer,
+    (frame, multisampling): (&mut Framebuffer, Option<&Multisampling<'_>>),
     memory: &mut Memory,
     lanes: Lanes,
 ) -> TiledReport {
@@ -228,7 +248,8 @@ pub fn draw(
     let transformed = Instant::now();
 
     let packed = frame.color.size();
-    let lattice = Lattice::new(frame.grid);
+    let planes = multisampling.map(|samples| Planes::new(*samples, frame.grid, frame.depth.is_some()));
+    let lattice = Lattice::new(frame.grid).with_samples(multisampling.map_or(&[], |samples| samples.offsets));
     let tile_counts = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
     Binning { draws: &draws, arrays, settings, viewport, scale, lattice, packed, tiles: tile_counts }
         .run(lanes, chunks);
@@ -260,6 +281,7 @@ pub fn draw(
         reads_colors: shaders.iter().any(|shader| shader.plan.colored),
         shader_of_draw: DrawShader::first_alike(&shaders),
         shaders,
+        planes,
     };
     let work = Work::default();
     let band = packed.0 as usize * TILE;
@@ -290,7 +312,13 @@ pub fn draw(
             }
             for column in 0..tile_counts.0 {
                 let number = row * tile_counts.0 + column;
-                on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, (column, row), number, colors, &mut depths, &work));
+                let target = Target { place: (column, row), number, colors, depths: depths.as_deref_mut() };
+                match &job.planes {
+                    None => on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, target, &work)),
+                    Some(planes) => {
+                        on_lanes!(lanes, simd => job.draw_samples(simd, planes, &mut workspace, target, &work));
+                    }
+                }
             }
         }
         if let Ok(mut all) = workspaces.lock() {
@@ -329,12 +357,14 @@ pub fn draw(
 pub const TILE_SIDE: u32 = TILE as u32;
 
 /// How many triangles each tile is handed: those whose boxes touch it, before they are set up. One value for each tile of
-/// [`TILE_SIDE`] samples a side. [`obstacle`] must have found none.
+/// [`TILE_SIDE`] samples a side, whose pixels are sampled at their centres or, if there are any, at [`Multisampling::offsets`].
+/// [`obstacle`] must have found none.
 pub fn tile_loads(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
     (grid, viewport): (SampleGrid, Viewport),
+    offsets: &[[i32; 2]],
 ) -> Image<u32> {
     let (scale, lanes) = (DepthScale::new(settings.depth_format, camera), Lanes::best());
     let (draws, _) = plan(scene, camera, settings, viewport, lanes);
@@ -343,7 +373,7 @@ pub fn tile_loads(
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, &mut arrays);
     let packed = grid.packed_size(viewport.width, viewport.height);
     let tiles = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
-    let lattice = Lattice::new(grid);
+    let lattice = Lattice::new(grid).with_samples(offsets);
     Binning { draws: &draws, arrays: &arrays, settings, viewport, scale, lattice, packed, tiles }
         .run(lanes, &mut chunks);
     Image::from_fn(tiles.0 as u32, tiles.1 as u32, |column, row| {
@@ -400,6 +430,23 @@ struct Work {
 }
 
 impl Work {
+    /// A tile's times of rasterizing and of shading, and what was done in it.
+    fn add(
+        &self,
+        (rasterize, shade): (Duration, Duration),
+        tiles: impl IntoIterator<Item = TileCounts>,
+        shaded: Shaded,
+    ) {
+        self.rasterize_ns.fetch_add(rasterize.as_nanos() as u64, Ordering::Relaxed);
+        self.shade_ns.fetch_add(shade.as_nanos() as u64, Ordering::Relaxed);
+        for TileCounts { visited, plain } in tiles {
+            self.visited.fetch_add(visited, Ordering::Relaxed);
+            self.plain.fetch_add(plain, Ordering::Relaxed);
+        }
+        self.shaded.fetch_add(shaded.samples, Ordering::Relaxed);
+        self.texels.fetch_add(shaded.texels, Ordering::Relaxed);
+    }
+
     fn share_of_rasterizing(&self, time: Duration) -> Duration {
         let rasterize = self.rasterize_ns.load(Ordering::Relaxed) as f64;
         let shade = self.shade_ns.load(Ordering::Relaxed) as f64;
@@ -466,35 +513,43 @@ const GROUP: usize = BATCHES * LANES;
 /// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
 const CROWDED: usize = 192;
 
+/// A tile of the picture that is drawn.
+struct Target<'a> {
+    /// Column and row among the tiles.
+    place: (usize, usize),
+    number: usize,
+    /// The rows of the packed picture that start with the tile's first one.
+    colors: &'a mut [Rgba8],
+    /// The same of its depths, if they are kept.
+    depths: Option<&'a mut [f32]>,
+}
+
+impl Target<'_> {
+    /// The part of each row of depths that lies in the tile.
+    fn depth_rows(&mut self, width: usize) -> impl Iterator<Item = &mut [f32]> {
+        let columns = self.place.0 * TILE..((self.place.0 + 1) * TILE).min(width);
+        let rows = self.depths.iter_mut().flat_map(move |depths| depths.chunks_mut(width));
+        rows.map(move |row| &mut row[columns.clone()])
+    }
+}
+
 impl Frame<'_> {
     #[inline(always)]
-    #[expect(clippy::too_many_arguments, reason = "one tile's place, memory and output")]
-    fn draw_tile<S: Simd>(
-        &self,
-        simd: S,
-        workspace: &mut Workspace,
-        place: (usize, usize),
-        number: usize,
-        colors: &mut [Rgba8],
-        depths: &mut Option<&mut [f32]>,
-        work: &Work,
-    ) {
+    fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &Work) {
         let start = Instant::now();
-        let Workspace { tile, entrants, batches, queue, blended } = workspace;
-        self.let_enter(number, entrants);
-        let columns = place.0 * TILE..((place.0 + 1) * TILE).min(self.packed.0 as usize);
+        let Workspace { tile, entrants, batches, queue, seen_through: SeenThrough { blended, .. }, .. } = workspace;
+        self.let_enter(target.number, entrants);
         if entrants.len() == 0 {
-            for row in depths.iter_mut().flat_map(|depths| depths.chunks_mut(self.packed.0 as usize)) {
-                row[columns.clone()].fill(self.rules.clear);
-            }
+            target.depth_rows(self.packed.0 as usize).for_each(|row| row.fill(self.rules.clear));
             return;
         }
         tile.clear(&self.rules, entrants.len() < CROWDED);
-        let origin = (self.lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32]);
+        let place = target.place;
+        let origin = self.origin(&self.lattice, place);
         blended.clear();
         for group in (0..entrants.len()).step_by(GROUP) {
             let (alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
-            let owner = |slot| self.set_up_again(entrants, slot, origin);
+            let owner = self.owner(entrants, &self.lattice, place);
             for (number, batch) in batches.iter().enumerate() {
                 let mut alive = alive[number];
                 while alive != 0 {
@@ -506,8 +561,8 @@ impl Frame<'_> {
                         tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner);
                         continue;
                     }
-                    let Entrant { key, draw, .. } = entrants.get(slot);
-                    match self.shader(draw as usize).shader.transparency() {
+                    let entrant @ Entrant { key, draw } = entrants.get(slot);
+                    match self.transparency(entrant) {
                         Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner),
                         Transparency::CutOut => {
                             let keep = self.keeper(key, draw as usize, place);
@@ -518,26 +573,45 @@ impl Frame<'_> {
                 }
             }
         }
-        if let Some(depths) = depths {
-            let owner = |slot| self.set_up_again(entrants, slot, origin);
-            for (block, _) in tile.plain_blocks() {
-                tile.write_out(simd, block, &self.lattice, &self.rules, &owner);
-            }
-            for (row, out) in depths.chunks_mut(self.packed.0 as usize).enumerate() {
-                out[columns.clone()].copy_from_slice(&tile.depths(row)[..columns.len()]);
-            }
+        if target.depths.is_some() {
+            self.write_depths(simd, tile, entrants, &mut target);
         }
         let rasterized = Instant::now();
+        let Target { colors, .. } = target;
         let mut shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: colors });
         if !blended.is_empty() {
-            shaded.samples += self.blend(simd, tile, entrants, blended, place, origin, colors);
+            shaded.samples += self.blend(simd, tile, (entrants, blended), place, colors);
         }
-        work.rasterize_ns.fetch_add((rasterized - start).as_nanos() as u64, Ordering::Relaxed);
-        work.shade_ns.fetch_add(rasterized.elapsed().as_nanos() as u64, Ordering::Relaxed);
-        work.visited.fetch_add(tile.counts.visited, Ordering::Relaxed);
-        work.plain.fetch_add(tile.counts.plain, Ordering::Relaxed);
-        work.shaded.fetch_add(shaded.samples, Ordering::Relaxed);
-        work.texels.fetch_add(shaded.texels, Ordering::Relaxed);
+        work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
+    }
+
+    /// Position of the first sample of a tile, in grid steps, and its packed column and row.
+    #[inline(always)]
+    fn origin(&self, lattice: &Lattice, place: (usize, usize)) -> Origin {
+        (lattice.origin(place), [(place.0 * TILE) as f32, (place.1 * TILE) as f32])
+    }
+
+    /// Sets up triangles that a tile was asked to draw before.
+    #[inline(always)]
+    fn owner(&self, entrants: &Entrants, lattice: &Lattice, place: (usize, usize)) -> impl Fn(Slot) -> Option<Setup> {
+        let origin = self.origin(lattice, place);
+        move |slot| {
+            let entrant = entrants.get(slot);
+            let corners = self.corners(entrant.key, entrant.draw as usize);
+            Setup::new(slot, &corners, self.settings.fill_rule, &self.scale, lattice, origin)
+        }
+    }
+
+    /// Copies the depths of the centres of pixels to where they are kept.
+    #[inline(always)]
+    fn write_depths<S: Simd>(&self, simd: S, tile: &mut Tile, entrants: &Entrants, target: &mut Target<'_>) {
+        let owner = self.owner(entrants, &self.lattice, target.place);
+        for (block, _) in tile.plain_blocks() {
+            tile.write_out(simd, block, &self.lattice, &self.rules, &owner);
+        }
+        for (row, out) in target.depth_rows(self.packed.0 as usize).enumerate() {
+            out.copy_from_slice(&tile.depths(row)[..out.len()]);
+        }
     }
 
     /// Lists the triangles of a tile.
@@ -564,7 +638,7 @@ impl Frame<'_> {
         entrants: &mut Entrants,
         batches: &mut [Batch; BATCHES],
         group: usize,
-        origin: ([f64; 2], [f32; 2]),
+        origin: Origin,
     ) -> ([u64; BATCHES], [u64; BATCHES]) {
         let nowhere = Vertex::default();
         let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
@@ -634,118 +708,5 @@ impl Frame<'_> {
         }
         let Some(records) = entrants.eight_surfaces(first) else { return };
         fill_parts(simd, records, &triangles, self.reads_normals, self.reads_colors);
-    }
-
-    /// A triangle that the tile was asked to draw before.
-    #[inline(always)]
-    fn set_up_again(&self, entrants: &Entrants, slot: Slot, origin: ([f64; 2], [f32; 2])) -> Option<Setup> {
-        let entrant = entrants.get(slot);
-        let corners = self.corners(entrant.key, entrant.draw as usize);
-        Setup::new(slot, &corners, self.settings.fill_rule, &self.scale, &self.lattice, origin)
-    }
-
-    /// Whether samples can be shaded together whatever draws they are of.
-    fn are_all_alike(&self) -> bool {
-        self.shader_of_draw.iter().all(|first| *first == 0) && self.shaders.iter().all(|shader| shader.on_lanes)
-    }
-
-    #[inline(always)]
-    fn shader(&self, draw: usize) -> &DrawShader<'_> {
-        &self.shaders[draw]
-    }
-
-    /// The triangle of the scene that a key stands for.
-    #[inline(always)]
-    fn id_of(&self, key: Key) -> TriangleId {
-        match key.as_piece() {
-            Some((chunk, index)) => self.chunks[chunk].pieces[index].id,
-            None => TriangleId(key.0),
-        }
-    }
-
-    /// The draw that a triangle belongs to.
-    #[inline(always)]
-    fn draw_of(&self, key: Key) -> usize {
-        let id = self.id_of(key);
-        self.draws.partition_point(|draw| draw.first <= id) - 1
-    }
-
-    #[inline(always)]
-    fn is_of_draw(&self, key: Key, draw: usize) -> bool {
-        let first = self.draws[draw].first.0;
-        let id = self.id_of(key).0;
-        id >= first && id - first < self.draws[draw].mesh.triangles.len() as u32
-    }
-
-    #[inline(always)]
-    fn corners(&self, key: Key, draw: usize) -> [Corner; 3] {
-        match key.as_piece() {
-            Some((chunk, index)) => self.chunks[chunk].pieces[index].vertices.each_ref().map(Corner::from),
-            None => {
-                let [a, b, c] = self.draws[draw].corners(key.0);
-                let vertices = &self.arrays.vertices;
-                [(&vertices[a]).into(), (&vertices[b]).into(), (&vertices[c]).into()]
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn vertices(&self, key: Key, draw: usize) -> [&Vertex; 3] {
-        let [a, b, c] = self.records(key, draw);
-        [a.0, b.0, c.0]
-    }
-
-    /// What lanes read of the corners of a triangle.
-    #[inline(always)]
-    fn records(&self, key: Key, draw: usize) -> [(&Vertex, Option<&Surface>); 3] {
-        match key.as_piece() {
-            Some((chunk, index)) => {
-                let [a, b, c] = &self.chunks[chunk].corners[index];
-                [(&a.0, Some(&a.1)), (&b.0, Some(&b.1)), (&c.0, Some(&c.1))]
-            }
-            None => {
-                let [a, b, c] = self.draws[draw].corners(key.0);
-                let Arrays { vertices, surfaces, .. } = self.arrays;
-                [(&vertices[a], surfaces.get(a)), (&vertices[b], surfaces.get(b)), (&vertices[c], surfaces.get(c))]
-            }
-        }
-    }
-
-    /// A triangle as the classic way has it.
-    fn screen_triangle(&self, key: Key, draw: usize) -> ScreenTriangle {
-        if let Some((chunk, index)) = key.as_piece() {
-            return self.chunks[chunk].pieces[index];
-        }
-        let draw = &self.draws[draw];
-        let mut corner = 0;
-        let vertices = draw.corners(key.0).map(|index| {
-            let vertex = &self.arrays.vertices[index];
-            let mut varyings = draw.varyings(index, self.arrays);
-            varyings.source_weights = glam::Vec3::AXES[corner];
-            corner += 1;
-            let [x, y] = vertex.position().map(|step| step as i32);
-            ScreenVertex {
-                position_px: [to_pixels(x.into()), to_pixels(y.into())],
-                x,
-                y,
-                depth: vertex.depth(),
-                inv_w: vertex.inv_w(),
-                varyings,
-            }
-        });
-        let corners = vertices.each_ref().map(Corner::from);
-        let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |edges| edges.doubled_area);
-        ScreenTriangle {
-            id: TriangleId(key.0),
-            instance: draw.instance,
-            doubled_area: area,
-            depth: self.scale.over(&vertices, area),
-            relative_inv_w: if draw.plan.runs(Part::PerspectiveDivision) {
-                relative_inv_w(&vertices)
-            } else {
-                [1.0; 3]
-            },
-            vertices,
-        }
     }
 }

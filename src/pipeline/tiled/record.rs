@@ -245,15 +245,20 @@ impl Source for Many<'_> {
 }
 
 impl Many<'_> {
-    /// Edge values of triangles whose values 32 bits hold, at offsets from the tile's first sample. They are right where a
-    /// triangle covers its sample; elsewhere they may be any.
+    /// a, b and c of the first two edges of triangles whose values 32 bits hold, and the doubled areas.
     #[inline(always)]
-    pub(super) fn edge_values<S: Simd>(self, simd: S, x: i32x16<S>, y: i32x16<S>) -> [i32x16<S>; 3] {
+    pub(super) fn integer_edges<S: Simd>(self, simd: S) -> ([[i32x16<S>; 3]; 2], i32x16<S>) {
         let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
-        let [a0, b0, c0, area] = each!(v in [0, 1, 2, 3] => first[v].bitcast::<i32x16<S>>());
-        let [a1, b1, c1] = each!(v in [0, 1, 2] => second[v].bitcast::<i32x16<S>>());
-        let first = a0 * x + b0 * y + c0;
-        let second = a1 * x + b1 * y + c1;
+        let edges = each!(quad in [first, second] => each!(v in [0, 1, 2] => quad[v].bitcast::<i32x16<S>>()));
+        (edges, first[3].bitcast::<i32x16<S>>())
+    }
+
+    /// Edge values of such triangles at offsets from the tile's first sample. They are right where a triangle covers its sample;
+    /// elsewhere they may be any.
+    #[inline(always)]
+    pub(super) fn edge_values<S: Simd>(self, simd: S, [x, y]: [i32x16<S>; 2]) -> [i32x16<S>; 3] {
+        let (edges, area) = self.integer_edges(simd);
+        let [first, second] = each!([a, b, c] in [edges[0], edges[1]] => a * x + b * y + c);
         [first, second, area - first - second]
     }
 }

@@ -6,8 +6,7 @@
 use super::Frame;
 use super::bins::Key;
 use super::lattice::TILE;
-use super::record::{Entrants, Slot};
-use super::setup::Setup;
+use super::record::{Entrant, Entrants, Slot};
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
@@ -17,13 +16,13 @@ use crate::pipeline::raster::Sample;
 use crate::pipeline::viewport::ScreenTriangle;
 
 /// Numbers of the bits that are set.
-fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
+pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
     (0..LANES).filter(move |lane| bits >> lane & 1 != 0)
 }
 
 impl Frame<'_> {
     /// One of eight samples of a row as the classic way interpolates it.
-    fn fragment(
+    pub(super) fn fragment(
         &self,
         triangle: &ScreenTriangle,
         draw: usize,
@@ -54,42 +53,43 @@ impl Frame<'_> {
         }
     }
 
+    /// Some triangles of a tile, given in the order in which they were submitted, in that in which they are blended.
+    pub(super) fn by_distance(&self, entrants: &Entrants, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
+        let measured = |slot: &Slot| {
+            let Entrant { key, draw } = entrants.get(*slot);
+            let triangle = self.screen_triangle(key, draw as usize);
+            (mean_distance(&self.scale, &triangle), *slot, triangle)
+        };
+        let mut sorted: Vec<_> = blended.iter().map(measured).collect();
+        sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
+        sorted.into_iter().map(|(_, slot, triangle)| (slot, triangle)).collect()
+    }
+
     /// Blends some triangles of a tile, given in the order in which they were submitted, over its colours: the rows of the
     /// packed picture that start with the tile's first one. Gives the number of samples.
-    #[expect(clippy::too_many_arguments, reason = "the tile, its place, and what is drawn into it")]
     pub(super) fn blend<S: Simd>(
         &self,
         simd: S,
         tile: &mut Tile,
-        entrants: &Entrants,
-        blended: &[Slot],
+        (entrants, blended): (&Entrants, &[Slot]),
         place: (usize, usize),
-        origin: ([f64; 2], [f32; 2]),
         colors: &mut [Rgba8],
     ) -> u64 {
-        let mut sorted: Vec<(f64, usize, Setup, ScreenTriangle)> = blended
-            .iter()
-            .filter_map(|slot| {
-                let entrant = entrants.get(*slot);
-                let triangle = self.screen_triangle(entrant.key, entrant.draw as usize);
-                let distance = mean_distance(&self.scale, &triangle);
-                Some((distance, entrant.draw as usize, self.set_up_again(entrants, *slot, origin)?, triangle))
-            })
-            .collect();
-        sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let owner = self.owner(entrants, &self.lattice, place);
         let (width, height) = (self.packed.0 as usize, colors.len() / self.packed.0 as usize);
         let left = place.0 * TILE;
         let mut samples = 0;
-        for (_, draw, setup, triangle) in &sorted {
-            let shader = &self.shader(*draw).shader;
-            let owner = |slot| self.set_up_again(entrants, slot, origin);
-            tile.draw_kept(simd, setup, &self.lattice, &self.rules, &owner, |edges, (column, row), passed| {
+        for (slot, triangle) in self.by_distance(entrants, blended) {
+            let Some(setup) = owner(slot) else { continue };
+            let draw = entrants.get(slot).draw as usize;
+            let shader = &self.shader(draw).shader;
+            tile.draw_kept(simd, &setup, &self.lattice, &self.rules, &owner, |edges, (column, row), passed| {
                 for lane in set_bits(passed) {
                     let column = column + lane;
                     if left + column < width && row < height {
-                        let fragment = self.fragment(triangle, *draw, place, (column, row), edges.map(|e| e[lane]));
+                        let fragment = self.fragment(&triangle, draw, place, (column, row), edges.map(|e| e[lane]));
                         let pixel = &mut colors[row * width + left + column];
-                        *pixel = shader.blend(&fragment, triangle, *pixel);
+                        *pixel = shader.blend(&fragment, &triangle, *pixel);
                         samples += 1;
                     }
                 }

@@ -34,6 +34,9 @@ impl From<&ScreenVertex> for Corner {
     }
 }
 
+/// Position of the first sample of a tile, in grid steps, and its column and row in the packed picture.
+pub(super) type Origin = ([f64; 2], [f32; 2]);
+
 /// Edge functions of a triangle, each belonging to the corner opposite: e(x, y) = a·x + b·y + c, in units of 1/2¹⁶ px², for
 /// (x, y) in grid steps from an origin. All are whole numbers below 2⁵³, so f64 holds them and their sums exactly.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,6 +66,30 @@ impl Edges {
             c[i] = -(a[i] * p[from][0] + b[i] * p[from][1]);
         }
         Some(Self { a, b, c, doubled_area: area.abs() })
+    }
+
+    /// Values at an offset from the origin, in grid steps.
+    pub(super) fn at(&self, place: [i32; 2]) -> [f64; 3] {
+        let [x, y] = place.map(f64::from);
+        each!(i in [0, 1, 2] => self.a[i] * x + self.b[i] * y + self.c[i])
+    }
+
+    /// The first of some places of a pixel that the triangle covers, of which there must be one. Places are given by their offsets
+    /// from the pixel's centre, which is given from the origin on, as is what is found.
+    pub(super) fn first_covered(&self, [x, y]: [i32; 2], offsets: &[[i32; 2]], rule: FillRule) -> [i32; 2] {
+        let inside = self.inside(rule);
+        let covers = |place: &[i32; 2]| self.at(*place).iter().zip(inside).all(|(value, least)| *value >= least);
+        let moved = |[right, down]: &[i32; 2]| [x + right, y + down];
+        offsets.iter().map(moved).find(covers).unwrap_or([x, y])
+    }
+
+    /// The least value of each that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
+    #[inline(always)]
+    pub(super) fn inside(&self, rule: FillRule) -> [f64; 3] {
+        each!(i in [0, 1, 2] => {
+            let owned = Inward::new(self.a[i], self.b[i]).owned(rule);
+            f64::from(u8::from(!owned))
+        })
     }
 }
 
@@ -96,7 +123,7 @@ impl Setup {
         rule: FillRule,
         scale: &DepthScale,
         lattice: &Lattice,
-        (origin, first): ([f64; 2], [f32; 2]),
+        (origin, first): Origin,
     ) -> Option<Self> {
         let [columns, rows] = each!(axis in [0, 1] => {
             let [a, b, c] = each!(i in [0, 1, 2] => corners[i].position[axis] as f32);
@@ -107,10 +134,7 @@ impl Setup {
             return None;
         }
         let edges = Edges::new(corners, origin)?;
-        let inside = each!(i in [0, 1, 2] => {
-            let owned = Inward::new(edges.a[i], edges.b[i]).owned(rule);
-            f64::from(u8::from(!owned))
-        });
+        let inside = edges.inside(rule);
         let depths = each!(i in [0, 1, 2] => corners[i].depth);
         let (least, rises) = scale.terms(depths, edges.doubled_area);
         Some(Self {
@@ -142,11 +166,14 @@ pub(super) struct Batch {
     inv_w: [[f64; LANES]; 3],
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
+    /// The least and the greatest coordinate along each axis, in grid steps.
+    boxes: [[[f32; LANES]; 2]; 2],
 }
 
 impl Batch {
     /// Sets up eight triangles by their corners as [`Setup::new`] does, fills their records, and says by bits which of them
-    /// may have a sample in the tile, and which of those have edge values of more than 32 bits.
+    /// may have a sample in the tile, and which of those have edge values of more than 32 bits at samples of pixels that they
+    /// cover another sample of.
     #[inline(never)]
     #[expect(
         clippy::too_many_arguments,
@@ -160,7 +187,7 @@ impl Batch {
         rule: FillRule,
         scale: &DepthScale,
         lattice: &Lattice,
-        (origin, first): ([f64; 2], [f32; 2]),
+        (origin, first): Origin,
     ) -> (u64, u64) {
         simd.vectorize(
             #[inline(always)]
@@ -169,15 +196,13 @@ impl Batch {
                     each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner])
                 });
                 let corners = each!(corner in [0, 1, 2] => Vertex::positions_and_depths(simd, &vertices[corner]));
-                let mut alive = u64::MAX;
-                for (axis, out) in [(0, &mut self.columns), (1, &mut self.rows)] {
+                let boxes = each!(axis in [0, 1] => {
                     let [a, b, c] = each!(i in [0, 1, 2] => corners[i].0[axis]);
-                    let [from, to] = lattice.range_lanes(simd, axis, a.min(b).min(c), a.max(b).max(c));
-                    let (from, to) = ((from - first[axis]).max(0.0), (to - first[axis]).min((TILE - 1) as f32));
-                    alive &= from.simd_le(to).to_bitmask();
-                    from.to_int::<i32x8<S>>().store_array(&mut out[0]);
-                    to.to_int::<i32x8<S>>().store_array(&mut out[1]);
-                }
+                    [a.min(b).min(c), a.max(b).max(c)]
+                });
+                let (mut alive, ranges) = ranges_lanes(simd, boxes, lattice, first);
+                [self.columns, self.rows] = ranges;
+                self.boxes = each!(axis in [0, 1] => each!(end in [0, 1] => boxes[axis][end].to_array()));
                 let p =
                     each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
                 let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
@@ -188,13 +213,16 @@ impl Batch {
                 let turned = area.simd_lt(0.0);
                 let doubled_area = area.abs();
                 doubled_area.store_array(&mut self.doubled_area);
+                let zero_and_one = [F64::splat(simd, 0.0), F64::splat(simd, 1.0)];
+                let mut steepest = zero_and_one[0];
                 for (i, (from, to)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
                     let (a, b) = (p[from][1] - p[to][1], p[to][0] - p[from][0]);
                     let (a, b) = (turned.select(-a, a), turned.select(-b, b));
+                    steepest = steepest.max(a.abs() + b.abs());
                     a.store_array(&mut self.a[i]);
                     b.store_array(&mut self.b[i]);
                     (-(a * p[from][0] + b * p[from][1])).store_array(&mut self.c[i]);
-                    least_inside(simd, a, b, rule).store_array(&mut self.inside[i]);
+                    least_inside(zero_and_one, a, b, rule).store_array(&mut self.inside[i]);
                 }
                 let depths = each!(i in [0, 1, 2] => corners[i].1);
                 let least = depths[0].min(depths[1]).min(depths[2]);
@@ -214,16 +242,30 @@ impl Batch {
                 let attributes = each!(corner in [0, 1, 2] => Vertex::attributes(simd, &vertices[corner]));
                 let (first_two, doubled_area_i32) = edges;
                 Record::fill_eight(simd, records, first_two, doubled_area_i32, attributes, divides_by_w);
-                (alive, alive & doubled_area.simd_gt(f64::from(i32::MAX)).to_bitmask())
+                let greatest_edge = doubled_area + steepest * lattice.extent();
+                (alive, alive & greatest_edge.simd_gt(f64::from(i32::MAX)).to_bitmask())
             },
         )
+    }
+
+    /// The same triangles for the samples of another lattice, that are moved from those of the first one, and bits of those
+    /// which may have one in the tile. What differs is where edges and boxes stand.
+    #[inline(always)]
+    pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &Lattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
+        let boxes = each!(axis in [0, 1] => each!(end in [0, 1] => F32::load_array_ref(simd, &self.boxes[axis][end])));
+        let (alive, [columns, rows]) = ranges_lanes(simd, boxes, lattice, first);
+        let [right, down] = lattice.offset().map(f64::from);
+        let c = each!(i in [0, 1, 2] => {
+            let [a, b, c] = each!(of in [&self.a, &self.b, &self.c] => F64::load_array_ref(simd, &of[i]));
+            (a * right + b * down + c).to_array()
+        });
+        (alive, MovedBatch { batch: self, c, columns, rows })
     }
 
     /// One of the triangles.
     #[inline(always)]
     pub(super) fn triangle(&self, lane: usize, slot: Slot) -> Setup {
         let of = |values: &[[f64; LANES]; 3]| [values[0][lane], values[1][lane], values[2][lane]];
-        let range = |range: &[[i32; LANES]; 2]| [range[0][lane] as usize, range[1][lane] as usize];
         Setup {
             slot,
             edges: Edges { a: of(&self.a), b: of(&self.b), c: of(&self.c), doubled_area: self.doubled_area[lane] },
@@ -232,10 +274,57 @@ impl Batch {
             rises: of(&self.rises),
             greatest: self.greatest[lane],
             inv_w: of(&self.inv_w),
-            columns: range(&self.columns),
-            rows: range(&self.rows),
+            columns: range_of(&self.columns, lane),
+            rows: range_of(&self.rows, lane),
         }
     }
+}
+
+/// The triangles of a batch as another sample sees them.
+#[derive(Debug)]
+#[repr(align(32))]
+pub(super) struct MovedBatch<'a> {
+    batch: &'a Batch,
+    c: [[f64; LANES]; 3],
+    columns: [[i32; LANES]; 2],
+    rows: [[i32; LANES]; 2],
+}
+
+impl MovedBatch<'_> {
+    /// One of the triangles.
+    #[inline(always)]
+    pub(super) fn triangle(&self, lane: usize, slot: Slot) -> Setup {
+        let mut triangle = self.batch.triangle(lane, slot);
+        triangle.edges.c = [self.c[0][lane], self.c[1][lane], self.c[2][lane]];
+        triangle.columns = range_of(&self.columns, lane);
+        triangle.rows = range_of(&self.rows, lane);
+        triangle
+    }
+}
+
+/// First and last column or row of one of eight triangles.
+#[inline(always)]
+fn range_of(ranges: &[[i32; LANES]; 2], lane: usize) -> [usize; 2] {
+    [ranges[0][lane] as usize, ranges[1][lane] as usize]
+}
+
+/// Bits of those of eight triangles that may have samples in a tile, and the first and last columns and rows of these, by the
+/// triangles' boxes in grid steps.
+#[inline(always)]
+fn ranges_lanes<S: Simd>(
+    simd: S,
+    boxes: [[F32<S>; 2]; 2],
+    lattice: &Lattice,
+    first: [f32; 2],
+) -> (u64, [[[i32; LANES]; 2]; 2]) {
+    let mut alive = u64::MAX;
+    let ranges = each!(axis in [0, 1] => {
+        let [from, to] = lattice.range_lanes(simd, axis, boxes[axis][0], boxes[axis][1]);
+        let (from, to) = ((from - first[axis]).max(0.0), (to - first[axis]).min((TILE - 1) as f32));
+        alive &= from.simd_le(to).to_bitmask();
+        [from.to_int::<i32x8<S>>().to_array(), to.to_int::<i32x8<S>>().to_array()]
+    });
+    (alive, ranges)
 }
 
 /// a, b and c of the first two edges of eight triangles, and their doubled areas, by positions in grid steps: low 32 bits.
@@ -259,16 +348,15 @@ fn integer_edges<S: Simd>(
     (edges, turned.select(-area, area))
 }
 
-/// 0 where the rule gives the edge to the triangle, else 1: [`Inward::owned`] for eight edges.
+/// Zero where the rule gives the edge to the triangle, else one: [`Inward::owned`] for as many edges as there are lanes.
 #[inline(always)]
-fn least_inside<S: Simd>(simd: S, a: F64<S>, b: F64<S>, rule: FillRule) -> F64<S> {
-    let upright = a.simd_eq(0.0);
-    let (zero, one) = (F64::splat(simd, 0.0), F64::splat(simd, 1.0));
+pub(super) fn least_inside<S: Simd, V: SimdBase<S>>([zero, one]: [V; 2], a: V, b: V, rule: FillRule) -> V {
+    let upright = a.simd_eq(zero);
     let owned = match rule {
-        FillRule::TopLeft => a.simd_gt(0.0) | (upright & b.simd_gt(0.0)),
-        FillRule::TopRight => a.simd_lt(0.0) | (upright & b.simd_gt(0.0)),
-        FillRule::BottomLeft => a.simd_gt(0.0) | (upright & b.simd_lt(0.0)),
-        FillRule::BottomRight => a.simd_lt(0.0) | (upright & b.simd_lt(0.0)),
+        FillRule::TopLeft => a.simd_gt(zero) | (upright & b.simd_gt(zero)),
+        FillRule::TopRight => a.simd_lt(zero) | (upright & b.simd_gt(zero)),
+        FillRule::BottomLeft => a.simd_gt(zero) | (upright & b.simd_lt(zero)),
+        FillRule::BottomRight => a.simd_lt(zero) | (upright & b.simd_lt(zero)),
         FillRule::Inclusive => return zero,
         FillRule::Exclusive => return one,
     };

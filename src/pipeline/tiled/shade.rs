@@ -3,9 +3,11 @@
 //! Blocks and rows that one triangle covers are shaded as such; of other rows, two by two, the samples whose triangles are
 //! shaded alike are taken together, each with its own triangle.
 
+use std::ops::AddAssign;
+
 use super::Frame;
-use super::kernel::{ALL, Band, Patch, Queue, flush, shade_gathered, shade_uniform};
-use super::lattice::{BLOCK, BLOCKS, TILE};
+use super::kernel::{ALL, Band, Patch, Queue, Spots, flush, shade_gathered, shade_uniform};
+use super::lattice::{BLOCK, BLOCKS};
 use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Edges;
 use super::shader::DrawShader;
@@ -22,9 +24,16 @@ pub(super) struct Shaded {
 
 impl Shaded {
     #[inline(always)]
-    fn add(&mut self, shader: &DrawShader<'_>, samples: usize) {
+    pub(super) fn add(&mut self, shader: &DrawShader<'_>, samples: usize) {
         self.samples += samples as u64;
         self.texels += samples as u64 * shader.texels_per_sample;
+    }
+}
+
+impl AddAssign for Shaded {
+    fn add_assign(&mut self, more: Self) {
+        self.samples += more.samples;
+        self.texels += more.texels;
     }
 }
 
@@ -43,19 +52,9 @@ pub(super) struct Canvas<'a> {
 #[inline(always)]
 pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>) -> Shaded {
     let Canvas { tile, entrants, queue, place, pixels } = canvas;
-    let width = frame.packed.0 as usize;
-    let (columns, height) = ((width - place.0 * TILE).min(TILE), pixels.len() / width);
-    let mut job = Job {
-        frame,
-        entrants,
-        queue,
-        origin: frame.lattice.origin(place),
-        alike: frame.are_all_alike(),
-        exact: Vec::new(),
-        large: Vec::new(),
-        band: Band { pixels, width },
-        shaded: Shaded::default(),
-    };
+    let band = Band { pixels, width: frame.packed.0 as usize };
+    let (columns, height) = band.size(place);
+    let mut job = Job::new(frame, entrants, queue, place, band);
     for by in 0..height.div_ceil(BLOCK) {
         for bx in 0..columns.div_ceil(BLOCK) {
             let column = bx * BLOCK;
@@ -68,8 +67,7 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>
             }
         }
     }
-    flush(simd, frame, job.queue, job.band.pixels);
-    job.shaded
+    job.finish(simd)
 }
 
 /// The triangle of all eight samples, if it is one.
@@ -81,23 +79,50 @@ fn uniform_slot<S: Simd>(simd: S, slots: &[u32]) -> Option<Slot> {
 }
 
 /// The shading of a tile.
-struct Job<'a> {
-    frame: &'a Frame<'a>,
-    entrants: &'a Entrants,
+pub(super) struct Job<'a> {
+    pub(super) frame: &'a Frame<'a>,
+    pub(super) entrants: &'a Entrants,
     queue: &'a mut Queue,
-    /// Position of the tile's first sample, in grid steps.
-    origin: [f64; 2],
+    /// Column and row among the tiles.
+    pub(super) tile: (usize, usize),
     /// All samples are shaded together, whatever triangles they are of.
-    alike: bool,
+    pub(super) alike: bool,
     /// The edges of triangles that 32 bits were not enough for, or that are not shaded on lanes, as far as they were asked for.
     exact: Vec<(Slot, Edges)>,
     /// Of the samples that are shaded together those of such triangles: a bit for each, and the edges.
-    large: Vec<(u32, Edges)>,
-    band: Band<'a>,
-    shaded: Shaded,
+    pub(super) large: Vec<(u32, Edges)>,
+    pub(super) band: Band<'a>,
+    pub(super) shaded: Shaded,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    pub(super) fn new(
+        frame: &'a Frame<'a>,
+        entrants: &'a Entrants,
+        queue: &'a mut Queue,
+        tile: (usize, usize),
+        band: Band<'a>,
+    ) -> Self {
+        Self {
+            frame,
+            entrants,
+            queue,
+            tile,
+            alike: frame.are_all_alike(),
+            exact: Vec::new(),
+            large: Vec::new(),
+            band,
+            shaded: Shaded::default(),
+        }
+    }
+
+    /// Writes what still waits for its texels.
+    #[inline(always)]
+    pub(super) fn finish<S: Simd>(self, simd: S) -> Shaded {
+        flush(simd, self.frame, self.queue, self.band.pixels);
+        self.shaded
+    }
+
     /// A block that is not of one triangle.
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, tile: &Tile, block: &Patch) {
@@ -140,13 +165,13 @@ impl Job<'_> {
     }
 
     /// The edges of a triangle; none if it has no area, in which case it is never seen.
-    fn exact_edges(&mut self, slot: Slot) -> Option<Edges> {
+    pub(super) fn exact_edges(&mut self, slot: Slot) -> Option<Edges> {
         // Mostly those that were asked for last.
         if let Some((_, edges)) = self.exact.iter().rev().find(|(known, _)| *known == slot) {
             return Some(*edges);
         }
         let Entrant { key, draw } = self.entrants.get(slot);
-        let edges = Edges::new(&self.frame.corners(key, draw as usize), self.origin)?;
+        let edges = Edges::new(&self.frame.corners(key, draw as usize), self.frame.lattice.origin(self.tile))?;
         self.exact.push((slot, edges));
         Some(edges)
     }
@@ -201,17 +226,24 @@ impl Job<'_> {
         }
     }
 
-    /// Some samples of two rows that one shader is for.
+    /// Some of sixteen samples that one shader is for.
     #[inline(always)]
-    fn together<S: Simd>(&mut self, simd: S, shader: usize, mine: u32, slots: &[u32; WIDE], patch: &Patch) {
+    pub(super) fn together<S: Simd>(
+        &mut self,
+        simd: S,
+        shader: usize,
+        mine: u32,
+        slots: &[u32; WIDE],
+        spots: impl Spots,
+    ) {
         self.shaded.add(&self.frame.shaders[shader], mine.count_ones() as usize);
         self.find_large(simd, mine, slots);
         let samples = (self.entrants, slots, self.large.as_slice());
-        shade_gathered(simd, self.frame, shader, samples, (patch, halves_of(mine)), self.queue, &mut self.band);
+        shade_gathered(simd, self.frame, shader, samples, (spots, mine), self.queue, &mut self.band);
     }
 
     /// Those of some samples that a shader is for.
-    fn shaded_by(&self, shader: usize, mut open: u32, slots: &[u32; WIDE]) -> u32 {
+    pub(super) fn shaded_by(&self, shader: usize, mut open: u32, slots: &[u32; WIDE]) -> u32 {
         let mut mine = 0;
         while open != 0 {
             let lane = open.trailing_zeros() as usize;
@@ -224,7 +256,7 @@ impl Job<'_> {
 
     /// Lists triangles that 32 bits are not enough for.
     #[inline(always)]
-    fn find_large<S: Simd>(&mut self, simd: S, mut mine: u32, slots: &[u32; WIDE]) {
+    pub(super) fn find_large<S: Simd>(&mut self, simd: S, mut mine: u32, slots: &[u32; WIDE]) {
         self.large.clear();
         mine &= (u32x16::load_array_ref(simd, slots) & Slot::LARGE).simd_ne(0).to_bitmask() as u32;
         while mine != 0 {

@@ -8,30 +8,18 @@
 
 use std::ops::Range;
 
+use super::depths::{DepthRules, compare_bounds, depth, depth_at_first, depth_bounds, passes, whole_depths};
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
 use super::record::Slot;
 use super::setup::{Edges, Setup};
 use crate::math::lanes::*;
-use crate::pipeline::depth::{Comparison, DepthEncoding};
+use crate::pipeline::depth::Comparison;
 
 /// From one row of samples to the next in memory: rows may be read and written eight samples beyond the last block.
 pub(super) const STRIDE: usize = TILE + LANES;
 
 /// Rows of samples in memory: narrow triangles are drawn two rows at a time, the second of which may be one too many.
 const ROWS: usize = TILE + 1;
-
-/// How depths are stored and compared in all tiles of a frame.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DepthRules {
-    pub(super) comparison: Comparison,
-    pub(super) encoding: DepthEncoding,
-    /// Depth is linear in space rather than on the screen.
-    pub(super) linear_in_space: bool,
-    /// What samples hold before anything is drawn.
-    pub(super) clear: f32,
-    /// Depths are computed and kept at all.
-    pub(super) stored: bool,
-}
 
 /// How much work a tile was.
 #[derive(Clone, Copy, Debug, Default)]
@@ -116,6 +104,32 @@ impl Tile {
     #[inline(always)]
     pub(super) fn slots(&self, column: usize, row: usize) -> &[u32] {
         &self.ids[row * STRIDE + column..][..LANES]
+    }
+
+    /// The triangles of eight samples of a row, written or not.
+    #[inline(always)]
+    pub(super) fn seen<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
+        match self.owner(row / BLOCK * BLOCKS + column / BLOCK) {
+            Some(slot) => u32x8::splat(simd, slot.0),
+            None => u32x8::from_slice(simd, self.slots(column, row)),
+        }
+    }
+
+    /// Gives a block to one triangle, or leaves it to its samples.
+    pub(super) fn set_owner(&mut self, block: usize, owner: Option<Slot>) {
+        match owner {
+            Some(slot) => {
+                self.plain |= 1 << block;
+                self.owners[block] = slot;
+            }
+            None => self.plain &= !(1 << block),
+        }
+    }
+
+    /// Gives eight samples of a row to their triangles.
+    #[inline(always)]
+    pub(super) fn set_seen<S: Simd>(&mut self, column: usize, row: usize, slots: u32x8<S>) {
+        slots.store_slice(&mut self.ids[row * STRIDE + column..][..LANES]);
     }
 
     /// Stored depths of a row.
@@ -323,7 +337,7 @@ impl Tile {
     #[inline(always)]
     fn hides<S: Simd>(&self, simd: S, triangle: &Setup, lattice: &Lattice, rules: &DepthRules) -> bool {
         // A triangle that would be in front at the first sample is not behind everywhere: mostly that is enough to know.
-        let first = weighted_one(triangle.edges.c, &triangle.rises) + triangle.least;
+        let first = depth_at_first(triangle);
         let in_front = match rules.comparison {
             Comparison::Always => true,
             Comparison::Less | Comparison::LessEqual => first < self.greatest[0].into(),
@@ -551,31 +565,6 @@ fn rows_in(triangle: &Setup, by: usize) -> Range<usize> {
     top.max(by * BLOCK)..(bottom + 1).min((by + 1) * BLOCK)
 }
 
-/// Bits of the rectangles in which no depth within some bounds passes against those stored, and of those in which all do.
-#[inline(always)]
-fn compare_bounds<S: Simd>([low, high]: [F32<S>; 2], stored: [F32<S>; 2], comparison: Comparison) -> (u64, u64) {
-    let [least, greatest] = stored;
-    match comparison {
-        Comparison::Always => (0, 0xFF),
-        Comparison::Less => (low.simd_ge(greatest).to_bitmask(), high.simd_lt(least).to_bitmask()),
-        Comparison::LessEqual => (low.simd_gt(greatest).to_bitmask(), high.simd_le(least).to_bitmask()),
-        Comparison::Greater => (high.simd_le(least).to_bitmask(), low.simd_gt(greatest).to_bitmask()),
-        Comparison::GreaterEqual => (high.simd_lt(least).to_bitmask(), low.simd_ge(greatest).to_bitmask()),
-    }
-}
-
-/// Bits of the depths that pass.
-#[inline(always)]
-fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> u64 {
-    match comparison {
-        Comparison::Always => 0xFF,
-        Comparison::Less => new.simd_lt(stored).to_bitmask(),
-        Comparison::LessEqual => new.simd_le(stored).to_bitmask(),
-        Comparison::Greater => new.simd_gt(stored).to_bitmask(),
-        Comparison::GreaterEqual => new.simd_ge(stored).to_bitmask(),
-    }
-}
-
 /// Edge values at eight samples of one row after the other. They are whole numbers, so that steps add no error.
 struct Rows<S: Simd> {
     /// Of the next row, but for its shift.
@@ -628,79 +617,4 @@ fn inside<S: Simd>(_: S, triangle: &Setup, e: [F64<S>; 3]) -> u64 {
     let Setup { inside, .. } = triangle;
     let all = e[0].simd_ge(inside[0]) & e[1].simd_ge(inside[1]) & e[2].simd_ge(inside[2]);
     all.to_bitmask()
-}
-
-/// Depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples.
-#[inline(always)]
-fn depth<S: Simd>(simd: S, triangle: &Setup, e: [F64<S>; 3], rules: &DepthRules) -> F32<S> {
-    let Setup { rises, inv_w, least, .. } = triangle;
-    let rise = if rules.linear_in_space {
-        let weights = each!(i in [0, 1, 2] => e[i].max(0.0) * inv_w[i]);
-        let sum = weights[0] + weights[1] + weights[2];
-        let zero = F64::splat(simd, 0.0);
-        sum.simd_gt(0.0).select(weighted(weights, rises) / sum, zero)
-    } else {
-        weighted(e, rises)
-    };
-    quantize(simd, clamp_f64(rise + *least, 0.0, 1.0), rules.encoding)
-}
-
-#[inline(always)]
-fn weighted<S: Simd>(v: [F64<S>; 3], rises: &[f64; 3]) -> F64<S> {
-    v[0] * rises[0] + v[1] * rises[1] + v[2] * rises[2]
-}
-
-#[inline(always)]
-fn weighted_one(v: [f64; 3], rises: &[f64; 3]) -> f64 {
-    v[0] * rises[0] + v[1] * rises[1] + v[2] * rises[2]
-}
-
-/// [`DepthEncoding::quantize`] for eight depths.
-#[inline(always)]
-fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> {
-    match encoding.largest_code() {
-        None => narrow(simd, depth),
-        Some(largest) => {
-            let largest = f64::from(largest);
-            narrow(simd, (depth * largest + 0.5).trunc() / largest)
-        }
-    }
-}
-
-/// Rounding errors of a depth relative to the sum of the magnitudes that it is the sum of: some ten operations of 2⁻⁵³ each.
-const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
-
-/// Bounds of the stored depths of a triangle in eight rectangles, from its edge values at their first samples and the way from
-/// those to their last samples.
-#[inline(always)]
-fn depth_bounds<S: Simd>(
-    simd: S,
-    triangle: &Setup,
-    first: [F64<S>; 3],
-    [width, height]: [f64; 2],
-    rules: &DepthRules,
-) -> [F32<S>; 2] {
-    let Setup { edges, rises, least, greatest, .. } = triangle;
-    let (low, high) = (F64::splat(simd, *least), F64::splat(simd, *greatest));
-    let slack = ROUNDING * greatest;
-    if rules.linear_in_space {
-        return each!(d in [low - slack, high + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding));
-    }
-    let terms = each!(i in [0, 1, 2] => first[i] * rises[i]);
-    let across = edges.a[0] * rises[0] + edges.a[1] * rises[1] + edges.a[2] * rises[2];
-    let down = edges.b[0] * rises[0] + edges.b[1] * rises[1] + edges.b[2] * rises[2];
-    let steepest = each!(i in [0, 1, 2] => (edges.a[i].abs() * width + edges.b[i].abs() * height) * rises[i]);
-    let slack = (terms[0].abs() + terms[1].abs() + terms[2].abs()) * ROUNDING
-        + (slack + (steepest[0] + steepest[1] + steepest[2]) * ROUNDING);
-    let at_first = terms[0] + terms[1] + terms[2] + *least;
-    let nearest = at_first + (across.min(0.0) * width + down.min(0.0) * height);
-    let farthest = at_first + (across.max(0.0) * width + down.max(0.0) * height);
-    each!(d in [nearest.max(low) - slack, farthest.min(high) + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding))
-}
-
-/// Bounds of the stored depths of a triangle anywhere.
-#[inline(always)]
-fn whole_depths(triangle: &Setup, rules: &DepthRules) -> [f32; 2] {
-    let slack = ROUNDING * triangle.greatest;
-    each!(d in [triangle.least - slack, triangle.greatest + slack] => rules.encoding.quantize(d.clamp(0.0, 1.0)))
 }

@@ -1,0 +1,126 @@
+//! Triangles of a frame by their keys: as lanes read them, and as the classic way has them.
+
+use super::Frame;
+use super::bins::Key;
+use super::geometry::{Arrays, Surface, Vertex};
+use super::record::Entrant;
+use super::setup::{self, Corner};
+use super::shader::DrawShader;
+use crate::math::fixed::to_pixels;
+use crate::pipeline::plan::Part;
+use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, relative_inv_w};
+use crate::scene::TriangleId;
+use crate::scene::material::Transparency;
+
+impl Frame<'_> {
+    /// Whether samples can be shaded together whatever draws they are of.
+    pub(super) fn are_all_alike(&self) -> bool {
+        self.shader_of_draw.iter().all(|first| *first == 0) && self.shaders.iter().all(|shader| shader.on_lanes)
+    }
+
+    #[inline(always)]
+    pub(super) fn shader(&self, draw: usize) -> &DrawShader<'_> {
+        &self.shaders[draw]
+    }
+
+    /// How a triangle meets what lies behind.
+    #[inline(always)]
+    pub(super) fn transparency(&self, entrant: Entrant) -> Transparency {
+        self.shader(entrant.draw as usize).shader.transparency()
+    }
+
+    /// The triangle of the scene that a key stands for.
+    #[inline(always)]
+    pub(super) fn id_of(&self, key: Key) -> TriangleId {
+        match key.as_piece() {
+            Some((chunk, index)) => self.chunks[chunk].pieces[index].id,
+            None => TriangleId(key.0),
+        }
+    }
+
+    /// The draw that a triangle belongs to.
+    #[inline(always)]
+    pub(super) fn draw_of(&self, key: Key) -> usize {
+        let id = self.id_of(key);
+        self.draws.partition_point(|draw| draw.first <= id) - 1
+    }
+
+    #[inline(always)]
+    pub(super) fn is_of_draw(&self, key: Key, draw: usize) -> bool {
+        let first = self.draws[draw].first.0;
+        let id = self.id_of(key).0;
+        id >= first && id - first < self.draws[draw].mesh.triangles.len() as u32
+    }
+
+    #[inline(always)]
+    pub(super) fn corners(&self, key: Key, draw: usize) -> [Corner; 3] {
+        match key.as_piece() {
+            Some((chunk, index)) => self.chunks[chunk].pieces[index].vertices.each_ref().map(Corner::from),
+            None => {
+                let [a, b, c] = self.draws[draw].corners(key.0);
+                let vertices = &self.arrays.vertices;
+                [(&vertices[a]).into(), (&vertices[b]).into(), (&vertices[c]).into()]
+            }
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn vertices(&self, key: Key, draw: usize) -> [&Vertex; 3] {
+        let [a, b, c] = self.records(key, draw);
+        [a.0, b.0, c.0]
+    }
+
+    /// What lanes read of the corners of a triangle.
+    #[inline(always)]
+    pub(super) fn records(&self, key: Key, draw: usize) -> [(&Vertex, Option<&Surface>); 3] {
+        match key.as_piece() {
+            Some((chunk, index)) => {
+                let [a, b, c] = &self.chunks[chunk].corners[index];
+                [(&a.0, Some(&a.1)), (&b.0, Some(&b.1)), (&c.0, Some(&c.1))]
+            }
+            None => {
+                let [a, b, c] = self.draws[draw].corners(key.0);
+                let Arrays { vertices, surfaces, .. } = self.arrays;
+                [(&vertices[a], surfaces.get(a)), (&vertices[b], surfaces.get(b)), (&vertices[c], surfaces.get(c))]
+            }
+        }
+    }
+
+    /// A triangle as the classic way has it.
+    pub(super) fn screen_triangle(&self, key: Key, draw: usize) -> ScreenTriangle {
+        if let Some((chunk, index)) = key.as_piece() {
+            return self.chunks[chunk].pieces[index];
+        }
+        let draw = &self.draws[draw];
+        let mut corner = 0;
+        let vertices = draw.corners(key.0).map(|index| {
+            let vertex = &self.arrays.vertices[index];
+            let mut varyings = draw.varyings(index, self.arrays);
+            varyings.source_weights = glam::Vec3::AXES[corner];
+            corner += 1;
+            let [x, y] = vertex.position().map(|step| step as i32);
+            ScreenVertex {
+                position_px: [to_pixels(x.into()), to_pixels(y.into())],
+                x,
+                y,
+                depth: vertex.depth(),
+                inv_w: vertex.inv_w(),
+                varyings,
+            }
+        });
+        let corners = vertices.each_ref().map(Corner::from);
+        let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |edges| edges.doubled_area);
+        ScreenTriangle {
+            id: TriangleId(key.0),
+            instance: draw.instance,
+            doubled_area: area,
+            depth: self.scale.over(&vertices, area),
+            relative_inv_w: if draw.plan.runs(Part::PerspectiveDivision) {
+                relative_inv_w(&vertices)
+            } else {
+                [1.0; 3]
+            },
+            vertices,
+        }
+    }
+}

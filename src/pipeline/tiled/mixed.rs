@@ -1,0 +1,330 @@
+//! Pixels in whose samples more than one triangle shows, or a triangle and the background: what edges look like.
+//!
+//! Each of the triangles is a *fragment* of the pixel. It is shaded once: at the centre of the pixel if the triangle covers that,
+//! else at the first sample that it covers, whether or not it is seen there. Fragments are shaded sixteen at a time, whatever
+//! pixels they are of.
+
+use super::Frame;
+use super::kernel::{ALL, Band, Queue, Scattered};
+use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
+use super::multisample::{Picks, Planes};
+use super::record::{Entrant, Entrants, Many, Slot};
+use super::setup::least_inside;
+use super::shade::{Job, Shaded};
+use super::tile::Tile;
+use crate::image::Rgba8;
+use crate::math::lanes::*;
+use crate::pipeline::settings::FillRule;
+
+/// The mixed pixels of a tile. Memory is kept from tile to tile.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MixedPixels {
+    /// Columns and rows within the tile.
+    places: Vec<(usize, usize)>,
+    /// Of each sample of sixteen pixels which of the colours it has.
+    picks: Vec<Picks>,
+    fragments: Fragments,
+    /// The background's, and from [`FIRST`] on those of the fragments.
+    colors: Vec<Rgba8>,
+    means: Vec<Rgba8>,
+    /// Of each sample the triangles of eight pixels.
+    seen: Vec<[u32; LANES]>,
+}
+
+/// Position of the colour of the background.
+const BACKGROUND: u32 = 0;
+
+/// Position of the colour of the first fragment.
+const FIRST: usize = WIDE;
+
+impl MixedPixels {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.places.capacity() * size_of::<(usize, usize)>()
+            + self.picks.capacity() * size_of::<Picks>()
+            + self.fragments.list.capacity() * size_of::<Sixteen>()
+            + (self.colors.capacity() + self.means.capacity()) * size_of::<Rgba8>()
+            + self.seen.capacity() * size_of::<[u32; LANES]>()
+    }
+
+    /// Parts the pixels of a tile: those whose samples all see the same go to `agreed`, where there is nothing at others, and
+    /// the others are listed. `columns` and `rows` lie within the picture.
+    #[inline(always)]
+    pub(super) fn find<S: Simd>(
+        &mut self,
+        simd: S,
+        lattice: &Lattice,
+        samples: &[Tile],
+        agreed: &mut Tile,
+        (columns, rows): (usize, usize),
+    ) {
+        self.places.clear();
+        self.picks.clear();
+        self.fragments.clear();
+        let Some((first, others)) = samples.split_first() else { return };
+        for (bx, by) in (0..rows.div_ceil(BLOCK)).flat_map(|by| (0..columns.div_ceil(BLOCK)).map(move |bx| (bx, by))) {
+            let block = by * BLOCKS + bx;
+            let owner = first.owner(block);
+            let owner = owner.filter(|_| others.iter().all(|sample| sample.owner(block) == owner));
+            agreed.set_owner(block, owner);
+            if owner.is_some() {
+                continue;
+            }
+            let column = bx * BLOCK;
+            let within = ALL >> (LANES - (columns - column).min(LANES));
+            for row in by * BLOCK..((by + 1) * BLOCK).min(rows) {
+                let slots = first.seen(simd, column, row);
+                let mut same = u64::MAX;
+                for sample in others {
+                    same &= sample.seen(simd, column, row).simd_eq(slots).to_bitmask();
+                }
+                let nothing = u32x8::splat(simd, Slot::NONE.0);
+                agreed.set_seen(column, row, mask32x8::from_bitmask(simd, same).select(slots, nothing));
+                let mixed = !same as u32 & within;
+                if mixed != 0 {
+                    self.list(simd, lattice, samples, (column, row), mixed);
+                }
+            }
+        }
+    }
+
+    /// Lists those of eight pixels of a row that have a bit.
+    #[inline(always)]
+    fn list<S: Simd>(
+        &mut self,
+        simd: S,
+        lattice: &Lattice,
+        samples: &[Tile],
+        (column, row): (usize, usize),
+        mut mixed: u32,
+    ) {
+        self.seen.clear();
+        for sample in samples {
+            self.seen.push(sample.seen(simd, column, row).to_array());
+        }
+        while mixed != 0 {
+            let lane = mixed.trailing_zeros() as usize;
+            mixed &= mixed - 1;
+            let place = (column + lane, row);
+            self.push(place, lattice.place(place), lane);
+        }
+    }
+
+    /// Lists a pixel: its column and row, its centre from the tile's first one on, in grid steps, and its number of eight.
+    fn push(&mut self, place: (usize, usize), centre: [i32; 2], lane: usize) {
+        let Self { places, picks, fragments, seen, .. } = self;
+        let (sixteen, pixel) = (places.len() / WIDE, places.len() % WIDE);
+        places.push(place);
+        if pixel == 0 {
+            picks.resize((sixteen + 1) * seen.len(), [BACKGROUND; WIDE]);
+        }
+        let first = fragments.len;
+        let mut last = (Slot::NONE.0, BACKGROUND);
+        for (picks, slots) in picks[sixteen * seen.len()..].iter_mut().zip(seen.iter()) {
+            let slot = slots[lane];
+            if slot != last.0 {
+                last =
+                    (slot, if slot == Slot::NONE.0 { BACKGROUND } else { fragments.pick(first, slot, place, centre) });
+            }
+            picks[pixel] = last.1;
+        }
+    }
+
+    /// Shades the fragments, and finds the colours of the pixels.
+    #[inline(always)]
+    pub(super) fn shade<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame<'_>,
+        planes: &Planes<'_>,
+        (entrants, queue): (&Entrants, &mut Queue),
+        tile: (usize, usize),
+    ) -> Shaded {
+        let Self { places, picks, fragments, colors, means, .. } = self;
+        colors.clear();
+        colors.resize(FIRST + fragments.list.len() * WIDE, frame.background);
+        let mut job = Job::new(frame, entrants, queue, tile, Band { pixels: colors, width: 0 });
+        for (number, sixteen) in fragments.list.iter().enumerate() {
+            let count = (fragments.len - number * WIDE).min(WIDE);
+            let open = u32::MAX >> (u32::BITS as usize - count);
+            job.fragments(simd, (sixteen, open), &planes.shading_places, FIRST + number * WIDE);
+        }
+        let shaded = job.finish(simd);
+        means.clear();
+        means.resize(places.len(), frame.background);
+        (planes.samples.mean)(colors, picks, means);
+        shaded
+    }
+
+    /// Gives each sample of the pixels its colour, sample by sample.
+    pub(super) fn spread(&self, samples: &mut [Rgba8]) {
+        let count = samples.len() / TILE_SAMPLES;
+        for (pixel, (column, row)) in self.places.iter().enumerate() {
+            let picks = self.picks[pixel / WIDE * count..].iter().map(|picks| picks[pixel % WIDE]);
+            for (sample, pick) in samples.chunks_exact_mut(TILE_SAMPLES).zip(picks) {
+                sample[row * TILE + column] = self.colors[pick as usize];
+            }
+        }
+    }
+
+    /// Writes the colours of the pixels.
+    pub(super) fn write(&self, picture: &mut Band<'_>, tile: (usize, usize)) {
+        for ((column, row), color) in self.places.iter().zip(&self.means) {
+            picture.pixels[row * picture.width + tile.0 * TILE + column] = *color;
+        }
+    }
+}
+
+/// Triangles in pixels.
+#[derive(Clone, Debug, Default)]
+struct Fragments {
+    list: Vec<Sixteen>,
+    len: usize,
+}
+
+/// Sixteen fragments.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Sixteen {
+    /// The first triangle stands where there is none.
+    slots: [u32; WIDE],
+    /// Columns and rows of the pixels within the tile.
+    pixels: [(u8, u8); WIDE],
+    /// The centres of the pixels right of and below the tile's first one, in grid steps.
+    centres: [[i32; WIDE]; 2],
+}
+
+impl Fragments {
+    fn clear(&mut self) {
+        self.list.clear();
+        self.len = 0;
+    }
+
+    /// Where the colour of a triangle will be that shows in a pixel whose fragments begin with `first`.
+    fn pick(&mut self, first: usize, slot: u32, (column, row): (usize, usize), [x, y]: [i32; 2]) -> u32 {
+        let known = (first..self.len).find(|place| self.list[place / WIDE].slots[place % WIDE] == slot);
+        let place = known.unwrap_or_else(|| {
+            let lane = self.len % WIDE;
+            if lane == 0 {
+                self.list.push(Sixteen { slots: [0; WIDE], pixels: [(0, 0); WIDE], centres: [[0; WIDE]; 2] });
+            }
+            if let Some(Sixteen { slots, pixels, centres }) = self.list.last_mut() {
+                (slots[lane], pixels[lane]) = (slot, (column as u8, row as u8));
+                (centres[0][lane], centres[1][lane]) = (x, y);
+            }
+            self.len += 1;
+            self.len - 1
+        });
+        (FIRST + place) as u32
+    }
+}
+
+impl Job<'_> {
+    /// Shades the fragments that have a bit, each at the first of some places of its pixel that its triangle covers; their colours
+    /// go to `start` and on.
+    #[inline(always)]
+    fn fragments<S: Simd>(
+        &mut self,
+        simd: S,
+        (fragments, mut open): (&Sixteen, u32),
+        offsets: &[[i32; 2]],
+        start: usize,
+    ) {
+        let slots = &fragments.slots;
+        let [x, y] = self.shading_places(simd, fragments, open, offsets);
+        let spots = Scattered { places: [&x, &y], start };
+        if self.alike {
+            self.together(simd, 0, open, slots, spots);
+            return;
+        }
+        while open != 0 {
+            let lane = open.trailing_zeros() as usize;
+            let draw = self.entrants.get(Slot(slots[lane])).draw as usize;
+            if self.frame.shader(draw).on_lanes {
+                let number = self.frame.shader_of_draw[draw];
+                let mine = self.shaded_by(number, open, slots);
+                open &= !mine;
+                self.together(simd, number, mine, slots, spots);
+            } else {
+                open &= open - 1;
+                let (column, row) = fragments.pixels[lane];
+                let color = self.by_itself(Slot(slots[lane]), (column.into(), row.into()), [x[lane], y[lane]]);
+                self.band.pixels[start + lane] = color;
+            }
+        }
+    }
+
+    /// Where fragments are shaded, right of and below the tile's first pixel.
+    #[inline(always)]
+    fn shading_places<S: Simd>(
+        &mut self,
+        simd: S,
+        fragments: &Sixteen,
+        open: u32,
+        offsets: &[[i32; 2]],
+    ) -> [[i32; WIDE]; 2] {
+        let rule = self.frame.settings.fill_rule;
+        let centres = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &fragments.centres[axis]));
+        self.find_large(simd, open, &fragments.slots);
+        let of_large = self.large.iter().fold(0, |all, (lanes, _)| all | lanes);
+        let mut places =
+            first_covered(simd, self.entrants.many(&fragments.slots), centres, open & !of_large, offsets, rule);
+        for (lanes, edges) in &self.large {
+            for lane in (0..WIDE).filter(|lane| lanes >> lane & 1 != 0) {
+                let place = edges.first_covered(fragments.centres.map(|along| along[lane]), offsets, rule);
+                (places[0][lane], places[1][lane]) = (place[0], place[1]);
+            }
+        }
+        places
+    }
+
+    /// The colour of one fragment by the classic way's own functions.
+    fn by_itself(&mut self, slot: Slot, pixel: (usize, usize), place: [i32; 2]) -> Rgba8 {
+        let Entrant { key, draw } = self.entrants.get(slot);
+        let frame = self.frame;
+        let (draw, shader) = (draw as usize, frame.shader(draw as usize));
+        self.shaded.add(shader, 1);
+        if let Some(color) = shader.shader.flat_color(frame.id_of(key), frame.draws[draw].instance) {
+            return color;
+        }
+        let triangle = frame.screen_triangle(key, draw);
+        let edges = self.exact_edges(slot).unwrap_or_default().at(place);
+        let fragment = frame.fragment(&triangle, draw, self.tile, pixel, edges);
+        shader.shader.shade(&fragment, &triangle)
+    }
+}
+
+/// [`Edges::first_covered`] for sixteen triangles whose edge values 32 bits hold, those that have a bit.
+///
+/// [`Edges::first_covered`]: super::setup::Edges::first_covered
+#[inline(always)]
+fn first_covered<S: Simd>(
+    simd: S,
+    many: Many<'_>,
+    centres: [i32x16<S>; 2],
+    mut open: u32,
+    offsets: &[[i32; 2]],
+    rule: FillRule,
+) -> [[i32; WIDE]; 2] {
+    let ([[a0, b0, c0], [a1, b1, c1]], area) = many.integer_edges(simd);
+    let [x, y] = centres;
+    let (e0, e1) = (a0 * x + b0 * y + c0, a1 * x + b1 * y + c1);
+    let (zero, one) = (i32x16::splat(simd, 0), i32x16::splat(simd, 1));
+    let edges = [(a0, b0, e0), (a1, b1, e1), (zero - a0 - a1, zero - b0 - b1, area - e0 - e1)];
+    // Inside of an edge no value is below zero.
+    let edges = each!((a, b, e) in [edges[0], edges[1], edges[2]] => (a, b, e - least_inside([zero, one], a, b, rule)));
+    let mut moved = [zero; 2];
+    for [right, down] in offsets {
+        let [e0, e1, e2] = each!((a, b, e) in [edges[0], edges[1], edges[2]] => e + a * *right + b * *down);
+        let covers = (e0 | e1 | e2).simd_ge(zero).to_bitmask() as u32 & open;
+        let here = mask32x16::from_bitmask(simd, covers.into());
+        moved = each!((offset, moved) in [(*right, moved[0]), (*down, moved[1])] => {
+            here.select(i32x16::splat(simd, offset), moved)
+        });
+        open &= !covers;
+        if open == 0 {
+            break;
+        }
+    }
+    each!(axis in [0, 1] => (centres[axis] + moved[axis]).to_array())
+}

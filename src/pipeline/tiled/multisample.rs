@@ -1,0 +1,152 @@
+//! Multisampling: coverage and depth at several samples of each pixel, one colour for each triangle that shows in it.
+//!
+//! Every sample of the pixels has a tile of its own, whose lattice is moved from the centres by the sample's offset. Corners
+//! and samples stand on one grid, so to all samples a triangle has the same edges, elsewhere: it is set up once, and then drawn
+//! into each tile. A pixel whose samples all see the same triangle is shaded as if it were sampled at its centre alone, which
+//! lies among the samples and so within the triangle. What other pixels take is in [`super::mixed`].
+
+use std::time::Instant;
+
+use super::kernel::Band;
+use super::lattice::Lattice;
+use super::record::{Entrants, Slot};
+use super::see_through::set_bits;
+use super::see_through_samples::SeenThrough;
+use super::setup::Batch;
+use super::shade::{Canvas, shade_tile};
+use super::tile::Tile;
+use super::{BATCHES, CROWDED, Frame, GROUP, Target, Work, Workspace};
+use crate::image::Rgba8;
+use crate::math::lanes::*;
+use crate::pipeline::grid::SampleGrid;
+use crate::scene::material::Transparency;
+
+/// Of sixteen pixels where among some colours that of one sample is.
+pub type Picks = [u32; WIDE];
+
+/// The colours of pixels, sixteen by sixteen, from those of their samples, which are picked sample by sample. If all samples of
+/// a pixel have one colour, that is the pixel's.
+pub type MeanOfSamples<'a> = &'a (dyn Fn(&[Rgba8], &[Picks], &mut [Rgba8]) + Sync);
+
+/// Several samples of each pixel, and the colour that they have together.
+#[derive(Clone, Copy)]
+pub struct Multisampling<'a> {
+    /// Where samples lie, in grid steps of 1/256 px right of and below the centre of their pixel. Their mean is the centre, and
+    /// they do not all lie on one line.
+    pub offsets: &'a [[i32; 2]],
+    /// From samples to pixels.
+    pub mean: MeanOfSamples<'a>,
+}
+
+/// What tiles are drawn for each tile of the picture.
+pub(super) struct Planes<'a> {
+    pub(super) samples: Multisampling<'a>,
+    /// One for each sample, and one more for the centres of pixels if their depths are kept.
+    pub(super) lattices: Vec<Lattice>,
+    /// Where a triangle may be shaded in a pixel, in the order of preference: at the centre, or at one of the samples.
+    pub(super) shading_places: Vec<[i32; 2]>,
+}
+
+impl<'a> Planes<'a> {
+    pub(super) fn new(samples: Multisampling<'a>, grid: SampleGrid, keep_depth: bool) -> Self {
+        let centres = Lattice::new(grid);
+        let moved = samples.offsets.iter().map(|offset| centres.moved(*offset));
+        Self {
+            samples,
+            lattices: moved.chain(keep_depth.then_some(centres)).collect(),
+            shading_places: [&[[0; 2]], samples.offsets].concat(),
+        }
+    }
+}
+
+impl Frame<'_> {
+    /// Draws and shades a tile of the picture whose pixels have several samples.
+    #[inline(always)]
+    pub(super) fn draw_samples<S: Simd>(
+        &self,
+        simd: S,
+        planes: &Planes<'_>,
+        workspace: &mut Workspace,
+        mut target: Target<'_>,
+        work: &Work,
+    ) {
+        let start = Instant::now();
+        let Workspace { tile, planes: tiles, mixed, seen_through, entrants, batches, queue, .. } = workspace;
+        let (place, width) = (target.place, self.packed.0 as usize);
+        self.let_enter(target.number, entrants);
+        if entrants.len() == 0 {
+            target.depth_rows(width).for_each(|row| row.fill(self.rules.clear));
+            return;
+        }
+        tiles.resize_with(planes.lattices.len(), Tile::new);
+        if !self.all_opaque {
+            seen_through.clear();
+        }
+        self.draw_planes(simd, (planes, tiles), (entrants, batches), place, seen_through);
+        let (samples, centres) = tiles.split_at_mut(planes.samples.offsets.len());
+        if let [centres] = centres {
+            self.write_depths(simd, centres, entrants, &mut target);
+        }
+        let rasterized = Instant::now();
+        let Target { colors, .. } = target;
+        let mut picture = Band { pixels: colors, width };
+        mixed.find(simd, &self.lattice, samples, tile, picture.size(place));
+        let mut shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: picture.pixels });
+        shaded += mixed.shade(simd, self, planes, (entrants, queue), place);
+        mixed.write(&mut picture, place);
+        if !self.all_opaque && !seen_through.blended.is_empty() {
+            let seen = (&*entrants, place);
+            shaded.samples += self.blend_samples(simd, (planes, samples), seen, mixed, seen_through, &mut picture);
+        }
+        work.add((rasterized - start, rasterized.elapsed()), tiles.iter().map(|tile| tile.counts), shaded);
+    }
+
+    /// Draws the triangles of a tile of the picture into the tiles of all samples, and lists those that are blended.
+    #[inline(always)]
+    fn draw_planes<S: Simd>(
+        &self,
+        simd: S,
+        (planes, tiles): (&Planes<'_>, &mut [Tile]),
+        (entrants, batches): (&mut Entrants, &mut [Batch; BATCHES]),
+        place: (usize, usize),
+        seen_through: &mut SeenThrough,
+    ) {
+        for tile in tiles.iter_mut() {
+            tile.clear(&self.rules, entrants.len() < CROWDED);
+        }
+        let origin = self.origin(&self.lattice, place);
+        for group in (0..entrants.len()).step_by(GROUP) {
+            let (mut alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
+            for (number, batch) in batches.iter().enumerate() {
+                let slot = |lane| Slot::new(group + number * LANES + lane, large[number] >> lane & 1 != 0);
+                if !self.all_opaque {
+                    for lane in set_bits(alive[number]) {
+                        if self.transparency(entrants.get(slot(lane))) == Transparency::Blended {
+                            alive[number] &= !(1 << lane);
+                            seen_through.blended.push(slot(lane));
+                        }
+                    }
+                }
+                if alive[number] == 0 {
+                    continue;
+                }
+                for (tile, lattice) in tiles.iter_mut().zip(&planes.lattices) {
+                    let (within, moved) = batch.moved(simd, lattice, origin.1);
+                    let owner = self.owner(entrants, lattice, place);
+                    let mut alive = alive[number] & within;
+                    while alive != 0 {
+                        let lane = alive.trailing_zeros() as usize;
+                        alive &= alive - 1;
+                        let triangle = moved.triangle(lane, slot(lane));
+                        if self.all_opaque || self.transparency(entrants.get(triangle.slot)) == Transparency::Opaque {
+                            tile.draw(simd, &triangle, lattice, &self.rules, &owner);
+                        } else {
+                            let seen = (&*entrants, place);
+                            self.draw_cut_out(simd, planes, (tile, &triangle, lattice), seen, seen_through);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
