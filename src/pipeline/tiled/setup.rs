@@ -166,7 +166,7 @@ pub(super) struct Batch {
     inv_w: [[f64; LANES]; 3],
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
-    /// The least and the greatest coordinate along each axis, in grid steps.
+    /// The least and the greatest coordinate along each axis, in grid steps; only known if pixels have several samples.
     boxes: [[[f32; LANES]; 2]; 2],
 }
 
@@ -200,9 +200,7 @@ impl Batch {
                     let [a, b, c] = each!(i in [0, 1, 2] => corners[i].0[axis]);
                     [a.min(b).min(c), a.max(b).max(c)]
                 });
-                let (mut alive, ranges) = ranges_lanes(simd, boxes, lattice, first);
-                [self.columns, self.rows] = ranges;
-                self.boxes = each!(axis in [0, 1] => each!(end in [0, 1] => boxes[axis][end].to_array()));
+                let mut alive = ranges_lanes(simd, boxes, lattice, first, [&mut self.columns, &mut self.rows]);
                 let p =
                     each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
                 let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
@@ -214,11 +212,9 @@ impl Batch {
                 let doubled_area = area.abs();
                 doubled_area.store_array(&mut self.doubled_area);
                 let zero_and_one = [F64::splat(simd, 0.0), F64::splat(simd, 1.0)];
-                let mut steepest = zero_and_one[0];
                 for (i, (from, to)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
                     let (a, b) = (p[from][1] - p[to][1], p[to][0] - p[from][0]);
                     let (a, b) = (turned.select(-a, a), turned.select(-b, b));
-                    steepest = steepest.max(a.abs() + b.abs());
                     a.store_array(&mut self.a[i]);
                     b.store_array(&mut self.b[i]);
                     (-(a * p[from][0] + b * p[from][1])).store_array(&mut self.c[i]);
@@ -242,8 +238,15 @@ impl Batch {
                 let attributes = each!(corner in [0, 1, 2] => Vertex::attributes(simd, &vertices[corner]));
                 let (first_two, doubled_area_i32) = edges;
                 Record::fill_eight(simd, records, first_two, doubled_area_i32, attributes, divides_by_w);
-                let greatest_edge = doubled_area + steepest * lattice.extent();
-                (alive, alive & greatest_edge.simd_gt(f64::from(i32::MAX)).to_bitmask())
+                let mut greatest_value = doubled_area;
+                if lattice.extent() > 0.0 {
+                    for i in 0..3 {
+                        let [a, b] = each!(of in [&self.a, &self.b] => F64::load_array_ref(simd, &of[i]).abs());
+                        greatest_value = greatest_value.max(doubled_area + (a + b) * lattice.extent());
+                    }
+                    self.boxes = each!(axis in [0, 1] => each!(end in [0, 1] => boxes[axis][end].to_array()));
+                }
+                (alive, alive & greatest_value.simd_gt(f64::from(i32::MAX)).to_bitmask())
             },
         )
     }
@@ -253,7 +256,8 @@ impl Batch {
     #[inline(always)]
     pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &Lattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
         let boxes = each!(axis in [0, 1] => each!(end in [0, 1] => F32::load_array_ref(simd, &self.boxes[axis][end])));
-        let (alive, [columns, rows]) = ranges_lanes(simd, boxes, lattice, first);
+        let [mut columns, mut rows] = [[[0; LANES]; 2]; 2];
+        let alive = ranges_lanes(simd, boxes, lattice, first, [&mut columns, &mut rows]);
         let [right, down] = lattice.offset().map(f64::from);
         let c = each!(i in [0, 1, 2] => {
             let [a, b, c] = each!(of in [&self.a, &self.b, &self.c] => F64::load_array_ref(simd, &of[i]));
@@ -308,23 +312,25 @@ fn range_of(ranges: &[[i32; LANES]; 2], lane: usize) -> [usize; 2] {
     [ranges[0][lane] as usize, ranges[1][lane] as usize]
 }
 
-/// Bits of those of eight triangles that may have samples in a tile, and the first and last columns and rows of these, by the
-/// triangles' boxes in grid steps.
+/// Finds the first and last columns and rows of the samples in a tile that eight triangles may cover, by the triangles' boxes in
+/// grid steps. Gives bits of those that have any.
 #[inline(always)]
 fn ranges_lanes<S: Simd>(
     simd: S,
     boxes: [[F32<S>; 2]; 2],
     lattice: &Lattice,
     first: [f32; 2],
-) -> (u64, [[[i32; LANES]; 2]; 2]) {
+    ranges: [&mut [[i32; LANES]; 2]; 2],
+) -> u64 {
     let mut alive = u64::MAX;
-    let ranges = each!(axis in [0, 1] => {
+    for (axis, out) in ranges.into_iter().enumerate() {
         let [from, to] = lattice.range_lanes(simd, axis, boxes[axis][0], boxes[axis][1]);
         let (from, to) = ((from - first[axis]).max(0.0), (to - first[axis]).min((TILE - 1) as f32));
         alive &= from.simd_le(to).to_bitmask();
-        [from.to_int::<i32x8<S>>().to_array(), to.to_int::<i32x8<S>>().to_array()]
-    });
-    (alive, ranges)
+        from.to_int::<i32x8<S>>().store_array(&mut out[0]);
+        to.to_int::<i32x8<S>>().store_array(&mut out[1]);
+    }
+    alive
 }
 
 /// a, b and c of the first two edges of eight triangles, and their doubled areas, by positions in grid steps: low 32 bits.
