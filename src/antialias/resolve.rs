@@ -88,7 +88,7 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
                 let ((first, last), tables) = (mean.split(), Tables::get());
                 tables.encode_lanes(simd, first).combine(tables.encode_lanes(simd, last))
             }
-            ColorSpace::Bytes => (mean + 0.5).to_int::<u32x16<S>>(),
+            ColorSpace::Bytes => whole_part(mean + 0.5),
         }
     });
     (r | g << 8 | b << 16 | 0xFF00_0000).to_array().map(u32::to_le_bytes)
