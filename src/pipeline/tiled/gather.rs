@@ -85,7 +85,8 @@ pub(super) fn split_pairs<S: Simd>(simd: S, pairs: &Pairs, first: usize) -> [S::
     each!(half in [0, 1] => S::u32s::from_slice(simd, &halves[half][..S::u32s::LEN]))
 }
 
-/// The texels at twice as many places as a register holds, each with the one after it, by instructions for that.
+/// The texels at twice as many places as a register holds, each with the one after it, by instructions for that; none where there
+/// are no such instructions, and pairs are read ahead.
 ///
 /// # Panics
 /// If one of the places, or the one after it, lies outside of the texels, or there are fewer.
