@@ -128,7 +128,8 @@ impl Capture<'_> {
         let has = |part| self.plans[instance].runs(part);
         let uv = |value: f32| has(Part::TextureCoordinates).then_some(value);
         let lambda = || affine_weights(triangle, sample);
-        let gradient = || has(Part::TextureCoordinates).then(|| uv_gradient(triangle, fragment));
+        let arithmetic = self.settings.arithmetic;
+        let gradient = || has(Part::TextureCoordinates).then(|| uv_gradient(triangle, sample, arithmetic));
         match self.which {
             Intermediate::Edge0 => Some(sample.edges[0] as f32),
             Intermediate::Edge1 => Some(sample.edges[1] as f32),

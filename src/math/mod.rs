@@ -21,6 +21,9 @@ pub mod expansion;
 pub mod fixed;
 
 pub mod lanes;
+
+pub mod log2;
+
 pub mod prefetch;
 
 mod bounds;

@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 
 use super::plan::{DrawPlan, Part};
 use super::raster::Sample;
-use super::settings::{Filter, Interpolation, Settings, Shading};
+use super::settings::{Arithmetic, Filter, Interpolation, Settings, Shading};
 use super::viewport::ScreenTriangle;
 
 /// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
@@ -84,8 +84,8 @@ pub struct Attributes {
     pub light: bool,
     /// [`Fragment::source_weights`].
     pub source_weights: bool,
-    /// [`Fragment::uv_gradient`].
-    pub uv_gradient: bool,
+    /// [`Fragment::uv_gradient`], if any, with edges in this arithmetic.
+    pub uv_gradient: Option<Arithmetic>,
 }
 
 impl Attributes {
@@ -98,7 +98,7 @@ impl Attributes {
             color: true,
             light: true,
             source_weights: true,
-            uv_gradient: false,
+            uv_gradient: None,
         }
     }
 
@@ -111,7 +111,8 @@ impl Attributes {
             color: plan.runs(Part::VertexColors),
             light: settings.shading == Shading::Gouraud,
             source_weights: settings.shading == Shading::Barycentric,
-            uv_gradient: settings.filter == Filter::Trilinear && plan.runs(Part::Texels),
+            uv_gradient: (settings.filter == Filter::Trilinear && plan.runs(Part::Texels))
+                .then_some(settings.arithmetic),
         }
     }
 }
@@ -169,70 +170,99 @@ pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attrib
         let [wa, wb, wc] = [a, b, c].map(|v| v.source_weights);
         fragment.source_weights = wa + (wb - wa) * p1 + (wc - wa) * p2;
     }
-    if attributes.uv_gradient {
-        fragment.uv_gradient = uv_gradient(triangle, &fragment);
+    if let Some(arithmetic) = attributes.uv_gradient {
+        fragment.uv_gradient = uv_gradient(triangle, &sample, arithmetic);
     }
     fragment
 }
 
-/// Exact derivatives of the texture coordinates at a sample by the screen. u is N / D with N = Σ uᵢ·rᵢ·λᵢ and D = Σ rᵢ·λᵢ,
-/// both affine on the screen, so du = (dN − u·dD) / D.
-pub(crate) fn uv_gradient(triangle: &ScreenTriangle, fragment: &Fragment) -> [Vec2; 2] {
-    let [v0, v1, v2] = triangle.corners_px().map(Vec2::from);
-    let doubled_area = (v1 - v0).perp_dot(v2 - v0);
-    // What each λ changes by to the right and downwards.
-    let by_screen = [(v1, v2), (v2, v0), (v0, v1)].map(|(a, b)| Vec2::new(a.y - b.y, b.x - a.x) / doubled_area);
-    let edges = fragment.sample.edges.map(|edge| edge as f32);
-    let sum = edges[0] + edges[1] + edges[2];
-    let (mut divisor, mut change, mut numerator_change) = (0.0, Vec2::ZERO, [Vec2::ZERO; 2]);
-    for corner in 0..3 {
-        let r = triangle.relative_inv_w[corner];
-        divisor += r * edges[corner] / sum;
-        change += r * by_screen[corner];
-        let uv = triangle.vertices[corner].varyings.uv;
-        numerator_change[0] += uv * (r * by_screen[corner].x);
-        numerator_change[1] += uv * (r * by_screen[corner].y);
-    }
-    [(numerator_change[0] - fragment.uv * change.x) / divisor, (numerator_change[1] - fragment.uv * change.y) / divisor]
+/// What edge values change by in a pixel to the right, and in one downwards.
+pub(crate) fn edge_slopes(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 3]; 2] {
+    let [[x0, y0], [x1, y1], [x2, y2]] = triangle.corners_in(arithmetic);
+    let side = |x: f32, y: f32| [f64::from(x) - f64::from(x0), f64::from(y) - f64::from(y0)];
+    let (to_1, to_2) = (side(x1, y1), side(x2, y2));
+    // Edge values per px². Their sign is such that they are positive inside; in fixed point this is 2¹⁶ or −2¹⁶ without error.
+    let unit = (triangle.doubled_area / (to_1[0] * to_2[1] - to_2[0] * to_1[1])) as f32;
+    [[(y1 - y2) * unit, (y2 - y0) * unit, (y0 - y1) * unit], [(x2 - x1) * unit, (x0 - x2) * unit, (x1 - x0) * unit]]
+}
+
+/// What the weights of the second and the third corner for attributes, divided by w, change by in a pixel to the right, and in
+/// one downwards. They are pᵢ = qᵢ / Σ qⱼ with qᵢ = eᵢ·rᵢ, which are affine on the screen: pᵢ' = (qᵢ' − pᵢ·Σ qⱼ') / Σ qⱼ.
+pub(crate) fn weight_gradient(triangle: &ScreenTriangle, sample: &Sample, arithmetic: Arithmetic) -> [[f32; 2]; 2] {
+    let [r0, r1, r2] = triangle.relative_inv_w;
+    let WeightTerms { q: [_, q1, q2], inverse_sum, .. } = weight_terms(triangle, sample);
+    let (p1, p2) = (q1 * inverse_sum, q2 * inverse_sum);
+    edge_slopes(triangle, arithmetic).map(|[e0, e1, e2]| {
+        let (q0, q1, q2) = (e0 * r0, e1 * r1, e2 * r2);
+        let sum = q0 + q1 + q2;
+        [(q1 - p1 * sum) * inverse_sum, (q2 - p2 * sum) * inverse_sum]
+    })
+}
+
+/// Derivatives of the texture coordinates at a sample by the screen, as perspective has them.
+pub(crate) fn uv_gradient(triangle: &ScreenTriangle, sample: &Sample, arithmetic: Arithmetic) -> [Vec2; 2] {
+    let [a, b, c] = triangle.vertices.each_ref().map(|v| v.varyings.uv);
+    weight_gradient(triangle, sample, arithmetic).map(|[p1, p2]| (b - a) * p1 + (c - a) * p2)
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::pipeline::depth::DepthScale;
     use crate::pipeline::raster::{AnyTriangle, doubled_area};
-    use crate::pipeline::settings::{Arithmetic, FillRule};
+    use crate::pipeline::settings::FillRule;
     use crate::pipeline::vertex::Varyings;
     use crate::pipeline::viewport::ScreenVertex;
     use crate::scene::TriangleId;
 
+    /// The texture coordinates of a triangle at a place in px, from its corners in px, in double precision.
+    fn true_uv(corners: &[ScreenVertex; 3], [x, y]: [f64; 2]) -> DVec2 {
+        let at = corners.map(|corner| [corner.x, corner.y].map(|step| f64::from(step) / 256.0));
+        let (mut total, mut sum) = (0.0, DVec2::ZERO);
+        for i in 0..3 {
+            let ([ax, ay], [bx, by]) = (at[(i + 1) % 3], at[(i + 2) % 3]);
+            let weight = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) * f64::from(corners[i].inv_w);
+            total += weight;
+            sum += corners[i].varyings.uv.as_dvec2() * weight;
+        }
+        sum / total
+    }
+
     #[test]
-    fn gradients_are_the_differences_between_neighbours() {
-        let corner = |at: [f32; 2], w: f32, uv: [f32; 2]| {
-            ScreenVertex::at(at, 0.5, 1.0 / w, Varyings { uv: uv.into(), ..Varyings::default() })
-        };
-        let vertices = [
-            corner([10.0, 900.0], 1.0, [0.0, 0.0]),
-            corner([500.0, 20.0], 6.0, [0.3, 5.0]),
-            corner([990.0, 800.0], 2.0, [4.0, 1.0]),
-        ];
-        let positions = vertices.each_ref().map(|v| v.position_px);
-        let (area, _) = doubled_area(Arithmetic::Fixed, positions);
-        let triangle = ScreenTriangle::new((TriangleId(0), 0), vertices, area.abs(), &DepthScale::default(), true);
-        let edges = AnyTriangle::new(Arithmetic::Fixed, positions, FillRule::TopLeft).unwrap();
-        let mut attributes = Attributes::all(Interpolation::Perspective);
-        attributes.uv_gradient = true;
-        let at = |x, y| interpolate(&triangle, edges.sample((x, y)), attributes);
-        for (x, y) in [(500, 200), (400, 600), (700, 500), (100, 860)] {
-            let here = at(x, y);
-            // Central differences: their error is of second order.
-            for (gradient, difference) in here
-                .uv_gradient
-                .into_iter()
-                .zip([(at(x + 1, y).uv - at(x - 1, y).uv) / 2.0, (at(x, y + 1).uv - at(x, y - 1).uv) / 2.0])
-            {
-                assert!((gradient - difference).length() < 2e-2 * difference.length(), "{gradient} {difference}");
+    fn gradients_are_the_differences_between_places_nearby() {
+        const STEP_PX: f64 = 1e-4;
+        let mut random = fastrand::Rng::with_seed(11);
+        let mut compared = 0;
+        for _ in 0..4000 {
+            let vertices = [(); 3].map(|()| {
+                let uv = Vec2::new(random.f32() * 8.0 - 4.0, random.f32() * 8.0 - 4.0);
+                let inv_w = 10.0_f32.powf(-2.0 * random.f32());
+                let position = [random.f32() * 1000.0, random.f32() * 1000.0];
+                ScreenVertex::at(position, 0.5, inv_w, Varyings { uv, ..Varyings::default() })
+            });
+            let positions = vertices.each_ref().map(|v| v.position_px);
+            let (area, _) = doubled_area(Arithmetic::Fixed, positions);
+            let edges = AnyTriangle::new(Arithmetic::Fixed, positions, FillRule::TopLeft).unwrap();
+            let triangle = ScreenTriangle::new((TriangleId(0), 0), vertices, area.abs(), &DepthScale::default(), true);
+            let [across, down] = [0, 1].map(|axis| (positions.iter().map(|p| p[axis]).sum::<f32>() / 3.0) as u32);
+            let sample = edges.sample((across, down));
+            if sample.edges.iter().any(|edge| *edge < 0.0) {
+                continue;
+            }
+            compared += 1;
+            let place = |dx: f64, dy: f64| [f64::from(across) + 0.5 + dx, f64::from(down) + 0.5 + dy];
+            let between = |dx: f64, dy: f64| {
+                let [a, b] = [place(-dx, -dy), place(dx, dy)].map(|place| true_uv(&vertices, place));
+                (b - a) / (2.0 * STEP_PX)
+            };
+            let expected = [between(STEP_PX, 0.0), between(0.0, STEP_PX)];
+            let longest = expected[0].length().max(expected[1].length());
+            for (found, expected) in uv_gradient(&triangle, &sample, Arithmetic::Fixed).into_iter().zip(expected) {
+                assert!((found.as_dvec2() - expected).length() < 1e-4 * longest, "{found} {expected} {vertices:?}");
             }
         }
+        assert!(compared > 3000, "{compared}");
     }
 }

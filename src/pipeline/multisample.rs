@@ -13,7 +13,7 @@ use super::framebuffer::Framebuffer;
 use super::interpolate::interpolate;
 use super::raster::numbers::Numbers;
 use super::raster::{Span, Triangle, cover_samples, doubled_area, with_arithmetic};
-use super::settings::{Arithmetic, Settings};
+use super::settings::Settings;
 use super::shade::Shader;
 use super::viewport::{ScreenTriangle, ScreenVertex};
 use super::{Extent, Geometry, Until, samples};
@@ -96,7 +96,7 @@ impl<'a> Job<'a> {
         out.clear();
         let moved = |offset_px: &[f32; 2]| {
             let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
-            let edges = Triangle::<N>::new(corners_px(&moved, self.settings.arithmetic), self.settings.fill_rule)?;
+            let edges = Triangle::<N>::new(moved.corners_in(self.settings.arithmetic), self.settings.fill_rule)?;
             Some((moved, edges))
         };
         out.extend(self.places.candidates.iter().map(|places| places.iter().map(moved).collect()));
@@ -219,13 +219,8 @@ fn displaced(
         ScreenVertex { position_px, x: vertex.x - right_steps, y: vertex.y - down_steps, ..vertex }
     });
     let moved = ScreenTriangle { vertices, ..*triangle };
-    let positions_px = corners_px(&moved, settings.arithmetic);
+    let positions_px = moved.corners_in(settings.arithmetic);
     let (area, unit) = doubled_area(settings.arithmetic, positions_px);
     let doubled_area = (area * unit).abs();
     (doubled_area > 0.0).then(|| ScreenTriangle { doubled_area, depth: scale.over(&vertices, doubled_area), ..moved })
-}
-
-/// The corners of a moved triangle from which an arithmetic makes edges. Fixed point has them on its grid already.
-fn corners_px(triangle: &ScreenTriangle, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
-    if arithmetic == Arithmetic::Fixed { triangle.snapped_px() } else { triangle.corners_px() }
 }

@@ -15,6 +15,7 @@ use super::settings::{Address, ColorSpace, Filter};
 use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::floor;
+use crate::math::log2::log2;
 
 /// One texel and its share in a sample.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -129,10 +130,11 @@ impl Sampler {
     /// their shares: 0 is the texture itself, `copies` the smallest. The copy whose texels are as long as the pixel's longer
     /// side lies between them, so that nothing is missed.
     pub fn levels((width, height): (u32, u32), copies: usize, uv_gradient: [Vec2; 2]) -> [(usize, f32); 2] {
-        let in_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length();
-        let longest = in_texels(uv_gradient[0]).max(in_texels(uv_gradient[1]));
-        // The larger of a number and NaN is the number.
-        let level = longest.log2().max(0.0).min(copies as f32);
+        let squared_texels = |change: Vec2| (change * Vec2::new(width as f32, height as f32)).length_squared();
+        let [right, down] = uv_gradient.map(squared_texels);
+        let longest = if down > right { down } else { right };
+        // Where a pixel is less than a texel long, or NaN, the texture itself is read.
+        let level = if longest > 1.0 { (0.5 * log2(longest)).min(copies as f32) } else { 0.0 };
         let finer = level as usize;
         let share = level - finer as f32;
         [(finer, 1.0 - share), ((finer + 1).min(copies), share)]

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use super::clip::ClippedTriangle;
 use super::depth::{DepthFunction, DepthScale};
+use super::settings::Arithmetic;
 use super::vertex::{ClipVertex, Varyings};
 use crate::math::fixed::{snap, to_pixels};
 use crate::scene::{TriangleId, Window};
@@ -70,6 +71,11 @@ impl ScreenTriangle {
     /// The corners in px, before snapping.
     pub fn corners_px(&self) -> [[f32; 2]; 3] {
         self.vertices.each_ref().map(|v| v.position_px)
+    }
+
+    /// The corners in px from which an arithmetic makes edges. Fixed point has them on its grid.
+    pub fn corners_in(&self, arithmetic: Arithmetic) -> [[f32; 2]; 3] {
+        if arithmetic == Arithmetic::Fixed { self.snapped_px() } else { self.corners_px() }
     }
 
     /// The snapped corners in px.

@@ -8,6 +8,46 @@
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
 
+/// Where a level of a texture lies among the texels of all levels. One array, so that lanes can load it whole.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C, align(16))]
+pub struct Level {
+    /// Position of its first texel, that of the first texel of the next smaller level (of the smallest, its own), width, height.
+    pub numbers: [u32; 4],
+}
+
+/// Texels of all levels of a texture side by side: those of the texture itself, then those of each smaller copy, the largest
+/// first. Each row is followed by its first texel once more.
+#[derive(Clone, Debug)]
+pub struct Levels<T> {
+    /// The texels.
+    pub texels: Box<[T]>,
+    /// Where each level lies.
+    pub places: Box<[Level]>,
+}
+
+impl<T> Levels<T> {
+    /// Of images, the largest first.
+    pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8) -> T) -> Self {
+        let (mut texels, mut places) = (Vec::new(), Vec::<Level>::new());
+        for image in images {
+            let first = texels.len() as u32;
+            if let Some(Level { numbers: [_, next, ..] }) = places.last_mut() {
+                *next = first;
+            }
+            places.push(Level { numbers: [first, first, image.width(), image.height()] });
+            texels.extend(wrapped(image, &value));
+        }
+        Self { texels: texels.into(), places: places.into() }
+    }
+}
+
+/// The rows of an image, each followed by its first texel.
+pub(super) fn wrapped<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8) -> T) -> impl Iterator<Item = T> {
+    let rows = (0..image.height()).map(|y| image.row(y));
+    rows.flat_map(|row| row.iter().chain(row.first())).map(move |texel| value(*texel))
+}
+
 /// Colour × alpha, and alpha, in [0, 1].
 type Texel = [f32; 4];
 

@@ -32,6 +32,7 @@ pub use error::{SceneError, Warning};
 pub use library::{Library, MaterialId, MeshId, TextureId};
 pub use material::{Material, Transparency};
 pub use mesh::{Mesh, MeshData};
+pub use mips::{Level, Levels};
 pub use source::SceneSource;
 pub use texture::{Alpha, Texture};
 

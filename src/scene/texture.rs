@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use super::mips;
+use super::mips::{self, Levels, wrapped};
 use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
 
@@ -36,6 +36,8 @@ pub struct Texture {
     alpha: Alpha,
     wrapped: OnceLock<Box<[u32]>>,
     wrapped_linear: OnceLock<Box<[[f32; 4]]>>,
+    levels: OnceLock<Levels<u32>>,
+    levels_linear: OnceLock<Levels<[f32; 4]>>,
     /// Means of codes, means of linear light.
     smaller: [OnceLock<Vec<Image<Rgba8>>>; 2],
 }
@@ -49,6 +51,8 @@ impl Texture {
             image,
             wrapped: OnceLock::new(),
             wrapped_linear: OnceLock::new(),
+            levels: OnceLock::new(),
+            levels_linear: OnceLock::new(),
             smaller: [const { OnceLock::new() }; 2],
         })
     }
@@ -61,17 +65,27 @@ impl Texture {
     /// Texels as little-endian numbers, each row followed by its first texel: neighbours along a row of the repeated texture
     /// are neighbours in memory. Made when first asked for.
     pub fn wrapped(&self) -> &[u32] {
-        self.wrapped.get_or_init(|| self.wrap(u32::from_le_bytes))
+        self.wrapped.get_or_init(|| wrapped(&self.image, u32::from_le_bytes).collect())
     }
 
     /// The same in linear light: red, green and blue, and a fourth number that means nothing.
     pub fn wrapped_linear(&self) -> &[[f32; 4]] {
-        self.wrapped_linear.get_or_init(|| self.wrap(|texel| texel.map(decode_byte)))
+        self.wrapped_linear.get_or_init(|| wrapped(&self.image, linear).collect())
     }
 
-    fn wrap<T>(&self, value: impl Fn(Rgba8) -> T) -> Box<[T]> {
-        let rows = (0..self.image.height()).map(|y| self.image.row(y));
-        rows.flat_map(|row| row.iter().chain(row.first()).map(|texel| value(*texel))).collect()
+    /// [`Texture::wrapped`] of the texture and of all its smaller copies by means of codes.
+    pub fn levels(&self) -> &Levels<u32> {
+        self.levels.get_or_init(|| Levels::new(self.images(false), u32::from_le_bytes))
+    }
+
+    /// [`Texture::wrapped_linear`] of the texture and of all its smaller copies by means of linear light.
+    pub fn levels_linear(&self) -> &Levels<[f32; 4]> {
+        self.levels_linear.get_or_init(|| Levels::new(self.images(true), linear))
+    }
+
+    /// The texture and its smaller copies.
+    fn images(&self, linear: bool) -> impl Iterator<Item = &Image<Rgba8>> {
+        [&self.image].into_iter().chain(self.smaller(linear))
     }
 
     /// Copies of half the length, a quarter, and so on down to one texel, by means of linear light or of codes. Made when
@@ -91,9 +105,43 @@ impl Texture {
     }
 }
 
+fn linear(texel: Rgba8) -> [f32; 4] {
+    texel.map(decode_byte)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn levels_are_the_wrapped_rows_of_the_copies() {
+        let mut random = fastrand::Rng::with_seed(13);
+        for (width, height) in [(16, 16), (5, 7), (1, 9), (12, 3), (1, 1)] {
+            let image = Image::from_fn(width, height, |_, _| [(); 4].map(|()| random.u8(..)));
+            let texture = Texture::new("noise", image).unwrap();
+            let (codes, linear) = (texture.levels(), texture.levels_linear());
+            assert_eq!(codes.places, linear.places);
+            assert_eq!(codes.places.len(), texture.smaller(false).len() + 1);
+            let mut end = 0;
+            for (level, place) in codes.places.iter().enumerate() {
+                let [first, next, width, height] = place.numbers.map(|number| number as usize);
+                assert_eq!(first, end);
+                end += (width + 1) * height;
+                assert_eq!(next, if level + 1 < codes.places.len() { end } else { first });
+                for (x, y) in (0..height).flat_map(|y| (0..=width).map(move |x| (x, y))) {
+                    let texel = |linear: bool| {
+                        let image = level.checked_sub(1).map_or(texture.image(), |copy| &texture.smaller(linear)[copy]);
+                        assert_eq!(image.size(), (width as u32, height as u32));
+                        image.at((x % width) as u32, y as u32)
+                    };
+                    let place = first + y * (width + 1) + x;
+                    assert_eq!(codes.texels[place], u32::from_le_bytes(texel(false)));
+                    assert_eq!(linear.texels[place], texel(true).map(decode_byte));
+                }
+            }
+            assert_eq!((codes.texels.len(), linear.texels.len()), (end, end));
+        }
+    }
 
     #[test]
     fn a_texture_knows_which_alpha_it_has() {

@@ -4,10 +4,10 @@ use crate::chain::{Frame, Recipe, redraw};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::Until;
 use crate::pipeline::cull::{Facing, facing};
-use crate::pipeline::interpolate::{Attributes, Fragment, interpolate};
+use crate::pipeline::interpolate::{Fragment, uv_gradient};
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::raster::{Sample, doubled_area};
-use crate::pipeline::settings::{Arithmetic, Interpolation};
+use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::{Scene, TriangleId};
@@ -134,13 +134,7 @@ impl Watcher<'_> {
         if texels == 0.0 {
             return f32::NAN;
         }
-        let interpolation = match self.recipe.pipeline.interpolation {
-            // Its weights may be NaN where the true gradient is not.
-            Interpolation::Published => Interpolation::Perspective,
-            sound => sound,
-        };
-        let attributes = Attributes { uv_gradient: true, ..Attributes::all(interpolation) };
-        let [right, down] = interpolate(triangle, sample, attributes).uv_gradient;
+        let [right, down] = uv_gradient(triangle, &sample, self.recipe.pipeline.arithmetic);
         let density = (right.perp_dot(down).abs() * texels).sqrt();
         // Texture coordinates that were left out are all the same.
         if density > 0.0 { density } else { f32::NAN }

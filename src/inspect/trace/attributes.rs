@@ -1,10 +1,14 @@
 //! What the corners bring along, mixed by the weights.
 
+use glam::Vec2;
+
 use super::formula::{Formula, given, sum};
 use super::geometry::AXES;
 use super::line::{Scribe, TraceStage};
 use super::subject::Subject;
 use crate::inspect::intermediate::Intermediate;
+use crate::pipeline::interpolate::{edge_slopes, weight_gradient};
+use crate::pipeline::settings::Arithmetic;
 use crate::pipeline::vertex::Varyings;
 
 /// Channels of a colour.
@@ -42,8 +46,8 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
             scribe.compute(format!("weight of corner {axis} before clipping"), fragment.source_weights[axis], &formula);
         }
     }
-    if attributes.uv_gradient {
-        gradient(subject, scribe);
+    if let Some(arithmetic) = attributes.uv_gradient {
+        gradient(subject, arithmetic, scribe);
     }
 }
 
@@ -55,42 +59,54 @@ fn mixed(subject: &Subject<'_>, component: impl Fn(&Varyings) -> f32) -> Formula
     given("a₀", a) + from_first("a₁", b) * given("weight 1", p1) + from_first("a₂", c) * given("weight 2", p2)
 }
 
-/// What texture coordinates change by from pixel to pixel: of u = N / D, with N and D affine on the screen, the derivative is
-/// (N' − u·D') / D.
-fn gradient(subject: &Subject<'_>, scribe: &mut Scribe) {
+/// What weights and texture coordinates change by from pixel to pixel.
+fn gradient(subject: &Subject<'_>, arithmetic: Arithmetic, scribe: &mut Scribe) {
+    const DIRECTIONS: [&str; 2] = ["to the right", "downwards"];
     const NAMES: [[&str; 2]; 2] = [["du/dx", "dv/dx"], ["du/dy", "dv/dy"]];
     const BUFFERS: [[Intermediate; 2]; 2] =
         [[Intermediate::DuDx, Intermediate::DvDx], [Intermediate::DuDy, Intermediate::DvDy]];
+    let slopes = edge_slopes(subject.triangle, arithmetic);
+    let weights = weight_gradient(subject.triangle, &subject.sample, arithmetic);
+    let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| vertex.varyings.uv);
     for direction in 0..2 {
+        let change = |of: &str, corner: usize| format!("change of {of} {corner} in a pixel {}", DIRECTIONS[direction]);
+        for corner in 0..3 {
+            let formula = edge_change(subject, arithmetic, direction, corner);
+            scribe.compute(change("edge", corner), slopes[direction][corner], &formula);
+        }
+        for corner in [1, 2] {
+            let formula = weight_change(subject, slopes[direction], corner);
+            scribe.compute(change("weight", corner), weights[direction][corner - 1], &formula);
+        }
         for axis in 0..2 {
+            let side = |name: &'static str, to: Vec2| given(name, to[axis]) - given("a₀", a[axis]);
+            let [first, second] = weights[direction];
+            let formula = side("a₁", b) * given("change of weight 1", first)
+                + side("a₂", c) * given("change of weight 2", second);
             let value = subject.fragment.uv_gradient[direction][axis];
-            let formula = derivative(subject, direction, axis);
-            let line = scribe.compute(NAMES[direction][axis], value, &formula).shown_by(BUFFERS[direction][axis]);
-            // Written out it would fill a page.
-            line.formula = format!("(N′ − {}·D′) / D with N = Σ {0}ᵢ·rᵢ·λᵢ, D = Σ rᵢ·λᵢ", ["u", "v"][axis]);
-            line.numbers = String::new();
+            scribe.compute(NAMES[direction][axis], value, &formula).shown_by(BUFFERS[direction][axis]);
         }
     }
 }
 
-fn derivative(subject: &Subject<'_>, direction: usize, axis: usize) -> Formula {
-    let corners = subject.triangle.corners_px();
+/// The opposite side, turned by a right angle, in the unit of edge values.
+fn edge_change(subject: &Subject<'_>, arithmetic: Arithmetic, direction: usize, corner: usize) -> Formula {
+    let corners = subject.triangle.corners_in(arithmetic);
     let coordinate = |corner: usize, axis: usize| given(format!("{}{corner}", ["x", "y"][axis]), corners[corner][axis]);
-    let side = |to: usize, axis: usize| coordinate(to, axis) - coordinate(0, axis);
-    let area = || side(1, 0) * side(2, 1) - side(1, 1) * side(2, 0);
-    // What each λ changes by in a pixel to the right, or downwards.
-    let by_screen = |corner: usize| {
-        let (a, b) = ((corner + 1) % 3, (corner + 2) % 3);
-        let across =
-            if direction == 0 { coordinate(a, 1) - coordinate(b, 1) } else { coordinate(b, 0) - coordinate(a, 0) };
-        across / area()
-    };
-    let relative = |corner: usize| given("r", subject.triangle.relative_inv_w[corner]);
-    let edge = |corner: usize| given(format!("edge {corner}"), subject.sample.edges[corner] as f32);
-    let uv = |corner: usize| given(["u", "v"][axis], subject.triangle.vertices[corner].varyings.uv[axis]);
-    let numerator = sum((0..3).map(|corner| uv(corner) * relative(corner) * by_screen(corner)));
-    let divisor_change = sum((0..3).map(|corner| relative(corner) * by_screen(corner)));
-    let divisor = sum((0..3).map(|corner| relative(corner) * edge(corner))) / sum((0..3).map(edge));
-    let here = given(["u here", "v here"][axis], subject.fragment.uv[axis]);
-    (numerator - here * divisor_change) / divisor
+    let between = |from: usize, to: usize, axis: usize| coordinate(to, axis) - coordinate(from, axis);
+    let area = between(0, 1, 0) * between(0, 2, 1) - between(0, 1, 1) * between(0, 2, 0);
+    let (from, to) = ((corner + 1) % 3, (corner + 2) % 3);
+    let side = if direction == 0 { between(to, from, 1) } else { between(from, to, 0) };
+    side * (given("doubled area", subject.triangle.doubled_area) / area)
+}
+
+/// (qᵢ′ − pᵢ·Σ qⱼ′) / Σ qⱼ with qᵢ = edgeᵢ·rᵢ and pᵢ = qᵢ / Σ qⱼ, by what edge values change by.
+fn weight_change(subject: &Subject<'_>, slopes: [f32; 3], corner: usize) -> Formula {
+    const EDGES: [&str; 3] = ["edge 0", "edge 1", "edge 2"];
+    const CHANGES: [&str; 3] = ["change of edge 0", "change of edge 1", "change of edge 2"];
+    let relative = |corner: usize| given(["r₀", "r₁", "r₂"][corner], subject.triangle.relative_inv_w[corner]);
+    let q = |corner: usize| given(EDGES[corner], subject.sample.edges[corner] as f32) * relative(corner);
+    let change = |corner: usize| given(CHANGES[corner], slopes[corner]) * relative(corner);
+    let total = || sum((0..3).map(q));
+    (change(corner) - q(corner) / total() * sum((0..3).map(change))) / total()
 }

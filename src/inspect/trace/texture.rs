@@ -16,7 +16,8 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     for &(level, share) in &levels[..count] {
         let image = texture.level(level);
         if count > 1 {
-            let words = "by the length of a pixel in texels: the longer side, its logarithm to the base 2";
+            let words =
+                "by the length of a pixel in texels: the longer side, its logarithm to the base 2 to five digits";
             scribe.read(format!("share of copy {level}"), words, share);
         }
         let name = if count > 1 { format!("copy {level} · ") } else { String::new() };

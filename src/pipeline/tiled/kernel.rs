@@ -8,9 +8,10 @@ use glam::Vec3;
 use super::Frame;
 use super::geometry::lambert_lanes;
 use super::lattice::{BLOCK, Lattice, TILE};
+use super::mipmap::CoarseTaps;
 use super::record::{Entrants, Record, Source, Subject};
 use super::setup::Edges;
-use super::shader::{DrawShader, Light, Plan};
+use super::shader::{DrawShader, Light, Plan, TEXELS_AROUND};
 use super::texture::Taps;
 use crate::image::Rgba8;
 use crate::image::color::Tables;
@@ -27,9 +28,20 @@ pub(super) struct Queue {
     pairs: [QueuedPair; QUEUED],
     /// Which texels those of the pairs are.
     taps: [Taps; QUEUED],
+    /// Those of the smaller levels. Memory is only taken in mip-mapped frames.
+    coarse: Vec<CoarseTaps>,
+    /// Texels of smaller levels that were read.
+    pub(super) coarse_texels: u64,
     len: usize,
     /// Position of the shader of all rows.
     shader: usize,
+}
+
+impl Queue {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Self>() + self.coarse.capacity() * size_of::<CoarseTaps>()
+    }
 }
 
 /// Pairs of rows that wait together: those of four blocks, so that texels are there when the first of them is read.
@@ -54,6 +66,14 @@ pub(super) struct QueuedRow {
     count: usize,
     /// A bit for each sample that is written.
     mine: u32,
+}
+
+impl QueuedRow {
+    /// Samples that are written.
+    #[inline(always)]
+    fn written(&self) -> u32 {
+        (self.mine & ((1 << self.count) - 1)).count_ones()
+    }
 }
 
 /// Some rows of samples of a block, at most eight wide.
@@ -167,10 +187,11 @@ fn shade_rows<S: Simd>(
     let Subject { one, draw, .. } = *subject;
     let shader = frame.shader(draw);
     let rows = patch.end - patch.first;
-    let (pairs, taps) = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band);
+    let (pairs, taps, coarse) = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band);
     let relative_inv_w = one.relative_inv_w(simd);
     let plan = shader.plan;
     let mut start = band.start(patch, patch.first);
+    let mut coarse = coarse.iter_mut();
     for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate() {
         // A last row that has no other beside it is computed twice, and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
@@ -179,6 +200,7 @@ fn shade_rows<S: Simd>(
         let below = QueuedRow { start: start + band.width, ..row };
         pair.rows = [row, if lower > upper { below } else { QueuedRow::default() }];
         start += 2 * band.width;
+        let taps = (taps, coarse.next());
         match plan {
             Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, one, weights, (pair, taps)),
             plan => interpolate_pair(simd, shader, plan, one, weights, (pair, taps)),
@@ -262,14 +284,20 @@ fn make_room<'q, S: Simd>(
     pairs: usize,
     queue: &'q mut Queue,
     band: &mut Band<'_>,
-) -> (&'q mut [QueuedPair], &'q mut [Taps]) {
+) -> (&'q mut [QueuedPair], &'q mut [Taps], &'q mut [CoarseTaps]) {
     if queue.shader != shader || queue.len + pairs > QUEUED {
         flush(simd, frame, queue, band.pixels);
         queue.shader = shader;
     }
     let from = queue.len;
     queue.len += pairs;
-    (&mut queue.pairs[from..queue.len], &mut queue.taps[from..queue.len])
+    let coarse: &mut [_] = if frame.shaders[shader].plan.mipmapped {
+        queue.coarse.resize_with(QUEUED, CoarseTaps::default);
+        &mut queue.coarse[from..queue.len]
+    } else {
+        &mut []
+    };
+    (&mut queue.pairs[from..queue.len], &mut queue.taps[from..queue.len], coarse)
 }
 
 /// Shades a row by the classic way's own functions.
@@ -359,7 +387,8 @@ pub(super) fn shade_gathered<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let ([pair], [taps]) = make_room(simd, frame, shader, 1, queue, band) else { return };
+            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band) else { return };
+            let taps = (taps, coarse.first_mut());
             let places = spots.places(simd, &frame.lattice);
             let many = entrants.many(slots);
             let e = many.edge_values(simd, places);
@@ -371,7 +400,8 @@ pub(super) fn shade_gathered<S: Simd>(
             let weights = corner_weights(simd, e, many.relative_inv_w(simd));
             let wanted = mask32x16::from_bitmask(simd, mine.into());
             // The first corner stands for samples that are not wanted: what is computed there must not lead astray.
-            let weights = each!(i in [0, 1] => wanted.select(weights[i], f32x16::splat(simd, 0.0)));
+            let of_corners = each!(i in [0, 1] => wanted.select(weights.of_corners[i], f32x16::splat(simd, 0.0)));
+            let weights = Weights { of_corners, ..weights };
             pair.rows = spots.rows(mine, band);
             let shader = &frame.shaders[shader];
             match shader.plan {
@@ -394,12 +424,34 @@ fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) -> [f32x16<
     each!(i in [0, 1, 2] => first[i].combine(last[i]))
 }
 
-/// Weights of the second and third corner.
+/// Weights for attributes at sixteen samples.
+#[derive(Clone, Copy)]
+pub(super) struct Weights<S: Simd> {
+    /// Those of the second and the third corner.
+    pub(super) of_corners: [f32x16<S>; 2],
+    /// 1 over the sum of the edge values, each times the relative 1/w of its corner.
+    inverse_sum: f32x16<S>,
+}
+
+impl<S: Simd> Weights<S> {
+    /// What they change by in a pixel to the right, and in one downwards.
+    #[inline(always)]
+    pub(super) fn gradient(&self, simd: S, source: impl Source) -> [[f32x16<S>; 2]; 2] {
+        let (slopes, relative_inv_w) = (source.edge_slopes(simd), source.relative_inv_w(simd));
+        each!(slopes in [slopes[0], slopes[1]] => {
+            let q = each!(i in [0, 1, 2] => slopes[i] * relative_inv_w[i]);
+            let sum = q[0] + q[1] + q[2];
+            each!(i in [0, 1] => (q[i + 1] - self.of_corners[i] * sum) * self.inverse_sum)
+        })
+    }
+}
+
+/// Weights by edge values.
 #[inline(always)]
-fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w: [f32x16<S>; 3]) -> [f32x16<S>; 2] {
+fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w: [f32x16<S>; 3]) -> Weights<S> {
     let q = each!(i in [0, 1, 2] => e[i] * relative_inv_w[i]);
     let inverse_sum = f32x16::splat(simd, 1.0) / (q[0] + q[1] + q[2]);
-    [q[1] * inverse_sum, q[2] * inverse_sum]
+    Weights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
 }
 
 /// From weights to everything that is interpolated.
@@ -409,13 +461,21 @@ fn interpolate_pair<S: Simd>(
     shader: &DrawShader<'_>,
     plan: Plan,
     source: impl Source,
-    weights: [f32x16<S>; 2],
-    (pair, taps): (&mut QueuedPair, &mut Taps),
+    weights: Weights<S>,
+    (pair, (taps, coarse)): (&mut QueuedPair, (&mut Taps, Option<&mut CoarseTaps>)),
 ) {
     if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-        let [u, v] = source.uv(simd);
-        texture.locate(simd, layout, [u.at(weights), v.at(weights)], taps);
+        match coarse {
+            Some(coarse) if plan.mipmapped => {
+                texture.locate_in_levels(simd, layout, source, &weights, (taps, coarse));
+            }
+            _ => {
+                let [u, v] = source.uv(simd);
+                texture.locate(simd, layout, [u.at(weights.of_corners), v.at(weights.of_corners)], taps);
+            }
+        }
     }
+    let weights = weights.of_corners;
     match plan.light {
         Light::None => {}
         Light::Vertices => source.light(simd).at(weights).store_array(&mut pair.light),
@@ -446,7 +506,8 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
                 return;
             }
             let shader = &frame.shaders[queue.shader];
-            let (pairs, taps) = (&queue.pairs[..pairs], &mut queue.taps[..pairs]);
+            let Queue { pairs: all, taps, coarse, coarse_texels, .. } = queue;
+            let (pairs, taps) = (&all[..pairs], &mut taps[..pairs]);
             if let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) {
                 texture.read_ahead(simd, layout, taps);
             }
@@ -454,17 +515,48 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             match shader.plan {
                 Plan::COMMON => {
                     for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, shader, Plan::COMMON, (pair, taps), pixels);
+                        finish_pair(simd, shader, Plan::COMMON, (pair, (taps, None)), pixels);
                     }
                 }
+                plan if plan.mipmapped => {
+                    let coarse = &mut coarse[..pairs.len()];
+                    *coarse_texels += finish_mipmapped(simd, shader, (pairs, taps, coarse), pixels);
+                }
                 plan => {
+                    let plan = Plan { mipmapped: false, ..plan };
                     for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, shader, plan, (pair, taps), pixels);
+                        finish_pair(simd, shader, plan, (pair, (taps, None)), pixels);
                     }
                 }
             }
         },
     );
+}
+
+/// [`finish_pair`] for pairs of rows of a mip-mapped draw. Gives the number of texels of smaller levels.
+#[inline(never)]
+fn finish_mipmapped<S: Simd>(
+    simd: S,
+    shader: &DrawShader<'_>,
+    (pairs, taps, coarse): (&[QueuedPair], &[Taps], &mut [CoarseTaps]),
+    pixels: &mut [Rgba8],
+) -> u64 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            if let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) {
+                texture.read_coarse_ahead(simd, layout, coarse);
+            }
+            let plan = Plan { mipmapped: true, ..shader.plan };
+            let mut samples = 0;
+            for ((pair, taps), coarse) in pairs.iter().zip(taps).zip(coarse) {
+                let [upper, lower] = &pair.rows;
+                samples += if coarse.is_read { upper.written() + lower.written() } else { 0 };
+                finish_pair(simd, shader, plan, (pair, (taps, Some(coarse))), pixels);
+            }
+            u64::from(samples) * TEXELS_AROUND
+        },
+    )
 }
 
 /// Multiplies colour, texture and light, and writes the codes.
@@ -473,7 +565,7 @@ fn finish_pair<S: Simd>(
     simd: S,
     shader: &DrawShader<'_>,
     plan: Plan,
-    (pair, taps): (&QueuedPair, &Taps),
+    (pair, (taps, coarse)): (&QueuedPair, (&Taps, Option<&CoarseTaps>)),
     pixels: &mut [Rgba8],
 ) {
     let mut codes = [0; WIDE];
@@ -483,7 +575,11 @@ fn finish_pair<S: Simd>(
             for first in (0..WIDE).step_by(S::f32s::LEN) {
                 let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
                 if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-                    color = textured(plan, color, texture.read_bytes(simd, layout, taps, first));
+                    let texels = match coarse {
+                        Some(coarse) => texture.read_levels_bytes(simd, layout, (taps, coarse), first),
+                        None => texture.read_bytes(simd, layout, taps, first),
+                    };
+                    color = textured(plan, color, texels);
                 }
                 let color = lit(simd, plan, color, pair, first);
                 pack::<S>(color).store_slice(&mut codes[first..first + S::u32s::LEN]);
@@ -492,7 +588,11 @@ fn finish_pair<S: Simd>(
         ColorSpace::Linear => {
             let mut color = surface_color::<S, f32x16<S>>(simd, shader, plan, pair, 0);
             if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-                color = textured(plan, color, texture.read_linear(simd, layout, taps));
+                let texels = match coarse {
+                    Some(coarse) => texture.read_levels_linear(simd, layout, (taps, coarse)),
+                    None => texture.read_linear(simd, layout, taps),
+                };
+                color = textured(plan, color, texels);
             }
             encode(simd, lit(simd, plan, color, pair, 0)).store_array(&mut codes);
         }

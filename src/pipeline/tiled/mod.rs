@@ -14,6 +14,7 @@
 //! Several samples for each pixel, with one shading for each triangle that they see, are several tiles at once:
 //! [`Multisampling`].
 
+mod axis;
 mod bins;
 mod clusters;
 mod depths;
@@ -22,6 +23,7 @@ mod geometry;
 mod kernel;
 mod lattice;
 mod lookup;
+mod mipmap;
 mod mixed;
 mod multisample;
 mod outcode;
@@ -60,7 +62,7 @@ use super::depth::{Comparison, DepthScale, clear_value};
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
 use super::plan::{DrawPlan, Part};
-use super::settings::{Arithmetic, Filter, Interpolation, Settings};
+use super::settings::{Arithmetic, Interpolation, Settings};
 use super::shade::Shader;
 use super::vertex::{DrawMatrices, containment};
 use super::viewport::Viewport;
@@ -78,8 +80,6 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
         Some("published rasterizers have an order of their own")
     } else if settings.interpolation == Interpolation::Published {
         Some("the published weights are computed one by one")
-    } else if settings.filter == Filter::Trilinear && settings.shading.reads_material() {
-        Some("gradients for mip-mapping are computed one by one")
     } else if scene.triangle_count() > MOST_TRIANGLES {
         Some("there are more triangles than tiles can number")
     } else {
@@ -198,7 +198,7 @@ impl Workspace {
             + self.seen_through.bytes()
             + self.entrants.bytes()
             + size_of::<[Batch; BATCHES]>()
-            + size_of::<Queue>()
+            + self.queue.bytes()
     }
 }
 

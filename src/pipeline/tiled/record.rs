@@ -3,6 +3,7 @@
 use super::bins::Key;
 use super::geometry::Surface;
 use super::setup::Edges;
+use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 
 /// Four numbers that are loaded together.
@@ -148,6 +149,12 @@ impl<S: Simd> Attribute<S> {
     pub(super) fn at(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
         self.0 + self.1 * weights[0] + self.2 * weights[1]
     }
+
+    /// What it changes by where the weights change by these.
+    #[inline(always)]
+    pub(super) fn change(self, weights: [f32x16<S>; 2]) -> f32x16<S> {
+        self.1 * weights[0] + self.2 * weights[1]
+    }
 }
 
 /// Where sixteen samples have what is read of their triangles from.
@@ -164,6 +171,17 @@ pub(super) trait Source: Copy {
         let [_, _, _, r0] = self.quad(simd, Record::SECOND_EDGE);
         let [r1, r2, ..] = self.quad(simd, Record::INV_W_AND_UV);
         [r0, r1, r2]
+    }
+
+    /// What edge values change by in a pixel to the right, and in one downwards.
+    #[inline(always)]
+    fn edge_slopes<S: Simd>(self, simd: S) -> [[f32x16<S>; 3]; 2] {
+        let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
+        each!(axis in [0, 1] => {
+            let [first, second] = each!(quad in [first, second] => quad[axis].bitcast::<i32x16<S>>());
+            let third = i32x16::splat(simd, 0) - first - second;
+            each!(slope in [first, second, third] => slope.to_float::<f32x16<S>>() * SUBPIXELS as f32)
+        })
     }
 
     /// Texture coordinates.

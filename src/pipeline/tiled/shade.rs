@@ -118,8 +118,9 @@ impl<'a> Job<'a> {
 
     /// Writes what still waits for its texels.
     #[inline(always)]
-    pub(super) fn finish<S: Simd>(self, simd: S) -> Shaded {
+    pub(super) fn finish<S: Simd>(mut self, simd: S) -> Shaded {
         flush(simd, self.frame, self.queue, self.band.pixels);
+        self.shaded.texels += std::mem::take(&mut self.queue.coarse_texels);
         self.shaded
     }
 

@@ -14,6 +14,8 @@ use crate::scene::Texture;
 pub(super) struct Plan {
     /// How texels are found, if any are read.
     pub(super) texture: Option<Layout>,
+    /// They are read from two levels.
+    pub(super) mipmapped: bool,
     pub(super) light: Light,
     /// The material's own colour is other than white.
     pub(super) tinted: bool,
@@ -37,12 +39,16 @@ impl Plan {
     /// What most fast scenes need. There is code for it that asks nothing.
     pub(super) const COMMON: Self = Self {
         texture: Some(Layout::PowerOfTwoPairs),
+        mipmapped: false,
         light: Light::Vertices,
         tinted: false,
         colored: false,
         space: ColorSpace::Bytes,
     };
 }
+
+/// Texels that are read around a place of one level.
+pub(super) const TEXELS_AROUND: u64 = 4;
 
 /// How the samples of one draw are shaded.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +59,7 @@ pub(super) struct DrawShader<'a> {
     pub(super) plan: Plan,
     /// There is code on lanes for it.
     pub(super) on_lanes: bool,
+    /// Of what is shaded on lanes those of the larger level alone.
     pub(super) texels_per_sample: u64,
 }
 
@@ -71,6 +78,7 @@ impl<'a> DrawShader<'a> {
         };
         let plan = Plan {
             texture: texture.map(|texture: TextureReader<'_>| texture.layout),
+            mipmapped: texture.is_some() && settings.filter == Filter::Trilinear,
             light,
             tinted: shader.diffuse != Vec3::ONE,
             colored: shader.attributes().color,
@@ -79,7 +87,9 @@ impl<'a> DrawShader<'a> {
         let texels_per_sample = match (shader.texture, settings.filter) {
             (None, _) => 0,
             (Some(_), Filter::Point) => 1,
-            (Some(_), Filter::Bilinear | Filter::Trilinear) => 4,
+            (Some(_), Filter::Bilinear) => TEXELS_AROUND,
+            (Some(_), Filter::Trilinear) if on_lanes => TEXELS_AROUND,
+            (Some(_), Filter::Trilinear) => 2 * TEXELS_AROUND,
         };
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
     }

@@ -1,28 +1,22 @@
 //! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
+use super::axis::{Axis, below_repeated, bring_into_unit, nearest, neighbours};
 use super::gather::{Pairs, gather, gather_pairs, read_pairs, reads_ahead, split_pairs};
 use crate::math::lanes::*;
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
-use crate::scene::Texture;
-
-/// The two texels around a coordinate along one axis, and the weight of the second one.
-struct Neighbours<S: Simd> {
-    first: i32x8<S>,
-    second: i32x8<S>,
-    weight: F32<S>,
-}
+use crate::scene::{Level, Texture};
 
 /// Which texels sixteen samples read, and how near each sample is to the right and to the lower ones.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct Taps {
     /// Places of texels; of pairs those of the upper and of the lower row.
-    index: [[u32; WIDE]; 4],
+    pub(super) index: [[u32; WIDE]; 4],
     /// The pairs themselves, where they are read ahead.
     pairs: [Pairs; 2],
-    right: [f32; WIDE],
-    down: [f32; WIDE],
+    pub(super) right: [f32; WIDE],
+    pub(super) down: [f32; WIDE],
 }
 
 /// How texels are found in memory.
@@ -42,16 +36,28 @@ pub(super) enum Layout {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
-    /// Rows of texels, with one more at the end of each for pairs.
+    /// Rows of texels, with one more at the end of each for pairs; of mip-mapped textures those of all levels.
     texels: &'a [u32],
     /// The same in linear light, if that is what is mixed.
     linear: &'a [[f32; 4]],
+    /// Where each level lies among the texels that are mixed; none without mip-mapping.
+    pub(super) levels: &'a [Level],
     /// Numbers from one row to the next.
     stride: i32,
     size: (u32, u32),
     /// The same as floats.
-    extent: [f32; 2],
-    sampler: Sampler,
+    pub(super) extent: [f32; 2],
+    pub(super) sampler: Sampler,
+}
+
+/// The images that eight samples are read from.
+pub(super) struct Images<S: Simd> {
+    /// Position of their first texels.
+    pub(super) first: i32x8<S>,
+    /// Numbers from one row to the next.
+    pub(super) stride: i32x8<S>,
+    /// Columns and rows.
+    pub(super) axes: [Axis<S>; 2],
 }
 
 impl<'a> TextureReader<'a> {
@@ -67,9 +73,16 @@ impl<'a> TextureReader<'a> {
             }
             (Filter::Bilinear | Filter::Trilinear, Address::Repeat) => Layout::Pairs,
         };
-        let linear = if space == ColorSpace::Linear { texture.wrapped_linear() } else { &[] };
+        let (texels, linear, levels): (_, &[_], &[_]) = match (sampler.filter, space) {
+            (Filter::Trilinear, ColorSpace::Bytes) => (&*texture.levels().texels, &[], &texture.levels().places),
+            (Filter::Trilinear, ColorSpace::Linear) => {
+                (texture.wrapped(), &texture.levels_linear().texels, &texture.levels_linear().places)
+            }
+            (_, ColorSpace::Bytes) => (texture.wrapped(), &[], &[]),
+            (_, ColorSpace::Linear) => (texture.wrapped(), texture.wrapped_linear(), &[]),
+        };
         let extent = [width as f32, height as f32];
-        Self { layout, texels: texture.wrapped(), linear, stride: width as i32 + 1, size, extent, sampler }
+        Self { layout, texels, linear, levels, stride: width as i32 + 1, size, extent, sampler }
     }
 
     /// Tells textures apart.
@@ -90,8 +103,18 @@ impl<'a> TextureReader<'a> {
     #[inline(always)]
     fn locate_all<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
         let (u, v) = (u.split(), v.split());
-        self.locate_eight(simd, layout, [u.0, v.0], taps, 0);
-        self.locate_eight(simd, layout, [u.1, v.1], taps, LANES);
+        for (uv, first) in [([u.0, v.0], 0), ([u.1, v.1], LANES)] {
+            if layout == Layout::Single {
+                self.locate_nearest(simd, uv, taps, first);
+                continue;
+            }
+            let images = Images {
+                first: i32x8::splat(simd, 0),
+                stride: i32x8::splat(simd, self.stride),
+                axes: [Axis::splat(simd, self.size.0), Axis::splat(simd, self.size.1)],
+            };
+            self.locate_eight(simd, layout, &images, uv, taps, first);
+        }
     }
 
     /// Coordinates that few scenes have: apart, so that it does not stand in the way of the others.
@@ -108,11 +131,7 @@ impl<'a> TextureReader<'a> {
     fn locate_power_of_two<S: Simd>(&self, simd: S, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
         let (width, height) = self.size;
         let [x, y] = each!((u, extent) in [(u, self.extent[0]), (v, self.extent[1])] => u * extent);
-        let [(x, right), (y, down)] = if are_small(x) & are_small(y) {
-            each!(position in [x, y] => below_small(simd, position))
-        } else if are_moderate(x) & are_moderate(y) {
-            each!(position in [x, y] => below_moderate(simd, position))
-        } else {
+        let Some([(x, right), (y, down)]) = below_repeated([x, y]) else {
             self.locate_unusual(simd, [u, v], taps);
             return;
         };
@@ -126,31 +145,43 @@ impl<'a> TextureReader<'a> {
         down.store_array(&mut taps.down);
     }
 
-    /// Eight of the samples, from `first` on.
+    /// The one texel of each of eight of the samples, from `first` on.
     #[inline(always)]
-    fn locate_eight<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [F32<S>; 2], taps: &mut Taps, first: usize) {
-        let (width, height) = self.size;
+    fn locate_nearest<S: Simd>(&self, simd: S, [u, v]: [F32<S>; 2], taps: &mut Taps, first: usize) {
+        let Sampler { address, .. } = self.sampler;
+        let x = nearest(simd, bring_into_unit(simd, u, address), self.size.0);
+        let y = nearest(simd, bring_into_unit(simd, v, address), self.size.1);
+        (y * self.stride + x).bitcast::<u32x8<S>>().store_slice(&mut taps.index[0][first..first + LANES]);
+    }
+
+    /// The four texels of each of eight of the samples, from `first` on.
+    #[inline(always)]
+    pub(super) fn locate_eight<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        images: &Images<S>,
+        [u, v]: [F32<S>; 2],
+        taps: &mut Taps,
+        first: usize,
+    ) {
         let Sampler { address, .. } = self.sampler;
         let eight = first..first + LANES;
-        if layout == Layout::Single {
-            let x = nearest(simd, bring_into_unit(simd, u, address), width);
-            let y = nearest(simd, bring_into_unit(simd, v, address), height);
-            self.index(x, y).store_slice(&mut taps.index[0][eight]);
-            return;
-        }
-        let (x, y) = (neighbours(simd, u, width, address), neighbours(simd, v, height, address));
+        let x = neighbours(simd, bring_into_unit(simd, u, address), images.axes[0], address);
+        let y = neighbours(simd, bring_into_unit(simd, v, address), images.axes[1], address);
         x.weight.store_slice(&mut taps.right[eight.clone()]);
         y.weight.store_slice(&mut taps.down[eight.clone()]);
+        let [upper, lower] = each!(y in [y.first, y.second] => y * images.stride + images.first);
+        let places = [upper + x.first, lower + x.first];
         if layout == Layout::Four {
-            for (tap, (x, y)) in [(x.first, y.first), (x.second, y.first), (x.first, y.second), (x.second, y.second)]
-                .into_iter()
-                .enumerate()
-            {
-                self.index(x, y).store_slice(&mut taps.index[tap][eight.clone()]);
+            let places = [places[0], upper + x.second, places[1], lower + x.second];
+            for (tap, place) in places.into_iter().enumerate() {
+                place.bitcast::<u32x8<S>>().store_slice(&mut taps.index[tap][eight.clone()]);
             }
         } else {
-            self.index(x.first, y.first).store_slice(&mut taps.index[0][eight.clone()]);
-            self.index(x.first, y.second).store_slice(&mut taps.index[1][eight]);
+            for (row, place) in places.into_iter().enumerate() {
+                place.bitcast::<u32x8<S>>().store_slice(&mut taps.index[row][eight.clone()]);
+            }
         }
     }
 
@@ -263,11 +294,6 @@ impl<'a> TextureReader<'a> {
         };
         transpose_halves(two)
     }
-
-    #[inline(always)]
-    fn index<S: Simd>(&self, x: i32x8<S>, y: i32x8<S>) -> u32x8<S> {
-        (y * self.stride + x).bitcast()
-    }
 }
 
 /// Shares of the upper left, upper right, lower left and lower right texels.
@@ -305,102 +331,9 @@ fn neighbours_at<S: Simd, T: Copy>(_: S, texels: &[T], index: u32x8<S>) -> [[T; 
     })
 }
 
-#[inline(always)]
-fn bring_into_unit<S: Simd>(simd: S, u: F32<S>, address: Address) -> F64<S> {
-    let unit = match address {
-        Address::Clamp => return widen(simd, u.max(0.0).min(1.0)),
-        Address::Repeat => widen(simd, u) - widen(simd, u.floor()),
-        Address::Mirror => {
-            let period = widen(simd, u) - widen(simd, (u * 0.5).floor()) * 2.0;
-            period.simd_gt(1.0).select(F64::splat(simd, 2.0) - period, period)
-        }
-    };
-    unit.is_nan().select(F64::splat(simd, 0.0), unit)
-}
-
-#[inline(always)]
-fn nearest<S: Simd>(simd: S, unit: F64<S>, size: u32) -> i32x8<S> {
-    let place = (unit * f64::from(size)).trunc().min(f64::from(size - 1));
-    narrow(simd, place).to_int()
-}
-
-#[inline(always)]
-fn neighbours<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> Neighbours<S> {
-    let (below, weight) = below(simd, u, size, address);
-    let below: i32x8<S> = below.to_int();
-    let (first, second) = (below, below + 1);
-    let last = size as i32 - 1;
-    let (before, after) = match address {
-        Address::Repeat => (last, 0),
-        Address::Clamp | Address::Mirror => (0, last),
-    };
-    Neighbours {
-        first: first.simd_lt(0).select(i32x8::splat(simd, before), first),
-        second: second.simd_gt(last).select(i32x8::splat(simd, after), second),
-        weight,
-    }
-}
-
-/// The texel centre at or before a coordinate, as a number that may be −1, and the way from it.
-#[inline(always)]
-fn below<S: Simd>(simd: S, u: F32<S>, size: u32, address: Address) -> (F32<S>, F32<S>) {
-    let position = bring_into_unit(simd, u, address) * f64::from(size) - 0.5;
-    let below = position.floor();
-    (narrow(simd, below), narrow(simd, position - below))
-}
-
-/// Whether positions are neither negative nor so large that they have no broken part: those of all samples.
-#[inline(always)]
-fn are_small<S: Simd>(position: f32x16<S>) -> bool {
-    // Bits of floats that are not negative are in the order of what they stand for; those of others are greater.
-    position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
-}
-
-/// [`below`] for the position of a repeated coordinate in texels that [`are_small`], with a size that is a power of two; the
-/// texel may be off by multiples of the size.
-///
-/// Every step is exact in f32 but the last sum, which rounds what f64 rounds at its end: the product with a power of two is
-/// exact, and so are its whole and its broken part, which whole repeats do not change.
-#[inline(always)]
-fn below_small<S: Simd>(simd: S, position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
-    let texel: i32x16<S> = position.to_int();
-    let within = position - texel.to_float::<f32x16<S>>();
-    let first_half = within.simd_lt(0.5);
-    let before = first_half.select(i32x16::splat(simd, -1), i32x16::splat(simd, 0));
-    (texel + before, within + first_half.select(f32x16::splat(simd, 0.5), f32x16::splat(simd, -0.5)))
-}
-
-/// Whether [`below_moderate`] holds for positions: those of all samples.
-#[inline(always)]
-fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
-    let least_below_zero = (-LEAST_BELOW_ZERO).to_bits() as i32;
-    // Bits of negative floats, taken as integers, begin with the least of these and grow away from zero.
-    let far_enough = position.bitcast::<i32x16<S>>().simd_ge(least_below_zero);
-    (position.abs().simd_lt(ALL_INTEGERS) & far_enough).all_true()
-}
-
-/// [`below_small`] for positions of either sign. The whole part of a position is cut off without a rounding error, and what is
-/// left is rounded once, by the sum, as f64 rounds it at its end.
-#[inline(always)]
-fn below_moderate<S: Simd>(simd: S, position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
-    let whole: i32x16<S> = position.to_int();
-    let rest = position - whole.to_float::<f32x16<S>>();
-    let (right_half, left_half) = (rest.simd_ge(0.5), rest.simd_lt(-0.5));
-    let before = right_half.select(i32x16::splat(simd, 0), i32x16::splat(simd, -1));
-    let before = left_half.select(i32x16::splat(simd, -2), before);
-    let weight = right_half.select(f32x16::splat(simd, -0.5), f32x16::splat(simd, 0.5));
-    let weight = left_half.select(f32x16::splat(simd, 1.5), weight);
-    (whole + before, rest + weight)
-}
-
-/// Nearer to zero, negative positions in textures of up to 2¹⁶ texels have digits that f64 cannot hold together with one.
-const LEAST_BELOW_ZERO: f32 = 1.0 / 16384.0;
-
-/// From here on every float is a whole number.
-const ALL_INTEGERS: f32 = 8_388_608.0;
-
 #[cfg(test)]
 mod tests {
+    use super::super::axis::{ALL_INTEGERS, LEAST_BELOW_ZERO};
     use super::*;
     use crate::image::Image;
 

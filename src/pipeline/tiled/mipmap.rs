@@ -1,0 +1,181 @@
+//! Mip-mapped textures for sixteen samples: which two levels each of them reads, and where in those. The arithmetic is that of
+//! [`weight_gradient`], [`uv_gradient`] and [`Sampler::levels`], operation by operation.
+//!
+//! [`weight_gradient`]: crate::pipeline::interpolate::weight_gradient
+//! [`uv_gradient`]: crate::pipeline::interpolate::uv_gradient
+//! [`Sampler::levels`]: crate::pipeline::sample::Sampler::levels
+
+use super::axis::{Axis, below_repeated};
+use super::kernel::Weights;
+use super::record::Source;
+use super::texture::{Images, Layout, Taps, TextureReader};
+use crate::math::lanes::*;
+use crate::math::log2::log2_lanes;
+
+/// Which texels sixteen samples read of the smaller one of their two levels.
+#[derive(Clone, Debug, Default)]
+#[repr(align(64))]
+pub(super) struct CoarseTaps {
+    taps: Taps,
+    /// The share of that level.
+    share: [f32; WIDE],
+    /// Whether it has one in any sample. If not, no texel is known.
+    pub(super) is_read: bool,
+}
+
+/// A level of the texture for each of sixteen samples.
+struct LevelOfEach<S: Simd> {
+    /// Position of its first texel.
+    first: i32x16<S>,
+    /// Width and height.
+    size: [i32x16<S>; 2],
+}
+
+impl TextureReader<'_> {
+    /// Which texels sixteen samples read, as [`TextureReader::locate`], of two levels. Not for inlining: what textures without
+    /// levels are read by shall stay small.
+    #[inline(never)]
+    pub(super) fn locate_in_levels<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        source: impl Source,
+        weights: &Weights<S>,
+        (fine, coarse): (&mut Taps, &mut CoarseTaps),
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let attributes = source.uv(simd);
+                let gradient = weights.gradient(simd, source);
+                let gradient =
+                    each!(weights in [gradient[0], gradient[1]] => each!(axis in [0, 1] => attributes[axis].change(weights)));
+                let uv = each!(axis in [0, 1] => attributes[axis].at(weights.of_corners));
+                let level = self.level(simd, gradient);
+                let finer: i32x16<S> = level.to_int();
+                let share = level - finer.to_float::<f32x16<S>>();
+                let [of_fine, of_coarse] = self.two_levels(simd, finer);
+                self.locate_in_level(simd, layout, uv, &of_fine, fine);
+                // A texel times nothing adds nothing: texels are finite, and none is negative, so that not even a sign is lost.
+                coarse.is_read = !share.simd_eq(0.0).all_true();
+                if coarse.is_read {
+                    share.store_array(&mut coarse.share);
+                    self.locate_in_level(simd, layout, uv, &of_coarse, &mut coarse.taps);
+                }
+            },
+        );
+    }
+
+    /// From 0, the texture itself, to the number of its smallest copy.
+    #[inline(always)]
+    fn level<S: Simd>(&self, simd: S, gradient: [[f32x16<S>; 2]; 2]) -> f32x16<S> {
+        let [right, down] = each!([u, v] in [gradient[0], gradient[1]] => {
+            let (x, y) = (u * self.extent[0], v * self.extent[1]);
+            x * x + y * y
+        });
+        let longest = down.simd_gt(right).select(down, right);
+        let one = f32x16::splat(simd, 1.0);
+        // The logarithm of one is exactly nothing.
+        let longest = longest.simd_gt(one).select(longest, one);
+        (log2_lanes(longest) * 0.5).min((self.levels.len() - 1) as f32)
+    }
+
+    /// The levels of these numbers, and the next smaller ones. The smallest one is followed by itself.
+    #[inline(always)]
+    fn two_levels<S: Simd>(&self, simd: S, finer: i32x16<S>) -> [LevelOfEach<S>; 2] {
+        let finer = finer.to_array();
+        let places = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
+            let level = &self.levels[finer[lane] as usize];
+            u32x4::load_array_ref(simd, &level.numbers).bitcast::<f32x4<S>>()
+        });
+        let columns = transpose_wide(places);
+        let [first, next, width, height] = each!(column in [0, 1, 2, 3] => columns[column].bitcast::<i32x16<S>>());
+        let halved = each!(side in [width, height] => (side >> 1).max(1));
+        [LevelOfEach { first, size: [width, height] }, LevelOfEach { first: next, size: halved }]
+    }
+
+    #[inline(always)]
+    fn locate_in_level<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        uv: [f32x16<S>; 2],
+        level: &LevelOfEach<S>,
+        taps: &mut Taps,
+    ) {
+        let [width, height] = level.size;
+        if layout == Layout::PowerOfTwoPairs
+            && let Some([(x, right), (y, down)]) = below_repeated(each!(axis in [0, 1] => {
+                uv[axis] * level.size[axis].to_float::<f32x16<S>>()
+            }))
+        {
+            let (x, lowest) = ((x & (width - 1)) + level.first, height - 1);
+            let [upper, lower] = each!(y in [y & lowest, (y + 1) & lowest] => y * (width + 1) + x);
+            upper.bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
+            lower.bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
+            right.store_array(&mut taps.right);
+            down.store_array(&mut taps.down);
+            return;
+        }
+        let ((u0, u1), (v0, v1)) = (uv[0].split(), uv[1].split());
+        let ((first0, first1), (width0, width1), (height0, height1)) =
+            (level.first.split(), width.split(), height.split());
+        for (uv, (first, width, height), lane) in
+            [([u0, v0], (first0, width0, height0), 0), ([u1, v1], (first1, width1, height1), LANES)]
+        {
+            let axes = each!(length in [width, height] => Axis::of(simd, length));
+            let images = Images { first, stride: width + 1, axes };
+            self.locate_eight(simd, layout, &images, uv, taps, lane);
+        }
+    }
+
+    /// Reads ahead for samples that read two levels, as [`TextureReader::read_ahead`] does for those that read one.
+    #[inline(always)]
+    pub(super) fn read_coarse_ahead<S: Simd>(&self, simd: S, layout: Layout, all: &mut [CoarseTaps]) {
+        for coarse in all {
+            if coarse.is_read {
+                self.read_ahead(simd, layout, std::slice::from_mut(&mut coarse.taps));
+            }
+        }
+    }
+
+    /// [`TextureReader::read_bytes`] of two levels, mixed.
+    #[inline(always)]
+    pub(super) fn read_levels_bytes<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        (fine, coarse): (&Taps, &CoarseTaps),
+        first: usize,
+    ) -> [S::f32s; 3] {
+        let finer = self.read_bytes(simd, layout, fine, first);
+        if !coarse.is_read {
+            return finer;
+        }
+        let coarser = self.read_bytes(simd, layout, &coarse.taps, first);
+        mix(simd, finer, coarser, S::f32s::from_slice(simd, &coarse.share[first..first + S::f32s::LEN]))
+    }
+
+    /// [`TextureReader::read_linear`] of two levels, mixed.
+    #[inline(always)]
+    pub(super) fn read_levels_linear<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        (fine, coarse): (&Taps, &CoarseTaps),
+    ) -> [f32x16<S>; 3] {
+        let finer = self.read_linear(simd, layout, fine);
+        if !coarse.is_read {
+            return finer;
+        }
+        let coarser = self.read_linear(simd, layout, &coarse.taps);
+        mix(simd, finer, coarser, f32x16::load_array_ref(simd, &coarse.share))
+    }
+}
+
+/// Two colours, the second with a share.
+#[inline(always)]
+fn mix<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, finer: [F; 3], coarser: [F; 3], share: F) -> [F; 3] {
+    let rest = F::splat(simd, 1.0) - share;
+    each!(channel in [0, 1, 2] => finer[channel] * rest + coarser[channel] * share)
+}
