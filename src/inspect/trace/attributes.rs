@@ -70,9 +70,9 @@ fn gradient(subject: &Subject<'_>, arithmetic: Arithmetic, scribe: &mut Scribe) 
     let [a, b, c] = subject.triangle.vertices.each_ref().map(|vertex| vertex.varyings.uv);
     for direction in 0..2 {
         let change = |of: &str, corner: usize| format!("change of {of} {corner} in a pixel {}", DIRECTIONS[direction]);
-        for corner in 0..3 {
+        for (corner, slope) in slopes[direction].into_iter().enumerate() {
             let formula = edge_change(subject, arithmetic, direction, corner);
-            scribe.compute(change("edge", corner), slopes[direction][corner], &formula);
+            scribe.compute(change("edge", corner), slope, &formula);
         }
         for corner in [1, 2] {
             let formula = weight_change(subject, slopes[direction], corner);

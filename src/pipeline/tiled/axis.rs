@@ -33,6 +33,7 @@ impl<S: Simd> Axis<S> {
     }
 }
 
+/// Coordinates in [0, 1] that mean the same under an addressing mode.
 #[inline(always)]
 pub(super) fn bring_into_unit<S: Simd>(simd: S, u: F32<S>, address: Address) -> F64<S> {
     let unit = match address {
@@ -46,6 +47,7 @@ pub(super) fn bring_into_unit<S: Simd>(simd: S, u: F32<S>, address: Address) -> 
     unit.is_nan().select(F64::splat(simd, 0.0), unit)
 }
 
+/// The texel that coordinates in [0, 1] lie in, of so many.
 #[inline(always)]
 pub(super) fn nearest<S: Simd>(simd: S, unit: F64<S>, size: u32) -> i32x8<S> {
     let place = (unit * f64::from(size)).trunc().min(f64::from(size - 1));
@@ -92,8 +94,8 @@ fn are_small<S: Simd>(position: f32x16<S>) -> bool {
     position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
 }
 
-/// What [`neighbours`] finds for the position of a repeated coordinate in texels that [`are_small`], with a size that is a power of two; the
-/// texel may be off by multiples of the size.
+/// What [`neighbours`] finds for the position of a repeated coordinate in texels that [`are_small`], with a size that is a power
+/// of two; the texel may be off by multiples of the size.
 ///
 /// Every step is exact in f32 but the last sum, which rounds what f64 rounds at its end: the product with a power of two is
 /// exact, and so are its whole and its broken part, which whole repeats do not change.

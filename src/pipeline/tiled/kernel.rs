@@ -7,74 +7,18 @@ use glam::Vec3;
 
 use super::Frame;
 use super::geometry::lambert_lanes;
-use super::lattice::{BLOCK, Lattice, TILE};
+use super::lattice::{Lattice, TILE};
 use super::mipmap::CoarseTaps;
+use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
 use super::record::{Entrants, Record, Source, Subject};
 use super::setup::Edges;
-use super::shader::{DrawShader, Light, Plan, TEXELS_AROUND};
+use super::shader::{DrawShader, Light, Plan};
 use super::texture::Taps;
 use crate::image::Rgba8;
-use crate::image::color::Tables;
 use crate::math::lanes::*;
 use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::Sample;
-use crate::pipeline::settings::ColorSpace;
 use crate::pipeline::viewport::ScreenTriangle;
-
-/// Rows of samples that wait for their texels, two by two. Where texels lie is found out for all of them before the first
-/// texel is read, so that what one read waits for, another one does not.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Queue {
-    pairs: [QueuedPair; QUEUED],
-    /// Which texels those of the pairs are.
-    taps: [Taps; QUEUED],
-    /// Those of the smaller levels. Memory is only taken in mip-mapped frames.
-    coarse: Vec<CoarseTaps>,
-    /// Texels of smaller levels that were read.
-    pub(super) coarse_texels: u64,
-    len: usize,
-    /// Position of the shader of all rows.
-    shader: usize,
-}
-
-impl Queue {
-    /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
-        size_of::<Self>() + self.coarse.capacity() * size_of::<CoarseTaps>()
-    }
-}
-
-/// Pairs of rows that wait together: those of four blocks, so that texels are there when the first of them is read.
-const QUEUED: usize = 4 * BLOCK / 2;
-
-/// Eight samples of each of two rows.
-#[derive(Clone, Debug, Default)]
-#[repr(align(64))]
-struct QueuedPair {
-    light: [f32; WIDE],
-    /// The surface's colour without the texture, where it varies.
-    color: [[f32; WIDE]; 3],
-    rows: [QueuedRow; 2],
-}
-
-/// Where eight colours go.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct QueuedRow {
-    /// Position of the first sample in the tile's rows of the picture.
-    start: usize,
-    /// Samples that lie within the picture.
-    count: usize,
-    /// A bit for each sample that is written.
-    mine: u32,
-}
-
-impl QueuedRow {
-    /// Samples that are written.
-    #[inline(always)]
-    fn written(&self) -> u32 {
-        (self.mine & ((1 << self.count) - 1)).count_ones()
-    }
-}
 
 /// Some rows of samples of a block, at most eight wide.
 #[derive(Clone, Copy, Debug)]
@@ -187,7 +131,8 @@ fn shade_rows<S: Simd>(
     let Subject { one, draw, .. } = *subject;
     let shader = frame.shader(draw);
     let rows = patch.end - patch.first;
-    let (pairs, taps, coarse) = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band);
+    let (pairs, taps, coarse) =
+        make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band.pixels);
     let relative_inv_w = one.relative_inv_w(simd);
     let plan = shader.plan;
     let mut start = band.start(patch, patch.first);
@@ -273,31 +218,6 @@ impl<S: Simd> ExactRows<S> {
             upper.combine(lower)
         })
     }
-}
-
-/// Places in the queue for some pairs of rows that a shader is for.
-#[inline(always)]
-fn make_room<'q, S: Simd>(
-    simd: S,
-    frame: &Frame<'_>,
-    shader: usize,
-    pairs: usize,
-    queue: &'q mut Queue,
-    band: &mut Band<'_>,
-) -> (&'q mut [QueuedPair], &'q mut [Taps], &'q mut [CoarseTaps]) {
-    if queue.shader != shader || queue.len + pairs > QUEUED {
-        flush(simd, frame, queue, band.pixels);
-        queue.shader = shader;
-    }
-    let from = queue.len;
-    queue.len += pairs;
-    let coarse: &mut [_] = if frame.shaders[shader].plan.mipmapped {
-        queue.coarse.resize_with(QUEUED, CoarseTaps::default);
-        &mut queue.coarse[from..queue.len]
-    } else {
-        &mut []
-    };
-    (&mut queue.pairs[from..queue.len], &mut queue.taps[from..queue.len], coarse)
 }
 
 /// Shades a row by the classic way's own functions.
@@ -387,7 +307,7 @@ pub(super) fn shade_gathered<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band) else { return };
+            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band.pixels) else { return };
             let taps = (taps, coarse.first_mut());
             let places = spots.places(simd, &frame.lattice);
             let many = entrants.many(slots);
@@ -493,193 +413,6 @@ fn interpolate_pair<S: Simd>(
             color.store_array(&mut pair.color[channel]);
         }
     }
-}
-
-/// Reads the texels of all rows of the queue, finishes their colours, and writes those.
-#[inline(never)]
-pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixels: &mut [Rgba8]) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let pairs = std::mem::take(&mut queue.len);
-            if pairs == 0 {
-                return;
-            }
-            let shader = &frame.shaders[queue.shader];
-            let Queue { pairs: all, taps, coarse, coarse_texels, .. } = queue;
-            let (pairs, taps) = (&all[..pairs], &mut taps[..pairs]);
-            if let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) {
-                texture.read_ahead(simd, layout, taps);
-            }
-            // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
-            match shader.plan {
-                Plan::COMMON => {
-                    for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, shader, Plan::COMMON, (pair, (taps, None)), pixels);
-                    }
-                }
-                plan if plan.mipmapped => {
-                    let coarse = &mut coarse[..pairs.len()];
-                    *coarse_texels += finish_mipmapped(simd, shader, (pairs, taps, coarse), pixels);
-                }
-                plan => {
-                    let plan = Plan { mipmapped: false, ..plan };
-                    for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, shader, plan, (pair, (taps, None)), pixels);
-                    }
-                }
-            }
-        },
-    );
-}
-
-/// [`finish_pair`] for pairs of rows of a mip-mapped draw. Gives the number of texels of smaller levels.
-#[inline(never)]
-fn finish_mipmapped<S: Simd>(
-    simd: S,
-    shader: &DrawShader<'_>,
-    (pairs, taps, coarse): (&[QueuedPair], &[Taps], &mut [CoarseTaps]),
-    pixels: &mut [Rgba8],
-) -> u64 {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            if let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) {
-                texture.read_coarse_ahead(simd, layout, coarse);
-            }
-            let plan = Plan { mipmapped: true, ..shader.plan };
-            let mut samples = 0;
-            for ((pair, taps), coarse) in pairs.iter().zip(taps).zip(coarse) {
-                let [upper, lower] = &pair.rows;
-                samples += if coarse.is_read { upper.written() + lower.written() } else { 0 };
-                finish_pair(simd, shader, plan, (pair, (taps, Some(coarse))), pixels);
-            }
-            u64::from(samples) * TEXELS_AROUND
-        },
-    )
-}
-
-/// Multiplies colour, texture and light, and writes the codes.
-#[inline(always)]
-fn finish_pair<S: Simd>(
-    simd: S,
-    shader: &DrawShader<'_>,
-    plan: Plan,
-    (pair, (taps, coarse)): (&QueuedPair, (&Taps, Option<&CoarseTaps>)),
-    pixels: &mut [Rgba8],
-) {
-    let mut codes = [0; WIDE];
-    match plan.space {
-        ColorSpace::Bytes => {
-            // Register by register: what all sixteen read would not fit where registers are narrower.
-            for first in (0..WIDE).step_by(S::f32s::LEN) {
-                let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
-                if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-                    let texels = match coarse {
-                        Some(coarse) => texture.read_levels_bytes(simd, layout, (taps, coarse), first),
-                        None => texture.read_bytes(simd, layout, taps, first),
-                    };
-                    color = textured(plan, color, texels);
-                }
-                let color = lit(simd, plan, color, pair, first);
-                pack::<S>(color).store_slice(&mut codes[first..first + S::u32s::LEN]);
-            }
-        }
-        ColorSpace::Linear => {
-            let mut color = surface_color::<S, f32x16<S>>(simd, shader, plan, pair, 0);
-            if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-                let texels = match coarse {
-                    Some(coarse) => texture.read_levels_linear(simd, layout, (taps, coarse)),
-                    None => texture.read_linear(simd, layout, taps),
-                };
-                color = textured(plan, color, texels);
-            }
-            encode(simd, lit(simd, plan, color, pair, 0)).store_array(&mut codes);
-        }
-    }
-    let (upper, lower) = u32x16::load_array(simd, codes).split();
-    write_row(simd, upper, &pair.rows[0], pixels);
-    write_row(simd, lower, &pair.rows[1], pixels);
-}
-
-/// The surface's own colour at some samples, from `first` on.
-#[inline(always)]
-fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
-    simd: S,
-    shader: &DrawShader<'_>,
-    plan: Plan,
-    pair: &QueuedPair,
-    first: usize,
-) -> [F; 3] {
-    if plan.colored {
-        each!(channel in [0, 1, 2] => F::from_slice(simd, &pair.color[channel][first..first + F::LEN]))
-    } else {
-        let diffuse = shader.shader.diffuse.to_array();
-        each!(channel in [0, 1, 2] => F::splat(simd, diffuse[channel]))
-    }
-}
-
-/// Times the texture. What is multiplied by one stays as it is.
-#[inline(always)]
-fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, color: [F; 3], texel: [F; 3]) -> [F; 3] {
-    let white = !plan.tinted && !plan.colored;
-    if white { texel } else { each!(channel in [0, 1, 2] => color[channel] * texel[channel]) }
-}
-
-/// Times the light, of some samples from `first` on.
-#[inline(always)]
-fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
-    simd: S,
-    plan: Plan,
-    color: [F; 3],
-    pair: &QueuedPair,
-    first: usize,
-) -> [F; 3] {
-    if plan.light == Light::None {
-        return color;
-    }
-    let light = F::from_slice(simd, &pair.light[first..first + F::LEN]);
-    each!(channel in [0, 1, 2] => color[channel] * light)
-}
-
-#[inline(always)]
-fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [Rgba8]) {
-    let out = &mut pixels[row.start..row.start + row.count];
-    let Ok(out) = <&mut [Rgba8; LANES]>::try_from(&mut *out) else {
-        let codes = codes.to_array();
-        for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| row.mine >> lane & 1 != 0) {
-            *pixel = codes[lane].to_le_bytes();
-        }
-        return;
-    };
-    let bytes = out.as_flattened_mut();
-    let codes = if row.mine == ALL {
-        codes
-    } else {
-        let there = u8x32::from_slice(simd, bytes).bitcast::<u32x8<S>>();
-        mask32x8::from_bitmask(simd, row.mine.into()).select(codes, there)
-    };
-    codes.bitcast::<u8x32<S>>().store_slice(bytes);
-}
-
-/// Colours in bytes, packed.
-#[inline(always)]
-fn pack<S: Simd>(color: [S::f32s; 3]) -> S::u32s {
-    let [r, g, b] = each!(c in [0, 1, 2] => {
-        (color[c] * 255.0 + 0.5).max(0.0).min(255.0).to_int::<S::i32s>().bitcast::<S::u32s>()
-    });
-    r | g << 8 | b << 16 | 0xFF00_0000
-}
-
-/// Colours in linear light, encoded and packed.
-#[inline(always)]
-fn encode<S: Simd>(simd: S, color: [f32x16<S>; 3]) -> u32x16<S> {
-    let tables = Tables::get();
-    let [r, g, b] = each!(c in [0, 1, 2] => {
-        let (low, high) = color[c].split();
-        tables.encode_lanes(simd, low).combine(tables.encode_lanes(simd, high))
-    });
-    r | g << 8 | b << 16 | 0xFF00_0000
 }
 
 /// Light on normals that are not of unit length; no direct light on those of none.

@@ -5,9 +5,10 @@
 //! pixels they are of.
 
 use super::Frame;
-use super::kernel::{ALL, Band, Queue, Scattered};
+use super::kernel::{ALL, Band, Scattered};
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
 use super::multisample::{Picks, Planes};
+use super::queue::Queue;
 use super::record::{Entrant, Entrants, Many, Slot};
 use super::setup::least_inside;
 use super::shade::{Job, Shaded};

@@ -6,8 +6,9 @@
 use std::ops::AddAssign;
 
 use super::Frame;
-use super::kernel::{ALL, Band, Patch, Queue, Spots, flush, shade_gathered, shade_uniform};
+use super::kernel::{ALL, Band, Patch, Spots, shade_gathered, shade_uniform};
 use super::lattice::{BLOCK, BLOCKS};
+use super::queue::{Queue, flush};
 use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Edges;
 use super::shader::DrawShader;

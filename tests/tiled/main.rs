@@ -1,7 +1,10 @@
 //! Both ways to execute the pipeline give the same picture and the same depths, bit for bit: every scene, every switch, any
 //! number of threads, with AVX-512, AVX2 or neither.
 
+#[path = "../common/mod.rs"]
 mod common;
+
+mod mips;
 
 use std::sync::Arc;
 

@@ -1,0 +1,157 @@
+//! Mip-mapped textures: each switch, textures of all shapes, and coordinates that change by nothing, by everything and beyond.
+
+use std::sync::Arc;
+
+use glam::{Mat4, Vec2, Vec3};
+use rasterscope::antialias::settings::Samples;
+use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution};
+use rasterscope::image::{Image, Rgba8};
+use rasterscope::pipeline::settings::{
+    Address, Choice, ColorSpace, Culling, DepthFormat, Execution, Filter, Force, Interpolation, Shading,
+};
+use rasterscope::scene::{Mesh, MeshData, Scene, builtin};
+use rasterscope::upscale::Upscaling;
+
+use crate::common::{self, SceneBuilder};
+use crate::{Renderers, SMALL, check_all, check_all_at, multisampled, with};
+
+/// The default recipe, mip-mapped.
+fn mipmapped() -> Recipe {
+    let mut recipe = Recipe::default();
+    recipe.pipeline.filter = Filter::Trilinear;
+    recipe
+}
+
+/// What lanes shade, in every way that levels are read.
+fn readings() -> Vec<Recipe> {
+    let recipes = with::<Address>(&[mipmapped()], |r, c| r.pipeline.address = c);
+    let recipes = with::<ColorSpace>(&recipes, |r, c| r.pipeline.color_space = c);
+    let shadings = [Shading::Texture, Shading::Gouraud, Shading::Lambert];
+    let shaded = |recipe: &Recipe, shading| {
+        let mut recipe = *recipe;
+        recipe.pipeline.shading = shading;
+        recipe
+    };
+    recipes.iter().flat_map(|recipe| shadings.map(|shading| shaded(recipe, shading))).collect()
+}
+
+fn noise((width, height): (u32, u32), random: &mut fastrand::Rng) -> Image<Rgba8> {
+    Image::from_fn(width, height, |_, _| [random.u8(..), random.u8(..), random.u8(..), 255])
+}
+
+/// A board that runs from below the eye to far behind the target, its texture repeated `repeats` times along its sides.
+fn board(texture: Image<Rgba8>, repeats: Vec2) -> Scene {
+    let positions = [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(x, z)| Vec3::new(x, 0.0, z)).to_vec();
+    let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y].map(|uv| (uv - 0.3) * repeats).to_vec();
+    let triangles = vec![[0, 1, 2], [0, 2, 3]];
+    let mesh = Mesh::new(MeshData { name: "board".into(), positions, uvs, triangles, ..MeshData::default() }).unwrap();
+    let placed = Mat4::from_translation(Vec3::NEG_Z * 15.0) * Mat4::from_scale(Vec3::splat(20.0));
+    SceneBuilder::new(Vec3::new(0.4, 1.0, 3.0)).with(mesh, placed, Some([texture.clone(), texture])).0
+}
+
+#[test]
+fn nothing_stands_in_the_way_of_tiles() {
+    for builtin in builtin::ALL {
+        let scene = builtin.build();
+        for shading in Shading::ALL {
+            let mut recipe = mipmapped();
+            recipe.pipeline.shading = *shading;
+            assert_eq!(execution(&scene, &recipe), (Execution::Tiled, None), "{} {shading:?}", builtin.id);
+        }
+    }
+}
+
+#[test]
+fn every_switch_gives_the_same_picture() {
+    let default = &[mipmapped()];
+    let mut recipes = with::<Shading>(default, |r, c| r.pipeline.shading = c);
+    recipes.extend(with::<Culling>(default, |r, c| r.pipeline.culling = c));
+    recipes.extend(with::<Interpolation>(default, |r, c| r.pipeline.interpolation = c));
+    recipes.extend(with::<DepthFormat>(default, |r, c| r.pipeline.depth_format = c));
+    recipes.extend(with::<Force>(default, |r, c| r.pipeline.force = c));
+    recipes.extend(Upscaling::every().map(|upscaler| Recipe { upscaler, ..default[0] }));
+    check_all(&recipes);
+}
+
+#[test]
+fn every_way_to_read_levels_is_multisampled_alike() {
+    let mut recipes = readings();
+    let [few, many] = [Samples::Four, Samples::Sixteen].map(|samples| multisampled(&[samples])[0].antialias);
+    for (number, recipe) in recipes.iter_mut().enumerate() {
+        recipe.antialias = if number % 4 == 0 { many } else { few };
+    }
+    check_all_at(SMALL, &recipes);
+}
+
+/// From one texel to more than there are samples, powers of two or not; magnified, minified, and with coordinates so large or
+/// changing so fast that they have no fraction left, or are no numbers.
+#[test]
+fn textures_of_all_shapes_and_coordinates_give_the_same_picture() {
+    let mut renderers = Renderers::of(SMALL);
+    let recipes = readings();
+    let mut random = fastrand::Rng::with_seed(17);
+    let mut next = 0;
+    for size in [(1, 1), (2, 2), (1, 64), (256, 1), (64, 16), (512, 512), (5, 7), (33, 1), (100, 37), (255, 129)] {
+        let texture = noise(size, &mut random);
+        for repeats in [1e-30, 0.02, 1.0, 7.0, 100.0, 3e4, 1e7, 1e20, 3e38] {
+            let scene = Arc::new(board(texture.clone(), Vec2::new(repeats, -repeats * 0.7)));
+            for _ in 0..3 {
+                let recipe = &recipes[next % recipes.len()];
+                next += 1;
+                renderers.check(&format!("{size:?} × {repeats}"), &scene, &scene.home, recipe);
+            }
+        }
+    }
+}
+
+/// Triangles from a fraction of a pixel to some hundred times the picture, most samples of which lie among those of others.
+#[test]
+fn triangles_of_all_sizes_give_the_same_picture() {
+    let mut renderers = Renderers::of(SMALL);
+    let recipes = readings();
+    common::for_seeds(8, |random| {
+        let textures = [(); 2].map(|()| noise((64, 32), random));
+        let placed = Mat4::from_translation(Vec3::NEG_Z);
+        let mut builder = SceneBuilder::new(Vec3::new(0.2, 0.3, 1.1));
+        for (count, size) in [(400, 0.05), (60, 1.0), (6, 300.0)] {
+            let mut corner = || common::in_cube(random);
+            let triangle = |middle: Vec3, corners: [Vec3; 3]| corners.map(|corner| middle + corner * size);
+            let positions = (0..count).flat_map(|_| triangle(corner() * 2.0, [corner(), corner(), corner()])).collect();
+            let mesh = common::mesh(positions, (0..count).map(|i| [0, 1, 2].map(|c| i * 3 + c)).collect());
+            builder = builder.with(mesh, placed, Some(textures.clone()));
+        }
+        let scene = Arc::new(builder.0);
+        let mut recipe = recipes[random.usize(..recipes.len())];
+        recipe.pipeline.culling = Culling::None;
+        renderers.check("all sizes", &scene, &scene.home, &recipe);
+    });
+}
+
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let scene = Arc::new(board(noise((256, 128), &mut fastrand::Rng::with_seed(3)), Vec2::splat(9.0)));
+    let drawn_by = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let render = || Renderer::default().render(&scene, &scene.home, &mipmapped(), SMALL, KeepDepth::Yes);
+        pool.install(render).drawn
+    };
+    assert_eq!(drawn_by(3), drawn_by(1));
+}
+
+/// Texels of smaller levels are counted where they are read, and nowhere else.
+#[test]
+fn the_second_level_is_left_out_where_it_has_no_share() {
+    let texels = |repeats: f32| {
+        let texture = noise((64, 64), &mut fastrand::Rng::with_seed(4));
+        let scene = Arc::new(board(texture, Vec2::splat(repeats)));
+        let frame = Renderer::default().render(&scene, &scene.home, &mipmapped(), SMALL, KeepDepth::No);
+        let counts = frame.tiled.as_ref().unwrap().counts;
+        assert!(counts.shaded > 1000);
+        counts.texels as f64 / counts.shaded as f64
+    };
+    assert_eq!(texels(0.02), 4.0, "magnified");
+    // Of a row beside smaller texels, some samples may still lie within the texture itself.
+    assert!((7.9..=8.0).contains(&texels(50.0)));
+    assert!((4.1..7.9).contains(&texels(1.0)));
+    assert_eq!(texels(1e7), 4.0, "one texel stands for all");
+}
