@@ -914,7 +914,7 @@ fn a_bench_verifies_that_every_way_to_draw_gives_the_same_bits() {
     let lines: Vec<_> = stdout(&output).lines().skip(1).collect();
     assert!(lines.iter().any(|line| line.starts_with("baseline")), "{lines:?}");
     assert!(lines.iter().all(|line| line.ends_with("3 threads  equal")), "{lines:?}");
-    let output = run(&folder(), &[&args[..], &["--json", "--set", "antialias.method=jittered"]].concat());
+    let output = run(&folder(), &[&args[..], &["--json", "--set", "arithmetic=f32"]].concat());
     assert_success(&output);
     let report: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
     assert!(report["obstacle"].is_string() && report["ways"].as_array().unwrap().is_empty(), "{report}");

@@ -82,6 +82,13 @@ pub fn jitter(x: u32, y: u32, sample: u32, seed: u32) -> usize {
     fastrand::Rng::with_seed(spread).usize(0..(Pattern::JITTER * Pattern::JITTER) as usize)
 }
 
+/// [`jitter`] of one sample in some pixels of row `y`.
+pub fn jitter_row((columns, y): (&[u32], u32), sample: u32, seed: u32, places: &mut [u8]) {
+    for (place, x) in places.iter_mut().zip(columns) {
+        *place = jitter(*x, y, sample, seed) as u8;
+    }
+}
+
 /// Where in its square a place is.
 fn jittered_place(place: usize) -> [f64; 2] {
     let steps = Pattern::JITTER as usize;

@@ -6,7 +6,7 @@ use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 use crate::pipeline::settings::ColorSpace;
-use crate::pipeline::tiled::Picks;
+use crate::pipeline::tiled::{Picks, Sums};
 
 /// Sums samples until their mean is asked for. The order of the samples decides the last bits, nothing else does.
 #[derive(Clone, Debug)]
@@ -76,13 +76,56 @@ fn means_of_sixteen<S: Simd>(simd: S, colors: &[Rgba8], picks: &[Picks], light: 
         for (code, pick) in codes.iter_mut().zip(picks) {
             *code = u32::from_le_bytes(colors[*pick as usize]);
         }
-        let codes = u32x16::load_array(simd, codes);
-        sums = each!(channel in [0, 1, 2] => {
-            sums[channel] + Tables::lookup(simd, numbers, codes >> (8 * channel as u32) & 0xFF)
-        });
+        sums = added(simd, sums, codes, numbers);
     }
+    finished_lanes(simd, sums, picks.len() as u32, light)
+}
+
+/// Adds one sample of each of some pixels to sums of sixteen pixels each, as [`mean`] adds it.
+pub fn add_samples(lanes: Lanes, colors: &[Rgba8], light: ColorSpace, sums: &mut [Sums]) {
+    on_lanes!(lanes, simd => add_sixteens(simd, colors, numbers(light), sums));
+}
+
+#[inline(always)]
+fn add_sixteens<S: Simd>(simd: S, colors: &[Rgba8], numbers: &[f32; 256], sums: &mut [Sums]) {
+    for (colors, sums) in colors.chunks(WIDE).zip(sums) {
+        let mut codes = [0; WIDE];
+        for (code, color) in codes.iter_mut().zip(colors) {
+            *code = u32::from_le_bytes(*color);
+        }
+        let before = each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &sums[channel]));
+        let after = added(simd, before, codes, numbers);
+        for channel in 0..3 {
+            after[channel].store_array(&mut sums[channel]);
+        }
+    }
+}
+
+/// The colours of pixels from the sums of so many samples of theirs: what [`mean`] gives.
+pub fn means_of_sums(lanes: Lanes, sums: &[Sums], samples: u32, light: ColorSpace, out: &mut [Rgba8]) {
+    for (out, sums) in out.chunks_mut(WIDE).zip(sums) {
+        let means = on_lanes!(lanes, simd => {
+            let sums = each!(channel in [0, 1, 2] => f32x16::load_array_ref(simd, &sums[channel]));
+            finished_lanes(simd, sums, samples, light)
+        });
+        out.copy_from_slice(&means[..out.len()]);
+    }
+}
+
+/// [`add`] for sixteen pixels.
+#[inline(always)]
+fn added<S: Simd>(simd: S, sums: [f32x16<S>; 3], codes: [u32; WIDE], numbers: &[f32; 256]) -> [f32x16<S>; 3] {
+    let codes = u32x16::load_array(simd, codes);
+    each!(channel in [0, 1, 2] => {
+        sums[channel] + Tables::lookup(simd, numbers, codes >> (8 * channel as u32) & 0xFF)
+    })
+}
+
+/// [`finished`] for sixteen pixels.
+#[inline(always)]
+fn finished_lanes<S: Simd>(simd: S, sums: [f32x16<S>; 3], samples: u32, light: ColorSpace) -> [Rgba8; WIDE] {
     let [r, g, b] = each!(sum in [sums[0], sums[1], sums[2]] => {
-        let mean = sum / picks.len().max(1) as f32;
+        let mean = sum / samples.max(1) as f32;
         match light {
             ColorSpace::Linear => {
                 let ((first, last), tables) = (mean.split(), Tables::get());
@@ -156,6 +199,27 @@ mod tests {
                     means(lanes, &colors, &picks, light, &mut found);
                     assert_eq!(found, expected, "{} {light:?} {samples}", lanes.name());
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn sums_of_sixteen_become_the_means_of_their_pixels() {
+        let mut random = fastrand::Rng::with_seed(13);
+        for (light, pixels, samples) in ColorSpace::ALL.iter().flat_map(|light| {
+            [(0_usize, 4), (1, 256), (16, 16), (37, 64)].map(|(pixels, samples)| (*light, pixels, samples))
+        }) {
+            let drawn: Vec<Vec<Rgba8>> = (0..samples)
+                .map(|_| (0..pixels).map(|_| [random.u8(..), random.u8(..), random.u8(..), 255]).collect())
+                .collect();
+            let of_pixel = |pixel: usize| -> Vec<Rgba8> { drawn.iter().map(|sample| sample[pixel]).collect() };
+            let expected: Vec<Rgba8> = (0..pixels).map(|pixel| mean(&of_pixel(pixel), light)).collect();
+            for lanes in Lanes::all() {
+                let mut sums: Vec<Sums> = vec![[[0.0; WIDE]; 3]; pixels.div_ceil(WIDE)];
+                drawn.iter().for_each(|sample| add_samples(lanes, sample, light, &mut sums));
+                let mut found = vec![[0; 4]; pixels];
+                means_of_sums(lanes, &sums, samples, light, &mut found);
+                assert_eq!(found, expected, "{} {light:?} {samples}", lanes.name());
             }
         }
     }

@@ -2,6 +2,7 @@
 
 mod finish;
 mod frame;
+mod pixel_samples;
 mod recipe;
 mod renderer;
 mod run;

@@ -5,12 +5,10 @@ use std::time::Instant;
 
 use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
+use super::pixel_samples::with_pixel_samples;
 use super::run::{mean_of_passes, run_after};
-use super::samples::multisample_offsets;
 use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
 use super::{Frame, FrameTimes, Recipe};
-use crate::antialias::resolve::means;
-use crate::antialias::settings::{Antialiasing, Method};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::Lanes;
 use crate::pipeline::depth::DepthScale;
@@ -18,7 +16,7 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::prepare;
 use crate::pipeline::settings::{Execution, Settings};
-use crate::pipeline::tiled::{self, Multisampling, Picks, TiledReport};
+use crate::pipeline::tiled::{self, PixelSamples, TiledReport};
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, Scene};
 use crate::upscale::{Drawn, History, Surfaces};
@@ -145,33 +143,30 @@ impl Renderer {
             LazyGeometry { made: OnceLock::new(), make }
         };
         // The centres of pixels are drawn for their colours, or for their depths, or not at all.
-        let Antialiasing { light, .. } = recipe.antialias;
-        let (offsets, lanes) = (multisample_offsets(recipe.antialias), self.lanes);
-        let mean = |colors: &[Rgba8], picks: &[Picks], out: &mut [Rgba8]| means(lanes, colors, picks, light, out);
-        let multisampling = offsets.as_ref().map(|offsets| Multisampling { offsets, mean: &mean });
-        let one_pass = recipe.antialias.is_off() || multisampling.is_some();
+        let one_pass = recipe.antialias.is_off() || recipe.antialias.is_per_pixel();
         let mut centres = (one_pass || keep_depth == KeepDepth::Yes).then(|| {
             let memory = (self.spare.take(), self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes));
-            let pixels = (grid, raster, multisampling.as_ref());
-            self.draw_tiled(scene, &seen_by, settings, pixels, memory, keep_depth)
+            with_pixel_samples(recipe.antialias, self.lanes, |samples| {
+                self.draw_tiled(scene, &seen_by, settings, (grid, raster, samples), memory, keep_depth)
+            })
         });
         let smooth = mean_of_passes(recipe, (grid, raster), |place, spare| {
             let seen = camera_of(camera, sampling, viewport, place);
             let memory = (spare.or_else(|| self.spare.take()), None);
             let (mut drawn, report) =
-                self.draw_tiled(scene, &seen, settings, (grid, raster, None), memory, KeepDepth::No);
+                self.draw_tiled(scene, &seen, settings, (grid, raster, PixelSamples::Centre), memory, KeepDepth::No);
             let color = std::mem::replace(&mut drawn.color, Image::filled(0, 0, [0; 4]));
             centres.get_or_insert((drawn, report));
             color
         });
         let (mut drawn, report) = centres.unwrap_or_else(|| {
-            self.draw_tiled(scene, &seen_by, settings, (grid, raster, None), (None, None), keep_depth)
+            self.draw_tiled(scene, &seen_by, settings, (grid, raster, PixelSamples::Centre), (None, None), keep_depth)
         });
         if let Some(smooth) = smooth {
             self.spare = Some(std::mem::replace(&mut drawn.color, smooth));
         }
         let surfaces = shown_in_full(recipe).and_then(|shown| {
-            let area = (SampleGrid::FULL, viewport, None);
+            let area = (SampleGrid::FULL, viewport, PixelSamples::Centre);
             let memory = self.spare_surfaces.take().map(|Surfaces { object, distance }| (object, distance)).unzip();
             let (shown, _) = self.draw_tiled(scene, camera, &shown.pipeline, area, memory, KeepDepth::Yes);
             surfaces(shown)
@@ -216,15 +211,14 @@ impl Renderer {
         scene: &Scene,
         seen: &Camera,
         settings: &Settings,
-        (grid, raster, multisampling): (SampleGrid, Viewport, Option<&Multisampling<'_>>),
+        (grid, raster, samples): (SampleGrid, Viewport, PixelSamples<'_>),
         memory: (Option<Image<Rgba8>>, Option<Image<f32>>),
         keep_depth: KeepDepth,
     ) -> (Framebuffer, TiledReport) {
         let keep = keep_depth == KeepDepth::Yes;
         let mut drawn = Framebuffer::reusing(grid, raster, memory, settings, keep);
         drawn.depth_scale = DepthScale::new(settings.depth_format, seen);
-        let report =
-            tiled::draw(scene, seen, settings, raster, (&mut drawn, multisampling), &mut self.memory, self.lanes);
+        let report = tiled::draw(scene, seen, settings, raster, (&mut drawn, samples), &mut self.memory, self.lanes);
         (drawn, report)
     }
 
@@ -256,9 +250,6 @@ impl Renderer {
 pub fn execution(scene: &Scene, recipe: &Recipe) -> (Execution, Option<&'static str>) {
     match recipe.execution {
         Execution::Classic => (Execution::Classic, None),
-        Execution::Tiled if recipe.antialias.method == Method::Jittered => {
-            (Execution::Classic, Some("jittered samples lie elsewhere in each pixel"))
-        }
         Execution::Tiled => match tiled::obstacle(scene, &recipe.pipeline) {
             None => (Execution::Tiled, None),
             why => (Execution::Classic, why),

@@ -3,7 +3,7 @@
 //! Where all pixels have their samples at the same places, each sample is a pass of its own: the whole picture, seen through
 //! a window that lies a fraction of a pixel elsewhere, drawn by whatever way draws one sample. Where places differ from
 //! pixel to pixel, or shading is not done for each sample, the classic way draws triangles one after the other into rows of
-//! samples; tiles have a way of their own for the latter.
+//! samples; tiles have ways of their own.
 
 use std::sync::Arc;
 
@@ -76,10 +76,14 @@ fn candidates(antialias: Antialiasing) -> Vec<Vec<[f32; 2]>> {
     places.into_iter().map(|places| places.into_iter().map(from_centre).collect()).collect()
 }
 
-/// Where multisamples lie from the centres of their pixels, in grid steps; none if there are no such samples.
-pub fn multisample_offsets(antialias: Antialiasing) -> Option<Vec<[i32; 2]>> {
-    let on_grid = |places: Vec<[f32; 2]>| places.into_iter().map(|place| place.map(|px| snap(px) as i32));
-    (antialias.method == Method::Multisample).then(|| candidates(antialias).into_iter().flat_map(on_grid).collect())
+/// For each sample of a pixel the places that it may have, in grid steps from the pixel's centre; none if samples are drawn pass
+/// by pass.
+pub fn places_on_grid(antialias: Antialiasing) -> Vec<Vec<[i32; 2]>> {
+    if !antialias.is_per_pixel() {
+        return Vec::new();
+    }
+    let on_grid = |places: Vec<[f32; 2]>| places.into_iter().map(|place| place.map(|px| snap(px) as i32)).collect();
+    candidates(antialias).into_iter().map(on_grid).collect()
 }
 
 /// All samples of the pixels of a rectangle, drawn into copies of a cleared framebuffer.
@@ -288,7 +292,7 @@ mod tests {
     fn the_centre_is_the_mean_of_multisamples_which_are_not_on_a_line() {
         for samples in Samples::ALL {
             let antialias = Antialiasing { method: Method::Multisample, samples: *samples, ..Antialiasing::default() };
-            let offsets = multisample_offsets(antialias).unwrap();
+            let offsets = places_on_grid(antialias).concat();
             assert_eq!(offsets.len(), samples.count() as usize);
             assert_eq!(offsets.iter().fold([0; 2], |sum, offset| [sum[0] + offset[0], sum[1] + offset[1]]), [0; 2]);
             let [first, second] = [offsets[1], offsets[2]].map(|o| [o[0] - offsets[0][0], o[1] - offsets[0][1]]);

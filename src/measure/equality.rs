@@ -163,13 +163,13 @@ mod tests {
     fn every_kind_of_lanes_and_every_number_of_threads_is_compared() {
         let scene = Arc::new(builtin::by_id("near-plane").unwrap().build());
         let mut recipe = Recipe::default();
-        for setting in ["upscaler.method=checkerboard", "antialias.method=multisample"] {
+        for setting in ["upscaler.method=checkerboard", "antialias.method=multisample", "antialias.method=jittered"] {
             recipe.set(setting).unwrap();
             let found = verify(&scene, &scene.home, &recipe, SIZE, &[1, 3]).unwrap();
             assert_eq!((found.ways.len(), found.obstacle), (2 * Lanes::all().count(), None));
             assert!(found.ways.iter().all(|way| way.difference.is_none()), "{found:?}");
         }
-        recipe.set("antialias.method=jittered").unwrap();
+        recipe.set("arithmetic=f32").unwrap();
         let found = verify(&scene, &scene.home, &recipe, SIZE, &[1]).unwrap();
         assert!(found.ways.is_empty() && found.obstacle.is_some());
     }

@@ -138,7 +138,7 @@ fn check_all_at(size: Viewport, recipes: &[Recipe]) {
 #[test]
 fn every_scene_runs_tile_by_tile_whatever_is_seen_through() {
     for builtin in builtin::ALL {
-        for recipe in [Recipe::default(), multisampled(&[Samples::Four])[0]] {
+        for recipe in [Recipe::default(), multisampled(&[Samples::Four])[0], jittered(&[Samples::Four])[0]] {
             assert_eq!(execution(&builtin.build(), &recipe), (Execution::Tiled, None), "{}", builtin.id);
         }
     }
@@ -171,9 +171,22 @@ fn every_way_to_smooth_gives_the_same_picture() {
 
 /// Recipes that multisample, with each of these numbers of samples.
 fn multisampled(samples: &[Samples]) -> Vec<Recipe> {
+    smoothed(Method::Multisample, samples)
+}
+
+/// Recipes whose samples are jittered, with each of these numbers of them and a seed of its own.
+fn jittered(samples: &[Samples]) -> Vec<Recipe> {
+    let mut recipes = smoothed(Method::Jittered, samples);
+    for (seed, recipe) in recipes.iter_mut().enumerate() {
+        recipe.antialias.seed = seed as u32;
+    }
+    recipes
+}
+
+fn smoothed(method: Method, samples: &[Samples]) -> Vec<Recipe> {
     let recipe = |samples: &Samples| {
         let mut recipe = Recipe::default();
-        (recipe.antialias.method, recipe.antialias.samples) = (Method::Multisample, *samples);
+        (recipe.antialias.method, recipe.antialias.samples) = (method, *samples);
         recipe
     };
     samples.iter().map(recipe).collect()
@@ -206,13 +219,73 @@ fn multisampling_gives_the_same_picture_by_every_depth_test_and_format() {
     check_all_at(SMALL, &with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
 }
 
+/// Most triangles of a scene that is jittered often: the classic way draws each from every place that a sample may have.
+const MOST_JITTERED: usize = 2000;
+
+/// Scenes of few triangles.
+fn check_small_scenes(recipes: &[Recipe]) {
+    let mut renderers = Renderers::of(SMALL);
+    let builtins = builtin::ALL.iter().map(|builtin| (builtin.id, builtin.build()));
+    for (name, scene) in builtins.chain(scenes()).filter(|(_, scene)| scene.triangle_count() <= MOST_JITTERED) {
+        let scene = Arc::new(scene);
+        for recipe in recipes {
+            renderers.check(name, &scene, &scene.home, recipe);
+        }
+    }
+}
+
+#[test]
+fn every_number_of_jittered_samples_gives_the_same_picture() {
+    check_all_at(SMALL, &jittered(&[Samples::Four]));
+    check_small_scenes(&jittered(&[Samples::Sixteen]));
+    let mut renderers = Renderers::of(Viewport { width: 71, height: 19 });
+    for (name, scene) in scenes() {
+        let scene = Arc::new(scene);
+        for recipe in jittered(Samples::ALL) {
+            renderers.check(name, &scene, &scene.home, &recipe);
+        }
+    }
+}
+
+#[test]
+fn jittered_samples_give_the_same_picture_by_every_switch() {
+    let four = &jittered(&[Samples::Four]);
+    let mut recipes = with::<Culling>(four, |r, c| r.pipeline.culling = c);
+    recipes.extend(with::<FillRule>(four, |r, c| r.pipeline.fill_rule = c));
+    recipes.extend(with::<ColorSpace>(four, |r, c| r.antialias.light = c));
+    recipes.extend(with::<ColorSpace>(four, |r, c| r.pipeline.color_space = c));
+    recipes.extend(with::<Shading>(four, |r, c| r.pipeline.shading = c));
+    recipes.extend(with::<Filter>(four, |r, c| r.pipeline.filter = c));
+    recipes.extend([1, 7, u32::MAX].map(|seed| {
+        let mut recipe = four[0];
+        recipe.antialias.seed = seed;
+        recipe
+    }));
+    check_small_scenes(&recipes);
+}
+
+#[test]
+fn jittered_samples_give_the_same_picture_by_every_upscaler() {
+    let four = jittered(&[Samples::Four])[0];
+    check_small_scenes(&Upscaling::every().map(|upscaler| Recipe { upscaler, ..four }).collect::<Vec<_>>());
+}
+
+#[test]
+fn jittered_samples_give_the_same_picture_by_every_depth_test_and_format() {
+    let mut recipes = jittered(&[Samples::Four]);
+    recipes[0].pipeline.culling = Culling::None;
+    let recipes = with::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c);
+    check_small_scenes(&with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c));
+}
+
 /// Triangles from a few steps of the grid across to some hundred times the picture, the edge values of which need more than
 /// 32 bits: most samples of the former are in pixels that others are in too, or just beyond the tile of their corners.
 #[test]
-fn triangles_of_all_sizes_are_multisampled_alike() {
+fn triangles_of_all_sizes_are_sampled_alike() {
     let mut renderers = Renderers::of(SMALL);
-    let recipes = multisampled(&[Samples::Four, Samples::Sixteen]);
-    let recipes = with::<FillRule>(&recipes, |r, c| r.pipeline.fill_rule = c);
+    let few = [Samples::Four, Samples::Sixteen];
+    let recipes = [multisampled(&few), jittered(&few)];
+    let recipes = recipes.map(|recipes| with::<FillRule>(&recipes, |r, c| r.pipeline.fill_rule = c));
     common::for_seeds(6, |random| {
         let mut triangles = |count: u32, least_px: f32, greatest_px: f32| {
             let pixel = 4.0 / SMALL.height as f32;
@@ -231,9 +304,11 @@ fn triangles_of_all_sizes_are_multisampled_alike() {
             .0;
         scene.home.projection = Projection::Orthographic { height: 4.0 };
         let scene = Arc::new(scene);
-        let mut recipe = recipes[random.usize(..recipes.len())];
-        recipe.pipeline.culling = Culling::ALL[random.usize(..Culling::ALL.len())];
-        renderers.check("all sizes", &scene, &scene.home, &recipe);
+        for recipes in &recipes {
+            let mut recipe = recipes[random.usize(..recipes.len())];
+            recipe.pipeline.culling = Culling::ALL[random.usize(..Culling::ALL.len())];
+            renderers.check("all sizes", &scene, &scene.home, &recipe);
+        }
     });
 }
 
@@ -249,6 +324,9 @@ fn views_from_within_the_scene_give_the_same_picture() {
             camera.target += common::in_cube(&mut random) * 2.0;
             renderers.check(builtin.id, &scene, &camera, &Recipe::default());
             smooth.check(builtin.id, &scene, &camera, &multisampled(&[Samples::Four])[0]);
+            if scene.triangle_count() <= MOST_JITTERED {
+                smooth.check(builtin.id, &scene, &camera, &jittered(&[Samples::Four])[0]);
+            }
         }
     }
 }
@@ -368,7 +446,7 @@ fn what_runs_without_need_changes_no_picture() {
 #[test]
 fn the_number_of_threads_changes_nothing() {
     let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-    for recipe in [&[Recipe::default()][..], &multisampled(&[Samples::Sixteen])].concat() {
+    for recipe in [&[Recipe::default()][..], &multisampled(&[Samples::Sixteen]), &jittered(&[Samples::Four])].concat() {
         let drawn_by = |threads: usize, keep_depth| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let render = || Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep_depth);

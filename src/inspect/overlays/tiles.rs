@@ -2,7 +2,7 @@
 
 use super::sheet::{Key, Scale, Sheet, Total};
 use super::{Context, Overlay};
-use crate::chain::samples::multisample_offsets;
+use crate::chain::samples::places_on_grid;
 use crate::inspect::display::ColorMap;
 use crate::inspect::view::Range;
 use crate::pipeline::tiled::{self, TILE_SIDE};
@@ -18,7 +18,7 @@ pub(super) fn load(context: &Context<'_>) -> Sheet {
     let Sampling::Grid(grid) = frame.sampling else {
         return absent("a smaller picture is drawn whose tiles are not those of this one");
     };
-    let offsets = multisample_offsets(frame.antialias).unwrap_or_default();
+    let offsets = places_on_grid(frame.antialias).concat();
     let counts = tiled::tile_loads(scene, &frame.camera, &recipe.pipeline, (grid, frame.raster), &offsets);
     let most = counts.pixels().iter().copied().max().unwrap_or(0);
     let sum: u64 = counts.pixels().iter().map(|count| u64::from(*count)).sum();

@@ -8,6 +8,7 @@ use glam::Vec3;
 use super::Frame;
 use super::geometry::lambert_lanes;
 use super::lattice::{Lattice, TILE};
+use super::locations::Locations;
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
 use super::record::{Entrants, Record, Source, Subject};
@@ -69,7 +70,7 @@ impl Band<'_> {
 /// All samples of a row.
 pub(super) const ALL: u32 = (1 << LANES) - 1;
 
-/// Samples that belong to one triangle.
+/// Samples that belong to one triangle and lie on the lattice.
 #[inline(never)]
 pub(super) fn shade_uniform<S: Simd>(
     simd: S,
@@ -120,7 +121,7 @@ pub(super) fn shade_uniform<S: Simd>(
 
 /// Rows of samples that belong to one triangle, by its edge values in each pair of rows.
 #[inline(always)]
-fn shade_rows<S: Simd>(
+pub(super) fn shade_rows<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
     subject: &Subject<'_>,
@@ -221,7 +222,7 @@ impl<S: Simd> ExactRows<S> {
 }
 
 /// Shades a row by the classic way's own functions.
-fn one_by_one(
+pub(super) fn one_by_one(
     frame: &Frame<'_>,
     shader: &DrawShader<'_>,
     triangle: &ScreenTriangle,
@@ -242,30 +243,33 @@ fn one_by_one(
 
 /// Where sixteen samples lie, and where their colours go.
 pub(super) trait Spots: Copy {
-    /// Right of and below the tile's first sample, in grid steps.
-    fn places<S: Simd>(self, simd: S, lattice: &Lattice) -> [i32x16<S>; 2];
+    /// Right of and below the centre of the tile's first pixel, in grid steps.
+    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
 
     /// Of the samples that have a bit, eight by eight.
     fn rows(self, mine: u32, band: &Band<'_>) -> [QueuedRow; 2];
 }
 
 /// Eight samples of the first row of a patch, and eight of the row below it.
-impl Spots for &Patch {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowPair<'a, L> {
+    pub(super) patch: &'a Patch,
+    pub(super) locations: L,
+}
+
+impl<L: Locations> Spots for RowPair<'_, L> {
     #[inline(always)]
-    fn places<S: Simd>(self, simd: S, lattice: &Lattice) -> [i32x16<S>; 2] {
-        let (columns, row) = (lattice.columns_i32(simd, self.column), self.first);
-        let [upper, lower] = each!(below in [0, 1] => {
-            let y = (row + below) as i32 * lattice.row_step as i32;
-            (columns + lattice.shift(row + below) as i32, i32x8::splat(simd, y))
-        });
-        [upper.0.combine(lower.0), upper.1.combine(lower.1)]
+    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
+        let Patch { column, first, .. } = *self.patch;
+        self.locations.places(simd, column, [first, first + 1])
     }
 
     #[inline(always)]
     fn rows(self, mine: u32, band: &Band<'_>) -> [QueuedRow; 2] {
+        let Self { patch, .. } = self;
         let [mine, below] = [mine & ALL, mine >> LANES];
-        let upper = QueuedRow { start: band.start(self, self.first), count: self.count, mine };
-        let lower = QueuedRow { start: upper.start + band.width, count: self.count, mine: below };
+        let upper = QueuedRow { start: band.start(patch, patch.first), count: patch.count, mine };
+        let lower = QueuedRow { start: upper.start + band.width, count: patch.count, mine: below };
         [upper, if below == 0 { QueuedRow::default() } else { lower }]
     }
 }
@@ -273,7 +277,7 @@ impl Spots for &Patch {
 /// Samples anywhere, whose colours go side by side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scattered<'a> {
-    /// Right of and below the tile's first sample, in grid steps.
+    /// Right of and below the centre of the tile's first pixel, in grid steps.
     pub(super) places: [&'a [i32; WIDE]; 2],
     /// Where the first colour goes.
     pub(super) start: usize,
@@ -281,7 +285,7 @@ pub(super) struct Scattered<'a> {
 
 impl Spots for Scattered<'_> {
     #[inline(always)]
-    fn places<S: Simd>(self, simd: S, _: &Lattice) -> [i32x16<S>; 2] {
+    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
         each!(axis in [0, 1] => i32x16::load_array_ref(simd, self.places[axis]))
     }
 
@@ -309,7 +313,7 @@ pub(super) fn shade_gathered<S: Simd>(
         || {
             let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band.pixels) else { return };
             let taps = (taps, coarse.first_mut());
-            let places = spots.places(simd, &frame.lattice);
+            let places = spots.places(simd);
             let many = entrants.many(slots);
             let e = many.edge_values(simd, places);
             let mut e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
@@ -332,9 +336,9 @@ pub(super) fn shade_gathered<S: Simd>(
     );
 }
 
-/// Edge values of any triangle at offsets from the tile's first sample.
+/// Edge values of any triangle at places right of and below the centre of the tile's first pixel.
 #[inline(always)]
-fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
+pub(super) fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
     // Offsets are small enough for floats.
     let [(x0, x1), (y0, y1)] = each!(axis in [0, 1] => places[axis].to_float::<f32x16<S>>().split());
     let [first, last] = each!((x, y) in [(x0, y0), (x1, y1)] => {

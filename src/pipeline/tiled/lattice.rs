@@ -43,11 +43,12 @@ pub(super) struct Lattice {
     pub(super) row_step: f64,
     /// Whether that is a power of two.
     has_exact_reciprocal: bool,
-    /// From the first sample of a block's row to the last one, and what shifts rows against each other.
+    /// From the first sample of a block's row to the last one, what shifts rows against each other, and how far samples may lie
+    /// from their points.
     pub(super) block_width: f64,
-    /// From the first row of a block to the last one.
+    /// From the first row of a block to the last one, and how far samples may lie from their points.
     pub(super) block_height: f64,
-    /// Where samples lie from the centres of their pixels.
+    /// Where samples, or the points that they lie near, are from the centres of their pixels.
     offset: [i32; 2],
     /// Along each axis how far before and behind that others of the same pixel lie: the least and the greatest offset.
     reach: [[f32; 2]; 2],
@@ -111,6 +112,19 @@ impl Lattice {
             [along().fold(0, i32::min) as f32, along().fold(0, i32::max) as f32]
         });
         Self { reach, ..self }
+    }
+
+    /// The same pixels, each with its sample somewhere from a least to a greatest offset from the centre. The points of the
+    /// lattice are those of the least offset; its blocks reach to the greatest.
+    pub(super) fn spread(self, [least, greatest]: [[i32; 2]; 2]) -> Self {
+        let [across, down] = [0, 1].map(|axis| f64::from(greatest[axis] - least[axis]));
+        Self {
+            block_width: self.block_width + across,
+            block_height: self.block_height + down,
+            offset: least,
+            reach: [0, 1].map(|axis| [least[axis] as f32, greatest[axis] as f32]),
+            ..self
+        }
     }
 
     /// From the centres of pixels to their samples.
@@ -243,7 +257,11 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(9);
         for grid in grids.into_iter().chain([SampleGrid::Checkerboard, SampleGrid::OddCheckerboard]) {
             let centres = Lattice::new(grid);
-            let samples = [centres.moved([-33, 5]), centres.with_samples(&[[-96, 32], [97, -128]])];
+            let samples = [
+                centres.moved([-33, 5]),
+                centres.with_samples(&[[-96, 32], [97, -128]]),
+                centres.spread([[-112, 16], [-16, 112]]),
+            ];
             for lattice in [centres].into_iter().chain(samples) {
                 for _ in 0..200 {
                     let ends: [[f32; 2]; LANES] = std::array::from_fn(|_| {

@@ -9,7 +9,7 @@ use super::kernel::{ALL, Band, Scattered};
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
 use super::multisample::{Picks, Planes};
 use super::queue::Queue;
-use super::record::{Entrant, Entrants, Many, Slot};
+use super::record::{Entrant, Entrants, Many, Slot, Source as _};
 use super::setup::least_inside;
 use super::shade::{Job, Shaded};
 use super::tile::Tile;
@@ -144,7 +144,7 @@ impl MixedPixels {
         let Self { places, picks, fragments, colors, means, .. } = self;
         colors.clear();
         colors.resize(FIRST + fragments.list.len() * WIDE, frame.background);
-        let mut job = Job::new(frame, entrants, queue, tile, Band { pixels: colors, width: 0 });
+        let mut job = Job::new(frame, &frame.lattice, (entrants, queue), tile, Band { pixels: colors, width: 0 });
         for (number, sixteen) in fragments.list.iter().enumerate() {
             let count = (fragments.len - number * WIDE).min(WIDE);
             let open = u32::MAX >> (u32::BITS as usize - count);
@@ -220,7 +220,7 @@ impl Fragments {
     }
 }
 
-impl Job<'_> {
+impl Job<'_, &Lattice> {
     /// Shades the fragments that have a bit, each at the first of some places of its pixel that its triangle covers; their colours
     /// go to `start` and on.
     #[inline(always)]

@@ -12,21 +12,25 @@
 //! the number of threads and whatever the instructions of the processor.
 //!
 //! Several samples for each pixel, with one shading for each triangle that they see, are several tiles at once:
-//! [`Multisampling`].
+//! [`Multisampling`]. Samples that are elsewhere in each pixel are drawn and shaded one after the other: [`Jittering`].
 
 mod axis;
 mod bins;
 mod clusters;
 mod depths;
+mod displaced;
 mod gather;
 mod geometry;
+mod jitter;
 mod kernel;
 mod lattice;
+mod locations;
 mod lookup;
 mod mipmap;
 mod mixed;
 mod multisample;
 mod outcode;
+mod pixel_samples;
 mod queue;
 mod record;
 mod see_through;
@@ -46,10 +50,14 @@ use bins::{Binning, Chunk, MOST_TRIANGLES};
 use clusters::{Kept, View};
 use depths::DepthRules;
 use geometry::{Arrays, Draw, Surface, Vertex};
+use jitter::JitterMemory;
+pub use jitter::{ChosenPlaces, Jittering, PLACES, SumOfSamples, Sums};
 use lattice::{Lattice, TILE};
+use locations::Locations;
 use mixed::MixedPixels;
-use multisample::Planes;
 pub use multisample::{MeanOfSamples, Multisampling, Picks};
+pub use pixel_samples::PixelSamples;
+use pixel_samples::Samples;
 use queue::Queue;
 use record::{Entrant, Entrants, Slot, SurfaceRecord};
 use see_through_samples::SeenThrough;
@@ -174,6 +182,7 @@ struct Workspace {
     planes: Vec<Tile>,
     mixed: MixedPixels,
     seen_through: SeenThrough,
+    jitter: JitterMemory,
     entrants: Entrants,
     batches: [Batch; BATCHES],
     queue: Queue,
@@ -186,6 +195,7 @@ impl Workspace {
             planes: Vec::new(),
             mixed: MixedPixels::default(),
             seen_through: SeenThrough::default(),
+            jitter: JitterMemory::default(),
             entrants: Entrants::default(),
             batches: Default::default(),
             queue: Queue::default(),
@@ -197,6 +207,7 @@ impl Workspace {
             + self.planes.iter().map(Tile::bytes).sum::<usize>()
             + self.mixed.bytes()
             + self.seen_through.bytes()
+            + self.jitter.bytes()
             + self.entrants.bytes()
             + size_of::<[Batch; BATCHES]>()
             + self.queue.bytes()
@@ -225,8 +236,7 @@ struct Frame<'a> {
     shaders: Vec<DrawShader<'a>>,
     /// For each draw the first one that is shaded alike.
     shader_of_draw: Vec<usize>,
-    /// Pixels have several samples.
-    planes: Option<Planes<'a>>,
+    samples: Samples<'a>,
 }
 
 /// Draws a scene into a framebuffer, all of which it overwrites. [`obstacle`] must have found none.
@@ -235,7 +245,7 @@ pub fn draw(
     camera: &Camera,
     settings: &Settings,
     viewport: Viewport,
-    (frame, multisampling): (&mut Framebuffer, Option<&Multisampling<'_>>),
+    (frame, samples): (&mut Framebuffer, PixelSamples<'_>),
     memory: &mut Memory,
     lanes: Lanes,
 ) -> TiledReport {
@@ -249,8 +259,8 @@ pub fn draw(
     let transformed = Instant::now();
 
     let packed = frame.color.size();
-    let planes = multisampling.map(|samples| Planes::new(*samples, frame.grid, frame.depth.is_some()));
-    let lattice = Lattice::new(frame.grid).with_samples(multisampling.map_or(&[], |samples| samples.offsets));
+    let lattice = Lattice::new(frame.grid).with_samples(&samples.offsets());
+    let samples = Samples::new(samples, frame.grid, frame.depth.is_some());
     let tile_counts = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
     Binning { draws: &draws, arrays, settings, viewport, scale, lattice, packed, tiles: tile_counts }
         .run(lanes, chunks);
@@ -282,7 +292,7 @@ pub fn draw(
         reads_colors: shaders.iter().any(|shader| shader.plan.colored),
         shader_of_draw: DrawShader::first_alike(&shaders),
         shaders,
-        planes,
+        samples,
     };
     let work = Work::default();
     let band = packed.0 as usize * TILE;
@@ -314,10 +324,13 @@ pub fn draw(
             for column in 0..tile_counts.0 {
                 let number = row * tile_counts.0 + column;
                 let target = Target { place: (column, row), number, colors, depths: depths.as_deref_mut() };
-                match &job.planes {
-                    None => on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, target, &work)),
-                    Some(planes) => {
+                match &job.samples {
+                    Samples::Centre => on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, target, &work)),
+                    Samples::Multisampled(planes) => {
                         on_lanes!(lanes, simd => job.draw_samples(simd, planes, &mut workspace, target, &work));
+                    }
+                    Samples::Jittered(samples) => {
+                        on_lanes!(lanes, simd => job.draw_jittered(simd, samples, &mut workspace, target, &work));
                     }
                 }
             }
@@ -358,8 +371,8 @@ pub fn draw(
 pub const TILE_SIDE: u32 = TILE as u32;
 
 /// How many triangles each tile is handed: those whose boxes touch it, before they are set up. One value for each tile of
-/// [`TILE_SIDE`] samples a side, whose pixels are sampled at their centres or, if there are any, at [`Multisampling::offsets`].
-/// [`obstacle`] must have found none.
+/// [`TILE_SIDE`] samples a side, whose pixels are sampled at their centres or, if there are any, at offsets from them, in grid
+/// steps of 1/256 px. [`obstacle`] must have found none.
 pub fn tile_loads(
     scene: &Scene,
     camera: &Camera,
@@ -558,19 +571,7 @@ impl Frame<'_> {
                     alive &= alive - 1;
                     let slot = Slot::new(group + number * LANES + lane, large[number] >> lane & 1 != 0);
                     let triangle = batch.triangle(lane, slot);
-                    if self.all_opaque {
-                        tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner);
-                        continue;
-                    }
-                    let entrant @ Entrant { key, draw } = entrants.get(slot);
-                    match self.transparency(entrant) {
-                        Transparency::Opaque => tile.draw(simd, &triangle, &self.lattice, &self.rules, &owner),
-                        Transparency::CutOut => {
-                            let keep = self.keeper(key, draw as usize, place);
-                            tile.draw_kept(simd, &triangle, &self.lattice, &self.rules, &owner, keep);
-                        }
-                        Transparency::Blended => blended.push(slot),
-                    }
+                    self.draw_triangle(simd, (tile, &self.lattice), &triangle, (entrants, place), &owner, blended);
                 }
             }
         }
@@ -579,11 +580,38 @@ impl Frame<'_> {
         }
         let rasterized = Instant::now();
         let Target { colors, .. } = target;
-        let mut shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: colors });
+        let mut shaded =
+            shade_tile(simd, self, Canvas { tile, locations: &self.lattice, entrants, queue, place, pixels: colors });
         if !blended.is_empty() {
-            shaded.samples += self.blend(simd, tile, (entrants, blended), place, colors);
+            shaded.samples += self.blend(simd, tile, &self.lattice, (entrants, blended), place, colors);
         }
         work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
+    }
+
+    /// Draws a triangle into a tile, or lists it if it is blended.
+    #[inline(always)]
+    fn draw_triangle<S: Simd>(
+        &self,
+        simd: S,
+        (tile, locations): (&mut Tile, impl Locations),
+        triangle: &Setup,
+        (entrants, place): (&Entrants, (usize, usize)),
+        owner: &impl Fn(Slot) -> Option<Setup>,
+        blended: &mut Vec<Slot>,
+    ) {
+        if self.all_opaque {
+            tile.draw(simd, triangle, locations, &self.rules, owner);
+            return;
+        }
+        let entrant @ Entrant { key, draw } = entrants.get(triangle.slot);
+        match self.transparency(entrant) {
+            Transparency::Opaque => tile.draw(simd, triangle, locations, &self.rules, owner),
+            Transparency::CutOut => {
+                let keep = self.keeper(key, draw as usize, place);
+                tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
+            }
+            Transparency::Blended => blended.push(triangle.slot),
+        }
     }
 
     /// Position of the first sample of a tile, in grid steps, and its packed column and row.

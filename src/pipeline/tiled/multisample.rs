@@ -91,7 +91,11 @@ impl Frame<'_> {
         let Target { colors, .. } = target;
         let mut picture = Band { pixels: colors, width };
         mixed.find(simd, &self.lattice, samples, tile, picture.size(place));
-        let mut shaded = shade_tile(simd, self, Canvas { tile, entrants, queue, place, pixels: picture.pixels });
+        let mut shaded = shade_tile(
+            simd,
+            self,
+            Canvas { tile, locations: &self.lattice, entrants, queue, place, pixels: picture.pixels },
+        );
         shaded += mixed.shade(simd, self, planes, (entrants, queue), place);
         mixed.write(&mut picture, place);
         if !self.all_opaque && !seen_through.blended.is_empty() {

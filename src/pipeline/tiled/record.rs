@@ -165,6 +165,23 @@ pub(super) trait Source: Copy {
     /// Four numbers of the [`SurfaceRecord`] of each sample's triangle.
     fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
+    /// a, b and c of the first two edges of triangles whose values 32 bits hold, and the doubled areas.
+    #[inline(always)]
+    fn integer_edges<S: Simd>(self, simd: S) -> ([[i32x16<S>; 3]; 2], i32x16<S>) {
+        let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
+        let edges = each!(quad in [first, second] => each!(v in [0, 1, 2] => quad[v].bitcast::<i32x16<S>>()));
+        (edges, first[3].bitcast::<i32x16<S>>())
+    }
+
+    /// Edge values of such triangles at offsets from the tile's first sample. They are right where a triangle covers its sample;
+    /// elsewhere they may be any.
+    #[inline(always)]
+    fn edge_values<S: Simd>(self, simd: S, [x, y]: [i32x16<S>; 2]) -> [i32x16<S>; 3] {
+        let (edges, area) = self.integer_edges(simd);
+        let [first, second] = each!([a, b, c] in [edges[0], edges[1]] => a * x + b * y + c);
+        [first, second, area - first - second]
+    }
+
     /// 1/w of the corners relative to the largest.
     #[inline(always)]
     fn relative_inv_w<S: Simd>(self, simd: S) -> [f32x16<S>; 3] {
@@ -259,25 +276,6 @@ impl Source for Many<'_> {
         transpose_wide(each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
             f32x4::load_array_ref(simd, &self.entrants.surface(Slot(self.slots[i])).quads[quad])
         }))
-    }
-}
-
-impl Many<'_> {
-    /// a, b and c of the first two edges of triangles whose values 32 bits hold, and the doubled areas.
-    #[inline(always)]
-    pub(super) fn integer_edges<S: Simd>(self, simd: S) -> ([[i32x16<S>; 3]; 2], i32x16<S>) {
-        let (first, second) = (self.quad(simd, Record::FIRST_EDGE), self.quad(simd, Record::SECOND_EDGE));
-        let edges = each!(quad in [first, second] => each!(v in [0, 1, 2] => quad[v].bitcast::<i32x16<S>>()));
-        (edges, first[3].bitcast::<i32x16<S>>())
-    }
-
-    /// Edge values of such triangles at offsets from the tile's first sample. They are right where a triangle covers its sample;
-    /// elsewhere they may be any.
-    #[inline(always)]
-    pub(super) fn edge_values<S: Simd>(self, simd: S, [x, y]: [i32x16<S>; 2]) -> [i32x16<S>; 3] {
-        let (edges, area) = self.integer_edges(simd);
-        let [first, second] = each!([a, b, c] in [edges[0], edges[1]] => a * x + b * y + c);
-        [first, second, area - first - second]
     }
 }
 

@@ -6,6 +6,7 @@
 use super::Frame;
 use super::bins::Key;
 use super::lattice::TILE;
+use super::locations::Locations;
 use super::record::{Entrant, Entrants, Slot};
 use super::tile::Tile;
 use crate::image::Rgba8;
@@ -71,11 +72,12 @@ impl Frame<'_> {
         &self,
         simd: S,
         tile: &mut Tile,
+        locations: impl Locations,
         (entrants, blended): (&Entrants, &[Slot]),
         place: (usize, usize),
         colors: &mut [Rgba8],
     ) -> u64 {
-        let owner = self.owner(entrants, &self.lattice, place);
+        let owner = self.owner(entrants, locations.lattice(), place);
         let (width, height) = (self.packed.0 as usize, colors.len() / self.packed.0 as usize);
         let left = place.0 * TILE;
         let mut samples = 0;
@@ -83,7 +85,7 @@ impl Frame<'_> {
             let Some(setup) = owner(slot) else { continue };
             let draw = entrants.get(slot).draw as usize;
             let shader = &self.shader(draw).shader;
-            tile.draw_kept(simd, &setup, &self.lattice, &self.rules, &owner, |edges, (column, row), passed| {
+            tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |edges, (column, row), passed| {
                 for lane in set_bits(passed) {
                     let column = column + lane;
                     if left + column < width && row < height {

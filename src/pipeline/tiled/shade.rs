@@ -6,8 +6,10 @@
 use std::ops::AddAssign;
 
 use super::Frame;
-use super::kernel::{ALL, Band, Patch, Spots, shade_gathered, shade_uniform};
+use super::displaced::shade_displaced;
+use super::kernel::{ALL, Band, Patch, RowPair, Spots, shade_gathered, shade_uniform};
 use super::lattice::{BLOCK, BLOCKS};
+use super::locations::Locations;
 use super::queue::{Queue, flush};
 use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Edges;
@@ -39,8 +41,9 @@ impl AddAssign for Shaded {
 }
 
 /// A tile of the picture that is shaded, and the memory for it.
-pub(super) struct Canvas<'a> {
+pub(super) struct Canvas<'a, L> {
     pub(super) tile: &'a Tile,
+    pub(super) locations: L,
     pub(super) entrants: &'a Entrants,
     pub(super) queue: &'a mut Queue,
     /// Column and row among the tiles.
@@ -51,11 +54,11 @@ pub(super) struct Canvas<'a> {
 
 /// Shades the samples of a tile.
 #[inline(always)]
-pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_>) -> Shaded {
-    let Canvas { tile, entrants, queue, place, pixels } = canvas;
+pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_, impl Locations>) -> Shaded {
+    let Canvas { tile, locations, entrants, queue, place, pixels } = canvas;
     let band = Band { pixels, width: frame.packed.0 as usize };
     let (columns, height) = band.size(place);
-    let mut job = Job::new(frame, entrants, queue, place, band);
+    let mut job = Job::new(frame, locations, (entrants, queue), place, band);
     for by in 0..height.div_ceil(BLOCK) {
         for bx in 0..columns.div_ceil(BLOCK) {
             let column = bx * BLOCK;
@@ -80,8 +83,9 @@ fn uniform_slot<S: Simd>(simd: S, slots: &[u32]) -> Option<Slot> {
 }
 
 /// The shading of a tile.
-pub(super) struct Job<'a> {
+pub(super) struct Job<'a, L> {
     pub(super) frame: &'a Frame<'a>,
+    locations: L,
     pub(super) entrants: &'a Entrants,
     queue: &'a mut Queue,
     /// Column and row among the tiles.
@@ -96,16 +100,17 @@ pub(super) struct Job<'a> {
     pub(super) shaded: Shaded,
 }
 
-impl<'a> Job<'a> {
+impl<'a, L: Locations> Job<'a, L> {
     pub(super) fn new(
         frame: &'a Frame<'a>,
-        entrants: &'a Entrants,
-        queue: &'a mut Queue,
+        locations: L,
+        (entrants, queue): (&'a Entrants, &'a mut Queue),
         tile: (usize, usize),
         band: Band<'a>,
     ) -> Self {
         Self {
             frame,
+            locations,
             entrants,
             queue,
             tile,
@@ -163,7 +168,11 @@ impl<'a> Job<'a> {
         }
         let edges = (!shader.on_lanes || slot.is_large()).then(|| self.exact_edges(slot)).flatten();
         let subject = Subject { one, key, draw, edges: edges.as_ref() };
-        shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.band);
+        if L::ON_LATTICE {
+            shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.band);
+        } else {
+            shade_displaced(simd, self.frame, &subject, (patch, self.locations), self.queue, &mut self.band);
+        }
     }
 
     /// The edges of a triangle; none if it has no area, in which case it is never seen.
@@ -196,6 +205,7 @@ impl<'a> Job<'a> {
     #[inline(always)]
     fn mixed_rows<S: Simd>(&mut self, simd: S, rows: [Option<&[u32]>; 2], patch: &Patch) {
         let within = ALL >> (LANES - patch.count);
+        let pair = RowPair { patch, locations: self.locations };
         let (mut slots, mut open) = ([0; WIDE], 0);
         for (half, row) in rows.iter().enumerate() {
             let Some(row) = row else { continue };
@@ -205,7 +215,7 @@ impl<'a> Job<'a> {
             open |= (seen.to_bitmask() as u32 & within) << (half * LANES);
         }
         if self.alike {
-            self.together(simd, 0, open, &slots, patch);
+            self.together(simd, 0, open, &slots, pair);
             return;
         }
         while open != 0 {
@@ -216,7 +226,7 @@ impl<'a> Job<'a> {
                 if shader.on_lanes { self.shaded_by(number, open, &slots) } else { open & same(simd, &slots, leader) };
             open &= !mine;
             if shader.on_lanes {
-                self.together(simd, number, mine, &slots, patch);
+                self.together(simd, number, mine, &slots, pair);
                 continue;
             }
             for (half, mine) in halves_of(mine).into_iter().enumerate().filter(|(_, mine)| *mine != 0) {

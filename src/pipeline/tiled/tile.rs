@@ -6,10 +6,11 @@
 //! triangle that lies behind all of it is not looked at there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
 //! SIGGRAPH 1993).
 
-use std::ops::Range;
+use std::ops::{AddAssign, Range};
 
 use super::depths::{DepthRules, compare_bounds, depth, depth_at_first, depth_bounds, passes, whole_depths};
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
+use super::locations::{Locations, Rows, edge_values};
 use super::record::Slot;
 use super::setup::{Edges, Setup};
 use crate::math::lanes::*;
@@ -19,7 +20,7 @@ use crate::pipeline::depth::Comparison;
 pub(super) const STRIDE: usize = TILE + LANES;
 
 /// Rows of samples in memory: narrow triangles are drawn two rows at a time, the second of which may be one too many.
-const ROWS: usize = TILE + 1;
+pub(super) const ROWS: usize = TILE + 1;
 
 /// How much work a tile was.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,6 +29,13 @@ pub(super) struct TileCounts {
     pub(super) visited: u64,
     /// Samples of blocks that were taken as a whole.
     pub(super) plain: u64,
+}
+
+impl AddAssign for TileCounts {
+    fn add_assign(&mut self, more: Self) {
+        self.visited += more.visited;
+        self.plain += more.plain;
+    }
 }
 
 /// A tile. Memory is kept from tile to tile.
@@ -143,16 +151,16 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup,
-        lattice: &Lattice,
+        locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         let [first, last] = triangle.columns;
         let start = first & !1;
         if last < start + LANES && triangle.rows[1] < triangle.rows[0] + 2 * BLOCK {
-            self.draw_small(simd, triangle, start, lattice, rules, owner);
+            self.draw_small(simd, triangle, start, locations, rules, owner);
         } else {
-            self.draw_large(simd, triangle, lattice, rules, owner);
+            self.draw_large(simd, triangle, locations, rules, owner);
         }
     }
 
@@ -163,7 +171,7 @@ impl Tile {
         simd: S,
         triangle: &Setup,
         start: usize,
-        lattice: &Lattice,
+        locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
@@ -186,20 +194,20 @@ impl Tile {
                     for by in top / BLOCK..=bottom / BLOCK {
                         for bx in columns[0]..=((start + LANES - 1) / BLOCK).min(BLOCKS - 1) {
                             let block = by * BLOCKS + bx;
-                            self.write_out(simd, block, lattice, rules, owner);
+                            self.write_out(simd, block, locations, rules, owner);
                             self.widen_bounds(triangle, block, rules);
                         }
                     }
                 }
-                let Setup { edges, .. } = triangle;
+                let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
                 if lattice.is_straight() && triangle.columns[1] < start + LANES / 2 {
-                    self.draw_narrow(simd, triangle, start, lattice, rules);
+                    self.draw_narrow(simd, triangle, start, locations, rules);
                     return;
                 }
                 let x = F64::load_array(simd, lattice.lanes) + lattice.column(start);
                 let mut rows = Rows::new(simd, edges, x, top, lattice);
                 for row in top..=bottom {
-                    let e = rows.next(edges, row, lattice);
+                    let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (start, row));
                     let covered = inside(simd, triangle, e);
                     if covered != 0 {
                         self.write(simd, triangle, e, covered, (start, row), rules);
@@ -212,18 +220,27 @@ impl Tile {
 
     /// A triangle at most four samples wide: two of its rows at once.
     #[inline(always)]
-    fn draw_narrow<S: Simd>(&mut self, simd: S, triangle: &Setup, start: usize, lattice: &Lattice, rules: &DepthRules) {
-        let Setup { edges: Edges { a, b, c, .. }, rows: [top, bottom], .. } = triangle;
+    fn draw_narrow<S: Simd>(
+        &mut self,
+        simd: S,
+        triangle: &Setup,
+        start: usize,
+        locations: impl Locations,
+        rules: &DepthRules,
+    ) {
+        let Setup { edges: edges @ Edges { a, b, c, .. }, rows: [top, bottom], .. } = triangle;
+        let lattice = locations.lattice();
         let x = F64::load_array(simd, lattice.two_rows[0]) + lattice.column(start);
         let y = F64::load_array(simd, lattice.two_rows[1]) + *top as f64 * lattice.row_step;
-        let mut e = each!(i in [0, 1, 2] => x * a[i] + c[i] + y * b[i]);
+        let mut next = each!(i in [0, 1, 2] => x * a[i] + c[i] + y * b[i]);
         let step = 2.0 * lattice.row_step;
         for row in (*top..=*bottom).step_by(2) {
+            let e = locations.displaced_in_two_rows(simd, edges, next, (start, row));
             let covered = inside(simd, triangle, e);
             if covered != 0 {
                 self.write_two(simd, triangle, e, covered, (start, row), rules);
             }
-            e = each!(i in [0, 1, 2] => e[i] + b[i] * step);
+            next = each!(i in [0, 1, 2] => next[i] + b[i] * step);
             self.counts.visited += LANES as u64;
         }
     }
@@ -270,13 +287,14 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup,
-        lattice: &Lattice,
+        locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
+                let lattice = locations.lattice();
                 if self.hides(simd, triangle, lattice, rules) {
                     return;
                 }
@@ -325,8 +343,8 @@ impl Tile {
                     while partial != 0 {
                         let bx = partial.trailing_zeros() as usize;
                         partial &= partial - 1;
-                        self.write_out(simd, by * BLOCKS + bx, lattice, rules, owner);
-                        self.draw_block(simd, triangle, (bx, by), lattice, rules);
+                        self.write_out(simd, by * BLOCKS + bx, locations, rules, owner);
+                        self.draw_block(simd, triangle, (bx, by), locations, rules);
                     }
                 }
             },
@@ -365,7 +383,7 @@ impl Tile {
         &mut self,
         simd: S,
         triangle: &Setup,
-        lattice: &Lattice,
+        locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
         mut keep: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
@@ -378,10 +396,10 @@ impl Tile {
                     if !self.may_show(triangle, block, rules) {
                         continue;
                     }
-                    self.write_out(simd, block, lattice, rules, owner);
+                    self.write_out(simd, block, locations, rules, owner);
                     for row in rows_in(triangle, by) {
                         let place = (bx * BLOCK, row);
-                        let (edges, passed) = self.test(simd, triangle, place, lattice, rules);
+                        let (edges, passed) = self.test(simd, triangle, place, locations, rules);
                         let kept = if passed == 0 { 0 } else { keep(&edges, place, passed) };
                         if kept != 0 {
                             let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
@@ -404,13 +422,13 @@ impl Tile {
         simd: S,
         triangle: &Setup,
         (column, row): (usize, usize),
-        lattice: &Lattice,
+        locations: impl Locations,
         rules: &DepthRules,
     ) -> ([[f64; LANES]; 3], u64) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let e = edge_values(simd, triangle, (column, row), lattice);
+                let e = edge_values(simd, &triangle.edges, (column, row), locations);
                 let mut passed = inside(simd, triangle, e);
                 if rules.stored {
                     let stored = F32::from_slice(simd, &self.depths[row * STRIDE + column..][..LANES]);
@@ -428,17 +446,17 @@ impl Tile {
         simd: S,
         triangle: &Setup,
         (bx, by): (usize, usize),
-        lattice: &Lattice,
+        locations: impl Locations,
         rules: &DepthRules,
     ) {
-        let Setup { edges, .. } = triangle;
+        let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
         let x = F64::load_array(simd, lattice.lanes) + bx as f64 * lattice.block_step;
         let touched = rows_in(triangle, by);
         self.counts.visited += (touched.len() * BLOCK) as u64;
         let mut rows = Rows::new(simd, edges, x, touched.start, lattice);
         let mut written = false;
         for row in touched {
-            let e = rows.next(edges, row, lattice);
+            let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (bx * BLOCK, row));
             let covered = inside(simd, triangle, e);
             if covered != 0 {
                 written |= self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
@@ -484,7 +502,7 @@ impl Tile {
         &mut self,
         simd: S,
         block: usize,
-        lattice: &Lattice,
+        locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
@@ -506,7 +524,7 @@ impl Tile {
                         match &triangle {
                             None => depths.fill(rules.clear),
                             Some(triangle) => {
-                                let e = edge_values(simd, triangle, (bx * BLOCK, row), lattice);
+                                let e = edge_values(simd, &triangle.edges, (bx * BLOCK, row), locations);
                                 depth(simd, triangle, e, rules).store_slice(depths);
                             }
                         }
@@ -563,52 +581,6 @@ fn blocks(triangle: &Setup) -> impl Iterator<Item = (usize, usize)> + use<> {
 fn rows_in(triangle: &Setup, by: usize) -> Range<usize> {
     let [top, bottom] = triangle.rows;
     top.max(by * BLOCK)..(bottom + 1).min((by + 1) * BLOCK)
-}
-
-/// Edge values at eight samples of one row after the other. They are whole numbers, so that steps add no error.
-struct Rows<S: Simd> {
-    /// Of the next row, but for its shift.
-    next: [F64<S>; 3],
-    /// From row to row.
-    step: [F64<S>; 3],
-}
-
-impl<S: Simd> Rows<S> {
-    /// Begins with row `first`, whose samples lie in columns `x` of a row that is not shifted.
-    #[inline(always)]
-    fn new(simd: S, edges: &Edges, x: F64<S>, first: usize, lattice: &Lattice) -> Self {
-        let y = first as f64 * lattice.row_step;
-        Self {
-            next: each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y)),
-            step: each!(i in [0, 1, 2] => F64::splat(simd, edges.b[i] * lattice.row_step)),
-        }
-    }
-
-    /// Edge values of the next row, which is `row`.
-    #[inline(always)]
-    fn next(&mut self, edges: &Edges, row: usize, lattice: &Lattice) -> [F64<S>; 3] {
-        let e = self.next;
-        self.next = each!(i in [0, 1, 2] => e[i] + self.step[i]);
-        if lattice.is_straight() {
-            return e;
-        }
-        let shift = lattice.shift(row);
-        each!(i in [0, 1, 2] => e[i] + edges.a[i] * shift)
-    }
-}
-
-/// Edge values at eight samples of a row.
-#[inline(always)]
-pub(super) fn edge_values<S: Simd>(
-    simd: S,
-    triangle: &Setup,
-    (column, row): (usize, usize),
-    lattice: &Lattice,
-) -> [F64<S>; 3] {
-    let Setup { edges, .. } = triangle;
-    let x = F64::load_array(simd, lattice.lanes) + (lattice.column(column) + lattice.shift(row));
-    let y = row as f64 * lattice.row_step;
-    each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y))
 }
 
 /// Bits of the samples that are inside all edges.

@@ -1,0 +1,40 @@
+//! How tiles sample pixels, and what becomes of the samples, as a recipe has it.
+
+use super::samples::places_on_grid;
+use crate::antialias::pattern::{Pattern, jitter_row};
+use crate::antialias::resolve::{add_samples, means, means_of_sums};
+use crate::antialias::settings::{Antialiasing, Method};
+use crate::image::Rgba8;
+use crate::math::lanes::Lanes;
+use crate::pipeline::tiled::{Jittering, Multisampling, PLACES, Picks, PixelSamples, SumOfSamples, Sums};
+
+const _: () = assert!((Pattern::JITTER * Pattern::JITTER) as usize == PLACES);
+
+/// Calls `draw` with the samples that tiles draw in one pass: the centres of pixels, unless all their samples are drawn at
+/// once.
+pub(super) fn with_pixel_samples<T>(
+    antialias: Antialiasing,
+    lanes: Lanes,
+    draw: impl FnOnce(PixelSamples<'_>) -> T,
+) -> T {
+    let Antialiasing { method, light, seed, .. } = antialias;
+    let places = places_on_grid(antialias);
+    match method {
+        Method::Multisample => {
+            let mean = |colors: &[Rgba8], picks: &[Picks], out: &mut [Rgba8]| means(lanes, colors, picks, light, out);
+            draw(PixelSamples::Multisampled(Multisampling { offsets: &places.concat(), mean: &mean }))
+        }
+        Method::Jittered => {
+            let places: Vec<_> = places.iter().map(|places| std::array::from_fn(|place| places[place])).collect();
+            let samples = places.len() as u32;
+            let chosen = |sample: usize, pixels: (&[u32], u32), places: &mut [u8]| {
+                jitter_row(pixels, sample as u32, seed, places);
+            };
+            let add = |colors: &[Rgba8], sums: &mut [Sums]| add_samples(lanes, colors, light, sums);
+            let mean = |sums: &[Sums], out: &mut [Rgba8]| means_of_sums(lanes, sums, samples, light, out);
+            let sum = SumOfSamples { add: &add, mean: &mean };
+            draw(PixelSamples::Jittered(Jittering { places: &places, chosen: &chosen, sum }))
+        }
+        _ => draw(PixelSamples::Centre),
+    }
+}

@@ -1,0 +1,220 @@
+//! Jittered supersampling: several samples of each pixel, elsewhere in each, all of them shaded.
+//!
+//! The triangles of a tile are set up once for all samples. Then one sample of every pixel after the other is drawn and shaded as
+//! if it were the only one, and added to what the pixels have: a tile and the sums of its pixels are all the memory that any
+//! number of samples takes.
+
+use std::time::{Duration, Instant};
+
+use super::kernel::Band;
+use super::lattice::{Lattice, TILE};
+use super::locations::{Displaced, Locations, Offsets};
+use super::record::{Entrants, Slot};
+use super::see_through_samples::SeenThrough;
+use super::setup::Batch;
+use super::shade::{Canvas, Shaded, shade_tile};
+use super::tile::{Tile, TileCounts};
+use super::{BATCHES, CROWDED, Frame, GROUP, Target, Work, Workspace};
+use crate::image::Rgba8;
+use crate::math::lanes::*;
+use crate::pipeline::grid::SampleGrid;
+
+/// Places that a sample has to choose from.
+pub const PLACES: usize = 16;
+
+/// Sums over the samples of sixteen pixels, channel by channel.
+pub type Sums = [[f32; WIDE]; 3];
+
+/// Which of its places a sample, given by number, has in some pixels, given by their columns in the full picture and their row.
+pub type ChosenPlaces<'a> = &'a (dyn Fn(usize, (&[u32], u32), &mut [u8]) + Sync);
+
+/// From samples to pixels, sixteen by sixteen.
+#[derive(Clone, Copy)]
+pub struct SumOfSamples<'a> {
+    /// Adds one sample of each pixel.
+    pub add: &'a (dyn Fn(&[Rgba8], &mut [Sums]) + Sync),
+    /// What the pixels are when all samples are added. If all have one colour, that is the pixel's.
+    pub mean: &'a (dyn Fn(&[Sums], &mut [Rgba8]) + Sync),
+}
+
+/// Several samples of each pixel, and the colour that they have together.
+#[derive(Clone, Copy)]
+pub struct Jittering<'a> {
+    /// Where each sample may lie, in grid steps of 1/256 px right of and below the centre of its pixel.
+    pub places: &'a [[[i32; 2]; PLACES]],
+    /// Where it does.
+    pub chosen: ChosenPlaces<'a>,
+    /// What pixels become.
+    pub sum: SumOfSamples<'a>,
+}
+
+/// What tiles read.
+pub(super) struct Jittered<'a> {
+    jittering: Jittering<'a>,
+    centres: Lattice,
+    /// Of each sample.
+    samples: Vec<JitteredSample>,
+}
+
+/// One of the samples of all pixels.
+struct JitteredSample {
+    /// Points from which it lies to the right and below in every pixel.
+    lattice: Lattice,
+    /// How far it may, in grid steps along each axis.
+    offsets: [[f32; PLACES]; 2],
+}
+
+impl<'a> Jittered<'a> {
+    pub(super) fn new(jittering: Jittering<'a>, grid: SampleGrid) -> Self {
+        let centres = Lattice::new(grid);
+        let sample = |places: &[[i32; 2]; PLACES]| {
+            let along = |axis: usize| places.iter().map(move |place| place[axis]);
+            let least = [0, 1].map(|axis| along(axis).fold(i32::MAX, i32::min));
+            let greatest = [0, 1].map(|axis| along(axis).fold(i32::MIN, i32::max));
+            JitteredSample {
+                lattice: centres.spread([least, greatest]),
+                offsets: [0, 1].map(|axis| places.map(|place| (place[axis] - least[axis]) as f32)),
+            }
+        };
+        Self { jittering, centres, samples: jittering.places.iter().map(sample).collect() }
+    }
+
+    /// Finds where a sample lies in the pixels of a tile.
+    fn place(&self, number: usize, grid: SampleGrid, tile: (usize, usize), offsets: &mut Offsets) {
+        let [across, down] = &self.samples[number].offsets;
+        let mut chosen = [0; TILE];
+        offsets.reserve();
+        for row in 0..TILE {
+            let packed_row = (tile.1 * TILE + row) as u32;
+            let columns: [u32; TILE] = std::array::from_fn(|i| grid.pixel((tile.0 * TILE + i) as u32, packed_row).0);
+            (self.jittering.chosen)(number, (&columns, grid.pixel(0, packed_row).1), &mut chosen);
+            let [right, below] = offsets.row_mut(row);
+            for ((right, below), place) in right.iter_mut().zip(below).zip(chosen) {
+                let place = usize::from(place) % PLACES;
+                (*right, *below) = (across[place], down[place]);
+            }
+        }
+    }
+}
+
+/// Memory that is kept from tile to tile.
+#[derive(Clone, Debug, Default)]
+pub(super) struct JitterMemory {
+    groups: Vec<Group>,
+    offsets: Offsets,
+    sums: Vec<Sums>,
+}
+
+/// Triangles of a tile that are set up.
+#[derive(Clone, Debug, Default)]
+struct Group {
+    batches: [Batch; BATCHES],
+    /// A bit for each triangle that may have a sample in the tile.
+    alive: [u64; BATCHES],
+    /// A bit for each whose edge values have more than 32 bits.
+    large: [u64; BATCHES],
+}
+
+impl JitterMemory {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.groups.capacity() * size_of::<Group>() + self.offsets.bytes() + self.sums.capacity() * size_of::<Sums>()
+    }
+}
+
+/// Sums of sixteen pixels in a row of a tile.
+const SUMS_PER_ROW: usize = TILE / WIDE;
+
+impl Frame<'_> {
+    /// Draws and shades a tile of the picture whose pixels have samples elsewhere in each. While there are samples left, the
+    /// picture holds the last one.
+    #[inline(always)]
+    pub(super) fn draw_jittered<S: Simd>(
+        &self,
+        simd: S,
+        jittered: &Jittered<'_>,
+        workspace: &mut Workspace,
+        mut target: Target<'_>,
+        work: &Work,
+    ) {
+        let mut start = Instant::now();
+        let Workspace { tile, entrants, queue, seen_through, jitter, .. } = workspace;
+        let JitterMemory { groups, offsets, sums } = jitter;
+        let SeenThrough { blended, .. } = seen_through;
+        let (place, width) = (target.place, self.packed.0 as usize);
+        self.let_enter(target.number, entrants);
+        if entrants.len() == 0 {
+            target.depth_rows(width).for_each(|row| row.fill(self.rules.clear));
+            return;
+        }
+        groups.resize_with(entrants.len().div_ceil(GROUP), Group::default);
+        for (number, Group { batches, alive, large }) in groups.iter_mut().enumerate() {
+            let origin = self.origin(&self.lattice, place);
+            (*alive, *large) = self.set_up_group(simd, entrants, batches, number * GROUP, origin);
+        }
+        let (mut times, mut counts, mut shaded) = ([Duration::ZERO; 2], TileCounts::default(), Shaded::default());
+        if target.depths.is_some() {
+            self.draw_groups(simd, (tile, &jittered.centres), groups, (entrants, place), blended);
+            self.write_depths(simd, tile, entrants, &mut target);
+            counts += tile.counts;
+        }
+        let mut picture = Band { pixels: target.colors, width };
+        sums.clear();
+        sums.resize(TILE * SUMS_PER_ROW, [[0.0; WIDE]; 3]);
+        for (number, JitteredSample { lattice, .. }) in jittered.samples.iter().enumerate() {
+            jittered.place(number, self.grid, place, offsets);
+            let locations = Displaced { lattice, offsets };
+            self.draw_groups(simd, (tile, locations), groups, (entrants, place), blended);
+            counts += tile.counts;
+            let rasterized = Instant::now();
+            let canvas = Canvas { tile, locations, entrants, queue, place, pixels: picture.pixels };
+            shaded += shade_tile(simd, self, canvas);
+            if !blended.is_empty() {
+                shaded.samples += self.blend(simd, tile, locations, (entrants, blended), place, picture.pixels);
+            }
+            for (row, sums) in picture.rows(place).zip(sums.chunks_exact_mut(SUMS_PER_ROW)) {
+                (jittered.jittering.sum.add)(row, sums);
+                row.fill(self.background);
+            }
+            let finished = Instant::now();
+            times[0] += rasterized - start;
+            times[1] += finished - rasterized;
+            start = finished;
+        }
+        for (row, sums) in picture.rows(place).zip(sums.chunks_exact(SUMS_PER_ROW)) {
+            (jittered.jittering.sum.mean)(sums, row);
+        }
+        times[1] += start.elapsed();
+        work.add((times[0], times[1]), [counts], shaded);
+    }
+
+    /// Draws triangles that are set up into a tile, and lists those that are blended.
+    #[inline(always)]
+    fn draw_groups<S: Simd>(
+        &self,
+        simd: S,
+        (tile, locations): (&mut Tile, impl Locations),
+        groups: &[Group],
+        (entrants, place): (&Entrants, (usize, usize)),
+        blended: &mut Vec<Slot>,
+    ) {
+        tile.clear(&self.rules, entrants.len() < CROWDED);
+        blended.clear();
+        let lattice = locations.lattice();
+        let (_, first) = self.origin(lattice, place);
+        let owner = self.owner(entrants, lattice, place);
+        for (group, Group { batches, alive, large }) in groups.iter().enumerate() {
+            for (number, batch) in batches.iter().enumerate().filter(|(number, _)| alive[*number] != 0) {
+                let (within, moved) = batch.moved(simd, lattice, first);
+                let mut alive = alive[number] & within;
+                while alive != 0 {
+                    let lane = alive.trailing_zeros() as usize;
+                    alive &= alive - 1;
+                    let slot = Slot::new(group * GROUP + number * LANES + lane, large[number] >> lane & 1 != 0);
+                    let triangle = moved.triangle(lane, slot);
+                    self.draw_triangle(simd, (tile, locations), &triangle, (entrants, place), &owner, blended);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! Where the samples of a tile lie: on a lattice, or near the points of one, elsewhere in each pixel.
+//!
+//! In fixed point a triangle that is moved against the offset of a sample has the same edges as where it stood, elsewhere; so a
+//! sample off the lattice is found by what the offset changes edge values by, which are whole numbers still.
+
+use super::lattice::{Lattice, TILE};
+use super::setup::Edges;
+use super::tile::{ROWS, STRIDE};
+use crate::math::lanes::*;
+
+/// One sample for each point of a lattice.
+pub(super) trait Locations: Copy {
+    /// Whether all samples are the points themselves.
+    const ON_LATTICE: bool;
+
+    /// The lattice, whose blocks reach as far as any of their samples do.
+    fn lattice(&self) -> &Lattice;
+
+    /// Edge values at eight samples of a row, whose first one is given by column and row, from those at the points.
+    fn displaced<S: Simd>(self, simd: S, edges: &Edges, e: [F64<S>; 3], first: (usize, usize)) -> [F64<S>; 3];
+
+    /// The same for four samples of a row and the four below.
+    fn displaced_in_two_rows<S: Simd>(
+        self,
+        simd: S,
+        edges: &Edges,
+        e: [F64<S>; 3],
+        first: (usize, usize),
+    ) -> [F64<S>; 3];
+
+    /// Eight samples of each of two rows, from a column on: how far right of and below the centre of the tile's first pixel they
+    /// lie, in grid steps.
+    fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2];
+}
+
+impl Locations for &Lattice {
+    const ON_LATTICE: bool = true;
+
+    #[inline(always)]
+    fn lattice(&self) -> &Lattice {
+        self
+    }
+
+    #[inline(always)]
+    fn displaced<S: Simd>(self, _: S, _: &Edges, e: [F64<S>; 3], _: (usize, usize)) -> [F64<S>; 3] {
+        e
+    }
+
+    #[inline(always)]
+    fn displaced_in_two_rows<S: Simd>(self, _: S, _: &Edges, e: [F64<S>; 3], _: (usize, usize)) -> [F64<S>; 3] {
+        e
+    }
+
+    #[inline(always)]
+    fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
+        let ([right, down], columns) = (self.offset(), self.columns_i32(simd, column));
+        let [upper, lower] = each!(row in [rows[0], rows[1]] => {
+            let y = row as i32 * self.row_step as i32 + down;
+            (columns + (self.shift(row) as i32 + right), i32x8::splat(simd, y))
+        });
+        [upper.0.combine(lower.0), upper.1.combine(lower.1)]
+    }
+}
+
+/// How far the samples of a tile lie right of and below the points of a lattice, in grid steps. Memory is kept from tile to
+/// tile.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Offsets {
+    /// By row and column, as in a [`super::tile::Tile`].
+    along: [Vec<f32>; 2],
+}
+
+impl Offsets {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        self.along.iter().map(|offsets| offsets.capacity() * size_of::<f32>()).sum()
+    }
+
+    /// Makes room for a tile.
+    pub(super) fn reserve(&mut self) {
+        for offsets in &mut self.along {
+            offsets.resize(STRIDE * ROWS, 0.0);
+        }
+    }
+
+    /// The offsets of a row, to be filled.
+    pub(super) fn row_mut(&mut self, row: usize) -> [&mut [f32]; 2] {
+        self.along.each_mut().map(|offsets| &mut offsets[row * STRIDE..][..TILE])
+    }
+
+    #[inline(always)]
+    fn eight<S: Simd>(&self, simd: S, (column, row): (usize, usize)) -> [F32<S>; 2] {
+        each!(axis in [0, 1] => F32::from_slice(simd, &self.along[axis][row * STRIDE + column..][..LANES]))
+    }
+
+    #[inline(always)]
+    fn four_by_two<S: Simd>(&self, simd: S, (column, row): (usize, usize)) -> [F32<S>; 2] {
+        const HALF: usize = LANES / 2;
+        each!(axis in [0, 1] => {
+            let offsets = &self.along[axis][row * STRIDE + column..][..STRIDE + HALF];
+            f32x4::from_slice(simd, &offsets[..HALF]).combine(f32x4::from_slice(simd, &offsets[STRIDE..]))
+        })
+    }
+}
+
+/// Samples that lie elsewhere in each pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Displaced<'a> {
+    pub(super) lattice: &'a Lattice,
+    /// From its points to the samples.
+    pub(super) offsets: &'a Offsets,
+}
+
+impl Locations for Displaced<'_> {
+    const ON_LATTICE: bool = false;
+
+    #[inline(always)]
+    fn lattice(&self) -> &Lattice {
+        self.lattice
+    }
+
+    #[inline(always)]
+    fn displaced<S: Simd>(self, simd: S, edges: &Edges, e: [F64<S>; 3], first: (usize, usize)) -> [F64<S>; 3] {
+        moved(simd, edges, e, self.offsets.eight(simd, first))
+    }
+
+    #[inline(always)]
+    fn displaced_in_two_rows<S: Simd>(
+        self,
+        simd: S,
+        edges: &Edges,
+        e: [F64<S>; 3],
+        first: (usize, usize),
+    ) -> [F64<S>; 3] {
+        moved(simd, edges, e, self.offsets.four_by_two(simd, first))
+    }
+
+    #[inline(always)]
+    fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
+        let points = self.lattice.places(simd, column, rows);
+        let [upper, lower] = each!(row in [rows[0], rows[1]] => self.offsets.eight(simd, (column, row)));
+        each!(axis in [0, 1] => points[axis] + upper[axis].combine(lower[axis]).to_int::<i32x16<S>>())
+    }
+}
+
+/// Edge values at offsets from where they are known. Their sum, which is the doubled area, stays.
+#[inline(always)]
+fn moved<S: Simd>(simd: S, edges: &Edges, e: [F64<S>; 3], [right, down]: [F32<S>; 2]) -> [F64<S>; 3] {
+    let (right, down) = (widen(simd, right), widen(simd, down));
+    let [first, second] = each!(i in [0, 1] => right * edges.a[i] + down * edges.b[i]);
+    [e[0] + first, e[1] + second, e[2] - (first + second)]
+}
+
+/// Edge values at eight points of one row after the other. They are whole numbers, so that steps add no error.
+pub(super) struct Rows<S: Simd> {
+    /// Of the next row, but for its shift.
+    next: [F64<S>; 3],
+    /// From row to row.
+    step: [F64<S>; 3],
+}
+
+impl<S: Simd> Rows<S> {
+    /// Begins with row `first`, whose points lie in columns `x` of a row that is not shifted.
+    #[inline(always)]
+    pub(super) fn new(simd: S, edges: &Edges, x: F64<S>, first: usize, lattice: &Lattice) -> Self {
+        let y = first as f64 * lattice.row_step;
+        Self {
+            next: each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y)),
+            step: each!(i in [0, 1, 2] => F64::splat(simd, edges.b[i] * lattice.row_step)),
+        }
+    }
+
+    /// Edge values of the next row, which is `row`.
+    #[inline(always)]
+    pub(super) fn next(&mut self, edges: &Edges, row: usize, lattice: &Lattice) -> [F64<S>; 3] {
+        let e = self.next;
+        self.next = each!(i in [0, 1, 2] => e[i] + self.step[i]);
+        if lattice.is_straight() {
+            return e;
+        }
+        let shift = lattice.shift(row);
+        each!(i in [0, 1, 2] => e[i] + edges.a[i] * shift)
+    }
+}
+
+/// Edge values at eight samples of a row.
+#[inline(always)]
+pub(super) fn edge_values<S: Simd>(
+    simd: S,
+    edges: &Edges,
+    (column, row): (usize, usize),
+    locations: impl Locations,
+) -> [F64<S>; 3] {
+    let lattice = locations.lattice();
+    let x = F64::load_array(simd, lattice.lanes) + (lattice.column(column) + lattice.shift(row));
+    let y = row as f64 * lattice.row_step;
+    let e = each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y));
+    locations.displaced(simd, edges, e, (column, row))
+}
