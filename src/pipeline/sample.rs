@@ -155,7 +155,7 @@ impl Sampler {
 }
 
 /// What brings mixed codes into [0, 1].
-const ALPHA_SCALE: f32 = 1.0 / 255.0;
+pub(crate) const ALPHA_SCALE: f32 = 1.0 / 255.0;
 
 /// Alpha as its code; it is no light, so it is never decoded.
 #[inline]

@@ -68,7 +68,7 @@ impl Texture {
         self.wrapped.get_or_init(|| wrapped(&self.image, u32::from_le_bytes).collect())
     }
 
-    /// The same in linear light: red, green and blue, and a fourth number that means nothing.
+    /// The same in linear light: red, green and blue, and alpha, which is no light, as its code.
     pub fn wrapped_linear(&self) -> &[[f32; 4]] {
         self.wrapped_linear.get_or_init(|| wrapped(&self.image, linear).collect())
     }
@@ -105,8 +105,8 @@ impl Texture {
     }
 }
 
-fn linear(texel: Rgba8) -> [f32; 4] {
-    texel.map(decode_byte)
+fn linear([r, g, b, alpha]: Rgba8) -> [f32; 4] {
+    [decode_byte(r), decode_byte(g), decode_byte(b), alpha.into()]
 }
 
 #[cfg(test)]
@@ -136,7 +136,9 @@ mod tests {
                     };
                     let place = first + y * (width + 1) + x;
                     assert_eq!(codes.texels[place], u32::from_le_bytes(texel(false)));
-                    assert_eq!(linear.texels[place], texel(true).map(decode_byte));
+                    let [r, g, b, alpha] = texel(true);
+                    assert_eq!(linear.texels[place][..3], [r, g, b].map(decode_byte));
+                    assert_eq!(linear.texels[place][3], f32::from(alpha));
                 }
             }
             assert_eq!((codes.texels.len(), linear.texels.len()), (end, end));

@@ -170,7 +170,7 @@ impl Frame<'_> {
             let canvas = Canvas { tile, locations, entrants, queue, place, pixels: picture.pixels };
             shaded += shade_tile(simd, self, canvas);
             if !blended.is_empty() {
-                shaded.samples += self.blend(simd, tile, locations, (entrants, blended), place, picture.pixels);
+                shaded += self.blend(simd, (tile, locations), (entrants, blended), place, queue, picture.pixels);
             }
             for (row, sums) in picture.rows(place).zip(sums.chunks_exact_mut(SUMS_PER_ROW)) {
                 (jittered.jittering.sum.add)(row, sums);

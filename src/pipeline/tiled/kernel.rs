@@ -322,10 +322,7 @@ pub(super) fn shade_gathered<S: Simd>(
                 e = each!(i in [0, 1, 2] => theirs.select(exact[i], e[i]));
             }
             let weights = corner_weights(simd, e, many.relative_inv_w(simd));
-            let wanted = mask32x16::from_bitmask(simd, mine.into());
-            // The first corner stands for samples that are not wanted: what is computed there must not lead astray.
-            let of_corners = each!(i in [0, 1] => wanted.select(weights.of_corners[i], f32x16::splat(simd, 0.0)));
-            let weights = Weights { of_corners, ..weights };
+            let weights = weights.of_some(simd, mine);
             pair.rows = spots.rows(mine, band);
             let shader = &frame.shaders[shader];
             match shader.plan {
@@ -358,6 +355,13 @@ pub(super) struct Weights<S: Simd> {
 }
 
 impl<S: Simd> Weights<S> {
+    /// The first corner stands for samples without a bit: what is computed there must not lead astray.
+    #[inline(always)]
+    pub(super) fn of_some(self, simd: S, mine: u32) -> Self {
+        let (wanted, nothing) = (mask32x16::from_bitmask(simd, mine.into()), f32x16::splat(simd, 0.0));
+        Self { of_corners: each!(i in [0, 1] => wanted.select(self.of_corners[i], nothing)), ..self }
+    }
+
     /// What they change by in a pixel to the right, and in one downwards.
     #[inline(always)]
     pub(super) fn gradient(&self, simd: S, source: impl Source) -> [[f32x16<S>; 2]; 2] {
@@ -372,33 +376,43 @@ impl<S: Simd> Weights<S> {
 
 /// Weights by edge values.
 #[inline(always)]
-fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w: [f32x16<S>; 3]) -> Weights<S> {
+pub(super) fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w: [f32x16<S>; 3]) -> Weights<S> {
     let q = each!(i in [0, 1, 2] => e[i] * relative_inv_w[i]);
     let inverse_sum = f32x16::splat(simd, 1.0) / (q[0] + q[1] + q[2]);
     Weights { of_corners: [q[1] * inverse_sum, q[2] * inverse_sum], inverse_sum }
 }
 
+/// Finds out which texels are read, if any are.
+#[inline(always)]
+pub(super) fn locate_texels<S: Simd>(
+    simd: S,
+    shader: &DrawShader<'_>,
+    plan: Plan,
+    source: impl Source,
+    weights: &Weights<S>,
+    (taps, coarse): (&mut Taps, Option<&mut CoarseTaps>),
+) {
+    let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) else { return };
+    match coarse {
+        Some(coarse) if plan.mipmapped => texture.locate_in_levels(simd, layout, source, weights, (taps, coarse)),
+        _ => {
+            let [u, v] = source.uv(simd);
+            texture.locate(simd, layout, [u.at(weights.of_corners), v.at(weights.of_corners)], taps);
+        }
+    }
+}
+
 /// From weights to everything that is interpolated.
 #[inline(always)]
-fn interpolate_pair<S: Simd>(
+pub(super) fn interpolate_pair<S: Simd>(
     simd: S,
     shader: &DrawShader<'_>,
     plan: Plan,
     source: impl Source,
     weights: Weights<S>,
-    (pair, (taps, coarse)): (&mut QueuedPair, (&mut Taps, Option<&mut CoarseTaps>)),
+    (pair, taps): (&mut QueuedPair, (&mut Taps, Option<&mut CoarseTaps>)),
 ) {
-    if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-        match coarse {
-            Some(coarse) if plan.mipmapped => {
-                texture.locate_in_levels(simd, layout, source, &weights, (taps, coarse));
-            }
-            _ => {
-                let [u, v] = source.uv(simd);
-                texture.locate(simd, layout, [u.at(weights.of_corners), v.at(weights.of_corners)], taps);
-            }
-        }
-    }
+    locate_texels(simd, shader, plan, source, &weights, taps);
     let weights = weights.of_corners;
     match plan.light {
         Light::None => {}

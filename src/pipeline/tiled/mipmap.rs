@@ -139,43 +139,59 @@ impl TextureReader<'_> {
         }
     }
 
-    /// [`TextureReader::read_bytes`] of two levels, mixed.
+    /// [`TextureReader::read_bytes`] of two levels, mixed; of one without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_bytes<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
-        (fine, coarse): (&Taps, &CoarseTaps),
+        (fine, coarse): (&Taps, Option<&CoarseTaps>),
         first: usize,
-    ) -> [S::f32s; 3] {
+    ) -> [S::f32s; 4] {
         let finer = self.read_bytes(simd, layout, fine, first);
-        if !coarse.is_read {
-            return finer;
-        }
+        let Some(coarse) = coarse.filter(|coarse| coarse.is_read) else { return finer };
         let coarser = self.read_bytes(simd, layout, &coarse.taps, first);
         mix(simd, finer, coarser, S::f32s::from_slice(simd, &coarse.share[first..first + S::f32s::LEN]))
     }
 
-    /// [`TextureReader::read_linear`] of two levels, mixed.
+    /// Alpha alone.
+    #[inline(always)]
+    pub(super) fn read_levels_alpha<S: Simd>(
+        &self,
+        simd: S,
+        layout: Layout,
+        taps: (&Taps, Option<&CoarseTaps>),
+    ) -> f32x16<S> {
+        if !self.linear.is_empty() {
+            let [.., alpha] = self.read_levels_linear(simd, layout, taps);
+            return alpha;
+        }
+        let mut sixteen = [0.0; WIDE];
+        for first in (0..WIDE).step_by(S::f32s::LEN) {
+            let [.., alpha] = self.read_levels_bytes(simd, layout, taps, first);
+            alpha.store_slice(&mut sixteen[first..first + S::f32s::LEN]);
+        }
+        f32x16::load_array(simd, sixteen)
+    }
+
+    /// [`TextureReader::read_linear`] of two levels, mixed; of one without mip-mapping.
     #[inline(always)]
     pub(super) fn read_levels_linear<S: Simd>(
         &self,
         simd: S,
         layout: Layout,
-        (fine, coarse): (&Taps, &CoarseTaps),
-    ) -> [f32x16<S>; 3] {
+        (fine, coarse): (&Taps, Option<&CoarseTaps>),
+    ) -> [f32x16<S>; 4] {
         let finer = self.read_linear(simd, layout, fine);
-        if !coarse.is_read {
-            return finer;
-        }
+        let Some(coarse) = coarse.filter(|coarse| coarse.is_read) else { return finer };
         let coarser = self.read_linear(simd, layout, &coarse.taps);
         mix(simd, finer, coarser, f32x16::load_array_ref(simd, &coarse.share))
     }
 }
 
-/// Two colours, the second with a share.
+/// Two colours with their alpha, the second with a share.
 #[inline(always)]
-fn mix<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, finer: [F; 3], coarser: [F; 3], share: F) -> [F; 3] {
+fn mix<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, finer: [F; 4], coarser: [F; 4], share: F) -> [F; 4] {
     let rest = F::splat(simd, 1.0) - share;
-    each!(channel in [0, 1, 2] => finer[channel] * rest + coarser[channel] * share)
+    each!(channel in [0, 1, 2, 3] => finer[channel] * rest + coarser[channel] * share)
 }

@@ -38,6 +38,7 @@ mod see_through_samples;
 mod setup;
 mod shade;
 mod shader;
+mod tested;
 mod texture;
 mod tile;
 
@@ -583,7 +584,7 @@ impl Frame<'_> {
         let mut shaded =
             shade_tile(simd, self, Canvas { tile, locations: &self.lattice, entrants, queue, place, pixels: colors });
         if !blended.is_empty() {
-            shaded.samples += self.blend(simd, tile, &self.lattice, (entrants, blended), place, colors);
+            shaded += self.blend(simd, (tile, &self.lattice), (entrants, blended), place, queue, colors);
         }
         work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
     }
@@ -603,12 +604,10 @@ impl Frame<'_> {
             tile.draw(simd, triangle, locations, &self.rules, owner);
             return;
         }
-        let entrant @ Entrant { key, draw } = entrants.get(triangle.slot);
-        match self.transparency(entrant) {
+        match self.transparency(entrants.get(triangle.slot)) {
             Transparency::Opaque => tile.draw(simd, triangle, locations, &self.rules, owner),
             Transparency::CutOut => {
-                let keep = self.keeper(key, draw as usize, place);
-                tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
+                self.draw_what_is_there(simd, (tile, locations), triangle, (entrants, place), owner);
             }
             Transparency::Blended => blended.push(triangle.slot),
         }

@@ -5,7 +5,7 @@ use super::kernel::ALL;
 use super::lattice::BLOCK;
 use super::mipmap::CoarseTaps;
 use super::shader::{DrawShader, Light, Plan, TEXELS_AROUND};
-use super::texture::Taps;
+use super::texture::{self, Taps};
 use crate::image::Rgba8;
 use crate::image::color::Tables;
 use crate::math::lanes::*;
@@ -118,12 +118,32 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
                     let coarse = &mut coarse[..pairs.len()];
                     *coarse_texels += finish_mipmapped(simd, shader, (pairs, taps, coarse), pixels);
                 }
+                plan if plan.blended => finish_blended(simd, shader, (pairs, taps), pixels),
                 plan => {
-                    let plan = Plan { mipmapped: false, ..plan };
+                    let plan = Plan { mipmapped: false, blended: false, ..plan };
                     for (pair, taps) in pairs.iter().zip(taps) {
                         finish_pair(simd, shader, plan, (pair, (taps, None)), pixels);
                     }
                 }
+            }
+        },
+    );
+}
+
+/// [`finish_pair`] for pairs of rows of a blended draw.
+#[inline(never)]
+fn finish_blended<S: Simd>(
+    simd: S,
+    shader: &DrawShader<'_>,
+    (pairs, taps): (&[QueuedPair], &[Taps]),
+    pixels: &mut [Rgba8],
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let plan = Plan { mipmapped: false, blended: true, ..shader.plan };
+            for (pair, taps) in pairs.iter().zip(taps) {
+                finish_pair(simd, shader, plan, (pair, (taps, None)), pixels);
             }
         },
     );
@@ -165,32 +185,47 @@ fn finish_pair<S: Simd>(
     pixels: &mut [Rgba8],
 ) {
     let mut codes = [0; WIDE];
+    if plan.blended {
+        let (upper, lower) = codes.split_at_mut(LANES);
+        read_row(&pair.rows[0], pixels, upper);
+        read_row(&pair.rows[1], pixels, lower);
+    }
     match plan.space {
         ColorSpace::Bytes => {
             // Register by register: what all sixteen read would not fit where registers are narrower.
             for first in (0..WIDE).step_by(S::f32s::LEN) {
+                let codes = &mut codes[first..first + S::u32s::LEN];
                 let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
                 if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-                    let texels = match coarse {
-                        Some(coarse) => texture.read_levels_bytes(simd, layout, (taps, coarse), first),
-                        None => texture.read_bytes(simd, layout, taps, first),
-                    };
-                    color = textured(plan, color, texels);
+                    color = textured(plan, color, texture.read_levels_bytes(simd, layout, (taps, coarse), first));
                 }
-                let color = lit(simd, plan, color, pair, first);
-                pack::<S>(color).store_slice(&mut codes[first..first + S::u32s::LEN]);
+                color = lit(simd, plan, color, pair, first);
+                if plan.blended {
+                    let below = texture::codes::<S>(S::u32s::from_slice(simd, codes));
+                    let scale = shader.shader.sampler().scale;
+                    color = over(simd, color, each!(channel in [0, 1, 2] => below[channel] * scale));
+                }
+                pack::<S>(color).store_slice(codes);
             }
         }
         ColorSpace::Linear => {
             let mut color = surface_color::<S, f32x16<S>>(simd, shader, plan, pair, 0);
             if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-                let texels = match coarse {
-                    Some(coarse) => texture.read_levels_linear(simd, layout, (taps, coarse)),
-                    None => texture.read_linear(simd, layout, taps),
-                };
-                color = textured(plan, color, texels);
+                color = textured(plan, color, texture.read_levels_linear(simd, layout, (taps, coarse)));
             }
-            encode(simd, lit(simd, plan, color, pair, 0)).store_array(&mut codes);
+            color = lit(simd, plan, color, pair, 0);
+            if plan.blended {
+                let below = u32x16::load_array(simd, codes);
+                let decode = &Tables::get().linear_of_code;
+                color = over(
+                    simd,
+                    color,
+                    each!(shift in [0, 8, 16] => {
+                        Tables::lookup(simd, decode, (below >> shift) & 255)
+                    }),
+                );
+            }
+            encode(simd, color).store_array(&mut codes);
         }
     }
     let (upper, lower) = u32x16::load_array(simd, codes).split();
@@ -198,7 +233,7 @@ fn finish_pair<S: Simd>(
     write_row(simd, lower, &pair.rows[1], pixels);
 }
 
-/// The surface's own colour at some samples, from `first` on.
+/// The surface's own colour at some samples, from `first` on, and how opaque it is, both without the texture.
 #[inline(always)]
 fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
@@ -206,20 +241,24 @@ fn surface_color<S: Simd, F: SimdFloat<S, Element = f32>>(
     plan: Plan,
     pair: &QueuedPair,
     first: usize,
-) -> [F; 3] {
-    if plan.colored {
+) -> [F; 4] {
+    let alpha = F::splat(simd, shader.shader.opacity());
+    let [r, g, b] = if plan.colored {
         each!(channel in [0, 1, 2] => F::from_slice(simd, &pair.color[channel][first..first + F::LEN]))
     } else {
         let diffuse = shader.shader.diffuse.to_array();
         each!(channel in [0, 1, 2] => F::splat(simd, diffuse[channel]))
-    }
+    };
+    [r, g, b, alpha]
 }
 
 /// Times the texture. What is multiplied by one stays as it is.
 #[inline(always)]
-fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, color: [F; 3], texel: [F; 3]) -> [F; 3] {
+fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, [r, g, b, alpha]: [F; 4], texel: [F; 4]) -> [F; 4] {
     let white = !plan.tinted && !plan.colored;
-    if white { texel } else { each!(channel in [0, 1, 2] => color[channel] * texel[channel]) }
+    let [red, green, blue] =
+        if white { [texel[0], texel[1], texel[2]] } else { [r * texel[0], g * texel[1], b * texel[2]] };
+    [red, green, blue, alpha * texel[3]]
 }
 
 /// Times the light, of some samples from `first` on.
@@ -227,15 +266,31 @@ fn textured<S: Simd, F: SimdFloat<S>>(plan: Plan, color: [F; 3], texel: [F; 3]) 
 fn lit<S: Simd, F: SimdFloat<S, Element = f32>>(
     simd: S,
     plan: Plan,
-    color: [F; 3],
+    color: [F; 4],
     pair: &QueuedPair,
     first: usize,
-) -> [F; 3] {
+) -> [F; 4] {
     if plan.light == Light::None {
         return color;
     }
-    let light = F::from_slice(simd, &pair.light[first..first + F::LEN]);
-    each!(channel in [0, 1, 2] => color[channel] * light)
+    let ([r, g, b, alpha], light) = (color, F::from_slice(simd, &pair.light[first..first + F::LEN]));
+    [r * light, g * light, b * light, alpha]
+}
+
+/// Colours over those of what lies behind.
+#[inline(always)]
+fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 4], below: [F; 3]) -> [F; 4] {
+    let rest = F::splat(simd, 1.0) - alpha;
+    let [red, green, blue] =
+        each!((color, below) in [(r, below[0]), (g, below[1]), (b, below[2])] => color * alpha + below * rest);
+    [red, green, blue, alpha]
+}
+
+/// The codes of eight pixels, as far as they lie within the picture.
+fn read_row(row: &QueuedRow, pixels: &[Rgba8], codes: &mut [u32]) {
+    for (code, pixel) in codes.iter_mut().zip(&pixels[row.start..row.start + row.count]) {
+        *code = u32::from_le_bytes(*pixel);
+    }
 }
 
 #[inline(always)]
@@ -260,7 +315,7 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
 
 /// Colours in bytes, packed.
 #[inline(always)]
-fn pack<S: Simd>(color: [S::f32s; 3]) -> S::u32s {
+fn pack<S: Simd>(color: [S::f32s; 4]) -> S::u32s {
     let [r, g, b] = each!(c in [0, 1, 2] => {
         (color[c] * 255.0 + 0.5).max(0.0).min(255.0).to_int::<S::i32s>().bitcast::<S::u32s>()
     });
@@ -269,7 +324,7 @@ fn pack<S: Simd>(color: [S::f32s; 3]) -> S::u32s {
 
 /// Colours in linear light, encoded and packed.
 #[inline(always)]
-fn encode<S: Simd>(simd: S, color: [f32x16<S>; 3]) -> u32x16<S> {
+fn encode<S: Simd>(simd: S, color: [f32x16<S>; 4]) -> u32x16<S> {
     let tables = Tables::get();
     let [r, g, b] = each!(c in [0, 1, 2] => {
         let (low, high) = color[c].split();

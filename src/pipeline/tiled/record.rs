@@ -374,6 +374,13 @@ impl Entrants {
         eight(&mut self.surfaces, first)
     }
 
+    /// A triangle whose samples are found by its edges elsewhere.
+    #[inline(always)]
+    pub(super) fn subject(&self, slot: Slot) -> Subject<'_> {
+        let Entrant { key, draw } = self.get(slot);
+        Subject { one: self.one(slot), key, draw: draw as usize, edges: None }
+    }
+
     /// What is read of one triangle.
     #[inline(always)]
     pub(super) fn one(&self, slot: Slot) -> One<'_> {

@@ -1,13 +1,18 @@
 //! Triangles that are seen through: cut out where texels say so, or blended over what lies behind.
 //!
-//! Both ask texels sample by sample, by the classic way's own functions. Cut-out triangles are drawn among the opaque ones,
-//! as what is cut out neither hides nor stores anything. Blended ones come over the shaded tile, from far to near.
+//! Cut-out triangles are drawn among the opaque ones, as what is cut out neither hides nor stores anything. Blended ones come
+//! over the shaded tile, from far to near. Both are shaded on lanes, two rows at a time, if there is code on lanes for their
+//! shading, else sample by sample by the classic way's own functions.
 
 use super::Frame;
-use super::bins::Key;
+use super::kernel::Band;
 use super::lattice::TILE;
 use super::locations::Locations;
-use super::record::{Entrant, Entrants, Slot};
+use super::queue::{Queue, flush};
+use super::record::{Entrant, Entrants, Slot, Subject};
+use super::setup::Setup;
+use super::shade::Shaded;
+use super::tested::{TestedRows, TestedSample, keep_tested, shade_tested};
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
@@ -16,13 +21,8 @@ use crate::pipeline::mean_distance;
 use crate::pipeline::raster::Sample;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Numbers of the bits that are set.
-pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
-    (0..LANES).filter(move |lane| bits >> lane & 1 != 0)
-}
-
 impl Frame<'_> {
-    /// One of eight samples of a row as the classic way interpolates it.
+    /// A sample as the classic way interpolates it.
     pub(super) fn fragment(
         &self,
         triangle: &ScreenTriangle,
@@ -36,22 +36,30 @@ impl Frame<'_> {
         interpolate(triangle, Sample { column, row, x, y, edges }, self.shader(draw).shader.attributes())
     }
 
-    /// Which of eight samples of a row of a cut-out triangle are there.
-    pub(super) fn keeper(
+    /// Draws a cut-out triangle into a tile.
+    #[inline(always)]
+    pub(super) fn draw_what_is_there<S: Simd>(
         &self,
-        key: Key,
-        draw: usize,
-        tile: (usize, usize),
-    ) -> impl Fn(&[[f64; LANES]; 3], (usize, usize), u64) -> u64 {
-        let triangle = self.screen_triangle(key, draw);
-        let shader = &self.shader(draw).shader;
-        move |edges, (column, row), passed| {
-            let is_there = |lane: &usize| {
-                let edges = edges.map(|e| e[*lane]);
-                !shader.cuts_out(&self.fragment(&triangle, draw, tile, (column + lane, row), edges))
-            };
-            set_bits(passed).filter(is_there).fold(0, |kept, lane| kept | 1 << lane)
+        simd: S,
+        (tile, locations): (&mut Tile, impl Locations),
+        triangle: &Setup,
+        (entrants, place): (&Entrants, (usize, usize)),
+        owner: &impl Fn(Slot) -> Option<Setup>,
+    ) {
+        let subject = entrants.subject(triangle.slot);
+        let Subject { key, draw, .. } = subject;
+        if self.shader(draw).on_lanes {
+            let keep = |tested: &TestedRows| keep_tested(simd, self, &subject, tested);
+            tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
+            return;
         }
+        let (whole, shader) = (self.screen_triangle(key, draw), &self.shader(draw).shader);
+        tile.draw_kept(simd, triangle, locations, &self.rules, owner, |tested| {
+            let is_there = |sample: &TestedSample| {
+                !shader.cuts_out(&self.fragment(&whole, draw, place, sample.place, sample.edges))
+            };
+            tested.samples().filter(is_there).fold(0, |kept, sample| kept | sample.bit)
+        });
     }
 
     /// Some triangles of a tile, given in the order in which they were submitted, in that in which they are blended.
@@ -67,38 +75,52 @@ impl Frame<'_> {
     }
 
     /// Blends some triangles of a tile, given in the order in which they were submitted, over its colours: the rows of the
-    /// packed picture that start with the tile's first one. Gives the number of samples.
+    /// packed picture that start with the tile's first one. Says how much that was.
     pub(super) fn blend<S: Simd>(
         &self,
         simd: S,
-        tile: &mut Tile,
-        locations: impl Locations,
+        (tile, locations): (&mut Tile, impl Locations),
         (entrants, blended): (&Entrants, &[Slot]),
         place: (usize, usize),
+        queue: &mut Queue,
         colors: &mut [Rgba8],
-    ) -> u64 {
+    ) -> Shaded {
         let owner = self.owner(entrants, locations.lattice(), place);
-        let (width, height) = (self.packed.0 as usize, colors.len() / self.packed.0 as usize);
+        let mut band = Band { pixels: colors, width: self.packed.0 as usize };
+        let (columns, rows) = band.size(place);
         let left = place.0 * TILE;
-        let mut samples = 0;
+        let mut shaded = Shaded::default();
         for (slot, triangle) in self.by_distance(entrants, blended) {
             let Some(setup) = owner(slot) else { continue };
-            let draw = entrants.get(slot).draw as usize;
-            let shader = &self.shader(draw).shader;
-            tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |edges, (column, row), passed| {
-                for lane in set_bits(passed) {
-                    let column = column + lane;
-                    if left + column < width && row < height {
-                        let fragment = self.fragment(&triangle, draw, place, (column, row), edges.map(|e| e[lane]));
-                        let pixel = &mut colors[row * width + left + column];
-                        *pixel = shader.blend(&fragment, &triangle, *pixel);
+            let subject = entrants.subject(slot);
+            let Subject { draw, .. } = subject;
+            let shader = self.shader(draw);
+            let mut samples = 0;
+            // What is blended hides nothing: none is kept.
+            if shader.on_lanes {
+                tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
+                    samples += shade_tested(simd, self, &subject, (place, tested), queue, &mut band);
+                    0
+                });
+                // The next triangle may lie over this one.
+                flush(simd, self, queue, band.pixels);
+                shaded.add(shader, samples);
+                shaded.texels += std::mem::take(&mut queue.coarse_texels);
+                continue;
+            }
+            tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
+                for TestedSample { place: at @ (column, row), edges, .. } in tested.samples() {
+                    if column < columns && row < rows {
+                        let fragment = self.fragment(&triangle, draw, place, at, edges);
+                        let pixel = &mut band.pixels[row * band.width + left + column];
+                        *pixel = shader.shader.blend(&fragment, &triangle, *pixel);
                         samples += 1;
                     }
                 }
-                // What is blended hides nothing.
                 0
             });
+            shaded.add(shader, samples);
         }
-        samples
+        shaded
     }
 }

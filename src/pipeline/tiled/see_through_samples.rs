@@ -10,8 +10,8 @@ use super::lattice::{Lattice, TILE, TILE_SAMPLES};
 use super::mixed::MixedPixels;
 use super::multisample::{MeanOfSamples, Picks, Planes};
 use super::record::{Entrant, Entrants, Slot};
-use super::see_through::set_bits;
 use super::setup::{Edges, Setup};
+use super::tested::TestedSample;
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
@@ -151,12 +151,11 @@ impl Frame<'_> {
         let shader = &self.shader(entrant.draw as usize).shader;
         let fragments = self.fragments((entrant, &whole), place, planes);
         let owner = self.owner(entrants, lattice, place);
-        tile.draw_kept(simd, triangle, lattice, &self.rules, &owner, |_, (column, row), passed| {
+        tile.draw_kept(simd, triangle, lattice, &self.rules, &owner, |tested| {
             let mut kept = 0;
-            for lane in set_bits(passed) {
-                let pixel = (column + lane, row);
+            for TestedSample { bit, place: pixel, .. } in tested.samples() {
                 let find = || !shader.cuts_out(&fragments.at(pixel));
-                kept |= u64::from(memory.is_there.get(slot, pixel, |_| true, find)) << lane;
+                kept |= if memory.is_there.get(slot, pixel, |_| true, find) { bit } else { 0 };
             }
             kept
         });
@@ -191,13 +190,12 @@ impl Frame<'_> {
             for ((colors, lattice), tile) in samples.zip(tiles.iter_mut()) {
                 let owner = self.owner(entrants, lattice, place);
                 let Some(setup) = owner(slot) else { continue };
-                tile.draw_kept(simd, &setup, lattice, &self.rules, &owner, |_, (column, row), passed| {
-                    for lane in set_bits(passed) {
-                        let pixel = (column + lane, row);
-                        if pixel.0 >= columns || row >= rows {
+                tile.draw_kept(simd, &setup, lattice, &self.rules, &owner, |tested| {
+                    for TestedSample { place: pixel @ (column, row), .. } in tested.samples() {
+                        if column >= columns || row >= rows {
                             continue;
                         }
-                        let color = &mut colors[row * TILE + column + lane];
+                        let color = &mut colors[row * TILE + column];
                         let blend = || {
                             shaded += 1;
                             (*color, shader.blend(&fragments.at(pixel), &triangle, *color))

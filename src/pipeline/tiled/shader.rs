@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::texture::{Layout, TextureReader};
 use crate::pipeline::settings::{ColorSpace, Filter, Shading};
 use crate::pipeline::shade::Shader;
-use crate::scene::Texture;
+use crate::scene::{Texture, Transparency};
 
 /// What shading a draw consists of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,6 +22,8 @@ pub(super) struct Plan {
     /// Vertices have colours.
     pub(super) colored: bool,
     pub(super) space: ColorSpace,
+    /// What lies behind shows through.
+    pub(super) blended: bool,
 }
 
 /// Where light comes from.
@@ -44,6 +46,7 @@ impl Plan {
         tinted: false,
         colored: false,
         space: ColorSpace::Bytes,
+        blended: false,
     };
 }
 
@@ -83,6 +86,7 @@ impl<'a> DrawShader<'a> {
             tinted: shader.diffuse != Vec3::ONE,
             colored: shader.attributes().color,
             space: settings.color_space,
+            blended: shader.transparency() == Transparency::Blended,
         };
         let texels_per_sample = match (shader.texture, settings.filter) {
             (None, _) => 0,
@@ -100,7 +104,8 @@ impl<'a> DrawShader<'a> {
         let mut firsts = HashMap::new();
         let first = |(number, shader): (usize, &Self)| {
             let texture = shader.texture.map(|texture| texture.address());
-            let looks = (texture, shader.shader.diffuse.to_array().map(f32::to_bits), shader.plan);
+            let surface = (shader.shader.diffuse.to_array().map(f32::to_bits), shader.shader.opacity().to_bits());
+            let looks = (texture, surface, shader.plan);
             if shader.on_lanes { *firsts.entry(looks).or_insert(number) } else { number }
         };
         shaders.iter().enumerate().map(first).collect()

@@ -3,7 +3,7 @@
 use super::axis::{Axis, below_repeated, bring_into_unit, nearest, neighbours};
 use super::gather::{Pairs, gather, gather_pairs, read_pairs, reads_ahead, split_pairs};
 use crate::math::lanes::*;
-use crate::pipeline::sample::Sampler;
+use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 use crate::scene::{Level, Texture};
 
@@ -39,7 +39,7 @@ pub(super) struct TextureReader<'a> {
     /// Rows of texels, with one more at the end of each for pairs; of mip-mapped textures those of all levels.
     texels: &'a [u32],
     /// The same in linear light, if that is what is mixed.
-    linear: &'a [[f32; 4]],
+    pub(super) linear: &'a [[f32; 4]],
     /// Where each level lies among the texels that are mixed; none without mip-mapping.
     pub(super) levels: &'a [Level],
     /// Numbers from one row to the next.
@@ -196,15 +196,15 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Red, green and blue from texels, in codes as floats: of as many samples as a register holds, from `first` on.
+    /// Red, green, blue and alpha from texels in codes: of as many samples as a register holds, from `first` on.
     #[inline(always)]
-    pub(super) fn read_bytes<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps, first: usize) -> [S::f32s; 3] {
+    pub(super) fn read_bytes<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps, first: usize) -> [S::f32s; 4] {
         let places = |tap: usize| &taps.index[tap][first..first + S::u32s::LEN];
-        let scale = self.sampler.scale;
+        let scales = self.scales();
         let texels = match layout {
             Layout::Single => {
                 let codes = codes::<S>(gather(simd, self.texels, places(0)));
-                return each!(channel in [0, 1, 2] => codes[channel] * scale);
+                return each!(channel in [0, 1, 2, 3] => codes[channel] * scales[channel]);
             }
             Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.texels, places(tap))),
             Layout::Pairs | Layout::PowerOfTwoPairs => {
@@ -222,19 +222,19 @@ impl<'a> TextureReader<'a> {
             S::f32s::from_slice(simd, &taps.down[first..first + S::f32s::LEN]),
         );
         let codes = each!(tap in [0, 1, 2, 3] => codes::<S>(texels[tap]));
-        each!(channel in [0, 1, 2] => {
+        each!(channel in [0, 1, 2, 3] => {
             let sum = codes[0][channel] * weights[0]
                 + codes[1][channel] * weights[1]
                 + codes[2][channel] * weights[2]
                 + codes[3][channel] * weights[3];
-            sum * scale
+            sum * scales[channel]
         })
     }
 
-    /// Red, green and blue from texels in linear light.
+    /// Red, green and blue from texels in linear light, and alpha.
     #[inline(always)]
-    pub(super) fn read_linear<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps) -> [f32x16<S>; 3] {
-        let scale = self.sampler.scale;
+    pub(super) fn read_linear<S: Simd>(&self, simd: S, layout: Layout, taps: &Taps) -> [f32x16<S>; 4] {
+        let scales = self.scales();
         if layout == Layout::Single {
             let [low, high] = each!(first in [0, LANES] => {
                 let texels = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
@@ -242,7 +242,7 @@ impl<'a> TextureReader<'a> {
                 });
                 transpose_quads(texels)
             });
-            return each!(channel in [0, 1, 2] => low[channel].combine(high[channel]) * scale);
+            return each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel]);
         }
         let weights =
             weights(simd, f32x16::load_array_ref(simd, &taps.right), f32x16::load_array_ref(simd, &taps.down));
@@ -252,7 +252,14 @@ impl<'a> TextureReader<'a> {
         let [low, high] = each!((weights, first) in [(low, 0), (high, LANES)] => {
             self.mix_linear(simd, layout, weights, &taps.index, first)
         });
-        each!(channel in [0, 1, 2] => low[channel].combine(high[channel]) * scale)
+        each!(channel in [0, 1, 2, 3] => low[channel].combine(high[channel]) * scales[channel])
+    }
+
+    /// What brings mixed channels into [0, 1].
+    #[inline(always)]
+    fn scales(&self) -> [f32; 4] {
+        let Sampler { scale, .. } = self.sampler;
+        [scale, scale, scale, ALPHA_SCALE]
     }
 
     /// Four texels of each of eight samples from `first` on in linear light, weighed and added: two samples at a time with all
@@ -304,10 +311,10 @@ fn weights<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, right: F, down: F) 
     [left * up, right * up, left * down, right * down]
 }
 
-/// Red, green and blue codes of texels.
+/// Red, green, blue and alpha codes of texels.
 #[inline(always)]
-fn codes<S: Simd>(texels: S::u32s) -> [S::f32s; 3] {
-    each!(shift in [0, 8, 16] => ((texels >> shift) & 255).bitcast::<S::i32s>().to_float::<S::f32s>())
+pub(super) fn codes<S: Simd>(texels: S::u32s) -> [S::f32s; 4] {
+    each!(shift in [0, 8, 16, 24] => ((texels >> shift) & 255).bitcast::<S::i32s>().to_float::<S::f32s>())
 }
 
 /// Of a row of texels those at eight places, each with its right neighbour.

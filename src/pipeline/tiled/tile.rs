@@ -13,6 +13,7 @@ use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
 use super::locations::{Locations, Rows, edge_values};
 use super::record::Slot;
 use super::setup::{Edges, Setup};
+use super::tested::TestedRows;
 use crate::math::lanes::*;
 use crate::pipeline::depth::Comparison;
 
@@ -376,8 +377,8 @@ impl Tile {
         compare_bounds(bounds, [least, greatest], rules.comparison).0 == 0xFF
     }
 
-    /// Draws those samples of a triangle that `keep` wants: of eight of a row, given by edge values, column and row, it is told
-    /// which pass the depth test, and says which of those are stored.
+    /// Draws those samples of a triangle that `keep` wants: it is told which pass the depth test, of two rows at a time, and says
+    /// by bits which of those are stored.
     #[inline(never)]
     pub(super) fn draw_kept<S: Simd>(
         &mut self,
@@ -386,7 +387,7 @@ impl Tile {
         locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
-        mut keep: impl FnMut(&[[f64; LANES]; 3], (usize, usize), u64) -> u64,
+        mut keep: impl FnMut(&TestedRows) -> u64,
     ) {
         simd.vectorize(
             #[inline(always)]
@@ -397,13 +398,21 @@ impl Tile {
                         continue;
                     }
                     self.write_out(simd, block, locations, rules, owner);
-                    for row in rows_in(triangle, by) {
-                        let place = (bx * BLOCK, row);
-                        let (edges, passed) = self.test(simd, triangle, place, locations, rules);
-                        let kept = if passed == 0 { 0 } else { keep(&edges, place, passed) };
-                        if kept != 0 {
-                            let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
-                            self.write(simd, triangle, e, kept, place, rules);
+                    let rows = rows_in(triangle, by);
+                    for row in rows.clone().step_by(2) {
+                        let mut tested = TestedRows { place: (bx * BLOCK, row), ..TestedRows::default() };
+                        for (below, row) in (row..rows.end).take(2).enumerate() {
+                            let place = (bx * BLOCK, row);
+                            let passed = self.test(simd, triangle, place, locations, rules, &mut tested.edges[below]);
+                            tested.passed |= passed << (below * LANES);
+                        }
+                        let kept = if tested.passed == 0 { 0 } else { keep(&tested) };
+                        for (below, edges) in tested.edges.iter().enumerate() {
+                            let kept = kept >> (below * LANES) & 0xFF;
+                            if kept != 0 {
+                                let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
+                                self.write(simd, triangle, e, kept, (bx * BLOCK, row + below), rules);
+                            }
                         }
                     }
                     self.counts.visited += (BLOCK * BLOCK) as u64;
@@ -415,7 +424,7 @@ impl Tile {
         );
     }
 
-    /// Edge values at eight samples of a row, and bits of those that are covered and pass the depth test.
+    /// Finds the edge values at eight samples of a row, and gives bits of those that are covered and pass the depth test.
     #[inline(never)]
     fn test<S: Simd>(
         &self,
@@ -424,7 +433,8 @@ impl Tile {
         (column, row): (usize, usize),
         locations: impl Locations,
         rules: &DepthRules,
-    ) -> ([[f64; LANES]; 3], u64) {
+        edges: &mut [[f64; LANES]; 3],
+    ) -> u64 {
         simd.vectorize(
             #[inline(always)]
             || {
@@ -434,7 +444,8 @@ impl Tile {
                     let stored = F32::from_slice(simd, &self.depths[row * STRIDE + column..][..LANES]);
                     passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison);
                 }
-                (each!(i in [0, 1, 2] => e[i].to_array()), passed)
+                *edges = each!(i in [0, 1, 2] => e[i].to_array());
+                passed
             },
         )
     }

@@ -1,0 +1,121 @@
+//! Samples of a triangle that passed the depth test, eight of a row and eight of the row below, before it is known which of them
+//! are kept.
+
+use super::Frame;
+use super::kernel::{Band, Patch, RowPair, Spots as _, Weights, corner_weights, interpolate_pair, locate_texels};
+use super::mipmap::CoarseTaps;
+use super::queue::{Queue, make_room};
+use super::record::{Source as _, Subject};
+use super::texture::Taps;
+use crate::math::lanes::*;
+use crate::scene::material::CUT_OUT_BELOW;
+
+/// Numbers of the bits that are set, of the lowest [`WIDE`].
+pub(super) fn set_bits(bits: u64) -> impl Iterator<Item = usize> {
+    (0..WIDE).filter(move |bit| bits >> bit & 1 != 0)
+}
+
+/// Two rows of eight samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TestedRows {
+    /// Column of the first sample of both, and the upper row, within the tile.
+    pub(super) place: (usize, usize),
+    /// Edge values, row by row.
+    pub(super) edges: [[[f64; LANES]; 3]; 2],
+    /// A bit for each sample that passed, those of the lower row from [`LANES`] on.
+    pub(super) passed: u64,
+}
+
+/// A sample that passed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TestedSample {
+    /// Its bit.
+    pub(super) bit: u64,
+    /// Column and row within the tile.
+    pub(super) place: (usize, usize),
+    pub(super) edges: [f64; 3],
+}
+
+impl TestedRows {
+    /// Those that passed, one by one.
+    pub(super) fn samples(&self) -> impl Iterator<Item = TestedSample> {
+        let (column, row) = self.place;
+        set_bits(self.passed).map(move |i| {
+            let (lane, below) = (i % LANES, i / LANES);
+            TestedSample {
+                bit: 1 << i,
+                place: (column + lane, row + below),
+                edges: self.edges[below].map(|values| values[lane]),
+            }
+        })
+    }
+
+    /// Those that passed and lie among so many columns and rows, as a patch and their bits.
+    fn within(&self, tile: (usize, usize), (columns, rows): (usize, usize)) -> (Patch, u32) {
+        let (column, first) = self.place;
+        let count = columns.saturating_sub(column).min(LANES);
+        let of_row = (1 << count) - 1;
+        let inside =
+            (0..2).filter(|below| first + below < rows).fold(0, |bits, below| bits | of_row << (below * LANES));
+        let mine = self.passed as u32 & inside;
+        (Patch { tile, column, count, first, end: first + 2, mine }, mine)
+    }
+
+    /// Weights of the corners. Those of samples without a bit stand for the first corner: what is computed there must not lead
+    /// astray.
+    #[inline(always)]
+    fn weights<S: Simd>(&self, simd: S, subject: &Subject<'_>) -> Weights<S> {
+        let e = each!(i in [0, 1, 2] => {
+            let [upper, lower] = each!(row in [0, 1] => narrow(simd, F64::load_array_ref(simd, &self.edges[row][i])));
+            upper.combine(lower)
+        });
+        corner_weights(simd, e, subject.one.relative_inv_w(simd)).of_some(simd, self.passed as u32)
+    }
+}
+
+/// Shades samples that passed, into the queue; how many. For shaders that are on lanes.
+#[inline(never)]
+pub(super) fn shade_tested<S: Simd>(
+    simd: S,
+    frame: &Frame<'_>,
+    subject: &Subject<'_>,
+    (tile, tested): ((usize, usize), &TestedRows),
+    queue: &mut Queue,
+    band: &mut Band<'_>,
+) -> usize {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (patch, mine) = tested.within(tile, band.size(tile));
+            if mine == 0 {
+                return 0;
+            }
+            let shader = frame.shader_of_draw[subject.draw];
+            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band.pixels) else { return 0 };
+            pair.rows = RowPair { patch: &patch, locations: &frame.lattice }.rows(mine, band);
+            let (shader, weights) = (&frame.shaders[shader], tested.weights(simd, subject));
+            interpolate_pair(simd, shader, shader.plan, subject.one, weights, (pair, (taps, coarse.first_mut())));
+            mine.count_ones() as usize
+        },
+    )
+}
+
+/// Bits of the samples that passed and are not cut out. For shaders that are on lanes.
+#[inline(never)]
+pub(super) fn keep_tested<S: Simd>(simd: S, frame: &Frame<'_>, subject: &Subject<'_>, tested: &TestedRows) -> u64 {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let shader = frame.shader(subject.draw);
+            let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) else { return tested.passed };
+            let (mut taps, mut coarse) = (Taps::default(), shader.plan.mipmapped.then(CoarseTaps::default));
+            let weights = tested.weights(simd, subject);
+            locate_texels(simd, shader, shader.plan, subject.one, &weights, (&mut taps, coarse.as_mut()));
+            texture.read_ahead(simd, layout, std::slice::from_mut(&mut taps));
+            texture.read_coarse_ahead(simd, layout, coarse.as_mut_slice());
+            let alpha = texture.read_levels_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
+            let cut_out = alpha.simd_lt(CUT_OUT_BELOW).to_bitmask();
+            tested.passed & !cut_out
+        },
+    )
+}
