@@ -405,6 +405,26 @@ fn clusters_that_touch_a_plane_are_kept() {
     }
 }
 
+/// Panes that are drawn alike but for how much shows through them, one behind the other: neither must be taken for the other.
+#[test]
+fn panes_that_differ_in_opacity_alone_are_told_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let [panes, materials] = ["panes.obj", "panes.mtl"].map(|name| folder.path().join(name));
+    let material = |name: &str, opacity: f32| format!("newmtl {name}\nKd 0.9 0.4 0.2\nd {opacity}\n");
+    std::fs::write(materials, [("thin", 0.3), ("thick", 0.8)].map(|(name, opacity)| material(name, opacity)).concat())
+        .unwrap();
+    let corners = |z: i32| format!("v -1 -1 {z}\nv 1 -1 {z}\nv 0 1 {z}\n");
+    let faces = "usemtl thick\nf 1 2 3\nusemtl thin\nf 4 5 6\nusemtl thick\nf 7 8 9\n";
+    std::fs::write(&panes, format!("mtllib panes.mtl\n{}{}{}{faces}", corners(-5), corners(-4), corners(-3))).unwrap();
+    let scene = Arc::new(SceneSource::named(panes).load().unwrap().scene);
+    let camera = Camera { eye: Vec3::ZERO, target: Vec3::NEG_Z, ..scene.home };
+    for recipe in with::<ColorSpace>(&[Recipe::default()], |r, c| r.pipeline.color_space = c) {
+        let middle = run(&scene, &camera, &recipe, SIZE, &mut ()).image().at(SIZE.width / 2, SIZE.height / 2);
+        assert_ne!(middle[..3], scene.background, "the panes are seen");
+        Renderers::new().check("panes", &scene, &camera, &recipe);
+    }
+}
+
 /// A vertex in the eye has no place on the screen, and takes none of the triangles that it is not a corner of along.
 #[test]
 fn a_vertex_in_the_eye_leaves_the_rest_as_it_is() {
