@@ -220,7 +220,7 @@ fn multisampling_gives_the_same_picture_by_every_depth_test_and_format() {
 }
 
 /// Most triangles of a scene that is jittered often: the classic way draws each from every place that a sample may have.
-const MOST_JITTERED: usize = 2000;
+const MOST_JITTERED: usize = 200;
 
 /// Scenes of few triangles.
 fn check_small_scenes(recipes: &[Recipe]) {

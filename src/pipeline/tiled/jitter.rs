@@ -51,7 +51,6 @@ pub struct Jittering<'a> {
 /// What tiles read.
 pub(super) struct Jittered<'a> {
     jittering: Jittering<'a>,
-    centres: Lattice,
     /// Of each sample.
     samples: Vec<JitteredSample>,
 }
@@ -76,7 +75,7 @@ impl<'a> Jittered<'a> {
                 offsets: [0, 1].map(|axis| places.map(|place| (place[axis] - least[axis]) as f32)),
             }
         };
-        Self { jittering, centres, samples: jittering.places.iter().map(sample).collect() }
+        Self { jittering, samples: jittering.places.iter().map(sample).collect() }
     }
 
     /// Finds where a sample lies in the pixels of a tile.
@@ -154,7 +153,7 @@ impl Frame<'_> {
         }
         let (mut times, mut counts, mut shaded) = ([Duration::ZERO; 2], TileCounts::default(), Shaded::default());
         if target.depths.is_some() {
-            self.draw_groups(simd, (tile, &jittered.centres), groups, (entrants, place), blended);
+            self.draw_groups(simd, (tile, &self.lattice), groups, (entrants, place), blended);
             self.write_depths(simd, tile, entrants, &mut target);
             counts += tile.counts;
         }
