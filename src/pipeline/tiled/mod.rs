@@ -19,6 +19,7 @@ mod bins;
 mod clusters;
 mod depths;
 mod displaced;
+mod entry;
 mod gather;
 mod geometry;
 mod jitter;
@@ -33,6 +34,7 @@ mod outcode;
 mod pixel_samples;
 mod queue;
 mod record;
+mod report;
 mod see_through;
 mod see_through_samples;
 mod setup;
@@ -50,7 +52,8 @@ use std::time::{Duration, Instant};
 use bins::{Binning, Chunk, MOST_TRIANGLES};
 use clusters::{Kept, View};
 use depths::DepthRules;
-use geometry::{Arrays, Draw, Surface, Vertex};
+use entry::{BATCHES, GROUP};
+use geometry::{Arrays, Draw};
 use jitter::JitterMemory;
 pub use jitter::{ChosenPlaces, Jittering, PLACES, SumOfSamples, Sums};
 use lattice::{Lattice, TILE};
@@ -60,7 +63,8 @@ pub use multisample::{MeanOfSamples, Multisampling, Picks};
 pub use pixel_samples::PixelSamples;
 use pixel_samples::Samples;
 use queue::Queue;
-use record::{Entrant, Entrants, Slot, SurfaceRecord};
+use record::{Entrants, Slot};
+pub use report::{TiledCounts, TiledReport, TiledTimes};
 use see_through_samples::SeenThrough;
 use setup::{Batch, Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
@@ -78,7 +82,6 @@ use super::vertex::{DrawMatrices, containment};
 use super::viewport::Viewport;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
-use crate::math::prefetch::prefetch;
 use crate::scene::material::Transparency;
 use crate::scene::{Camera, Scene};
 
@@ -95,68 +98,6 @@ pub fn obstacle(scene: &Scene, settings: &Settings) -> Option<&'static str> {
     } else {
         None
     }
-}
-
-/// Wall-clock time of each stage. Tiles are drawn and shaded in turn by all threads: the time of both is shared out by the
-/// time that the threads spent on either.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TiledTimes {
-    /// Planning, and vertices to the screen.
-    pub transform: Duration,
-    /// Culling, clipping, binning.
-    pub cull: Duration,
-    /// Coverage and depth.
-    pub rasterize: Duration,
-    /// Interpolation and shading.
-    pub shade: Duration,
-}
-
-impl TiledTimes {
-    /// The shorter time of each stage.
-    pub fn least(&self, other: &Self) -> Self {
-        Self {
-            transform: self.transform.min(other.transform),
-            cull: self.cull.min(other.cull),
-            rasterize: self.rasterize.min(other.rasterize),
-            shade: self.shade.min(other.shade),
-        }
-    }
-}
-
-/// What was done.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct TiledCounts {
-    /// Triangles of the scene.
-    pub triangles_in: u64,
-    /// Triangles of draws that are not outside as a whole.
-    pub considered: u64,
-    /// Triangles, and pieces of cut ones, that face the right way.
-    pub rasterized: u64,
-    /// Those of them that may hold a sample.
-    pub kept: u64,
-    /// Entries of triangles in tiles.
-    pub binned: u64,
-    /// Samples that were tested one by one.
-    pub visited: u64,
-    /// Samples that were taken in blocks.
-    pub plain: u64,
-    /// Vertices transformed.
-    pub vertices: u64,
-    /// Samples shaded.
-    pub shaded: u64,
-    /// Texels read.
-    pub texels: u64,
-}
-
-/// What is left when a frame is drawn.
-#[derive(Clone, Debug, Default)]
-pub struct TiledReport {
-    /// One plan per instance.
-    pub plans: Vec<DrawPlan>,
-    /// Where the time went.
-    pub times: TiledTimes,
-    /// What was done.
-    pub counts: TiledCounts,
 }
 
 /// Memory that is kept from frame to frame.
@@ -397,28 +338,6 @@ pub fn tile_loads(
     })
 }
 
-/// The parts of eight records that are read.
-#[inline(never)]
-fn fill_parts<S: Simd>(
-    simd: S,
-    records: &mut [SurfaceRecord; LANES],
-    triangles: &[[&Surface; 3]; LANES],
-    normals: bool,
-    colors: bool,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            if normals {
-                SurfaceRecord::fill_eight(simd, records, triangles, record::Part::Normal);
-            }
-            if colors {
-                SurfaceRecord::fill_eight(simd, records, triangles, record::Part::Color);
-            }
-        },
-    );
-}
-
 /// Fills pixels with one colour: whole cache lines, which are written without being read.
 #[inline(always)]
 fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
@@ -518,12 +437,6 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
     };
     draws.iter().map(shader).collect()
 }
-
-/// Batches of triangles of a tile whose corners are looked for together.
-const BATCHES: usize = 4;
-
-/// Triangles of so many batches.
-const GROUP: usize = BATCHES * LANES;
 
 /// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
 const CROWDED: usize = 192;
@@ -640,101 +553,5 @@ impl Frame<'_> {
         for (row, out) in target.depth_rows(self.packed.0 as usize).enumerate() {
             out.copy_from_slice(&tile.depths(row)[..out.len()]);
         }
-    }
-
-    /// Lists the triangles of a tile.
-    #[inline(always)]
-    fn let_enter(&self, number: usize, entrants: &mut Entrants) {
-        entrants.clear();
-        let mut draw = 0;
-        for chunk in self.chunks {
-            for key in chunk.keys(number) {
-                if !self.is_of_draw(*key, draw) {
-                    draw = self.draw_of(*key);
-                }
-                entrants.push(*key, draw);
-            }
-        }
-    }
-
-    /// Sets up a group of triangles of a tile before the first of them is drawn, as results come late, and says by bits which
-    /// of each eight may have a sample in the tile, and which of those have edge values of more than 32 bits.
-    #[inline(always)]
-    fn set_up_group<S: Simd>(
-        &self,
-        simd: S,
-        entrants: &mut Entrants,
-        batches: &mut [Batch; BATCHES],
-        group: usize,
-        origin: Origin,
-    ) -> ([u64; BATCHES], [u64; BATCHES]) {
-        let nowhere = Vertex::default();
-        let (mut triangles, mut divides_by_w) = ([[&nowhere; 3]; GROUP], 0);
-        self.find_vertices(entrants, group, &mut triangles, &mut divides_by_w);
-        let (mut alive, mut large) = ([0; BATCHES], [0; BATCHES]);
-        for (number, triangles) in triangles.as_chunks::<LANES>().0.iter().enumerate() {
-            let first = group + number * LANES;
-            let count = entrants.len().saturating_sub(first).min(LANES);
-            if count == 0 {
-                break;
-            }
-            let Some(records) = entrants.eight_records(first) else { break };
-            (alive[number], large[number]) = batches[number].set_up(
-                simd,
-                triangles,
-                (records, divides_by_w >> (number * LANES)),
-                self.settings.fill_rule,
-                &self.scale,
-                &self.lattice,
-                origin,
-            );
-            alive[number] &= u64::from(u32::MAX) >> (u32::BITS as usize - count);
-            if alive[number] != 0 && !self.arrays.surfaces.is_empty() {
-                self.fill_surfaces(simd, entrants, first, count);
-            }
-        }
-        (alive, large)
-    }
-
-    /// Finds the corners of a group of triangles of a tile, and a bit for each that is divided by w. They lie all over the
-    /// memory: all indices are asked for before the first is read, and then all vertices.
-    #[inline(always)]
-    fn find_vertices<'a>(
-        &'a self,
-        entrants: &Entrants,
-        group: usize,
-        triangles: &mut [[&'a Vertex; 3]; GROUP],
-        divides_by_w: &mut u64,
-    ) {
-        let entrants = entrants.group(group, GROUP);
-        for entrant in entrants {
-            if entrant.key.as_piece().is_none() {
-                self.draws[entrant.draw as usize].prefetch(entrant.key.0);
-            }
-        }
-        for (i, (triangle, entrant)) in triangles.iter_mut().zip(entrants).enumerate() {
-            let draw = entrant.draw as usize;
-            *triangle = self.vertices(entrant.key, draw);
-            for vertex in triangle {
-                prefetch(std::slice::from_ref(*vertex), 0);
-            }
-            *divides_by_w |= u64::from(self.shader(draw).divides_by_w) << i;
-        }
-    }
-
-    /// Records what shading reads besides of some triangles of a tile from `first` on, eight at most.
-    #[inline(always)]
-    fn fill_surfaces<S: Simd>(&self, simd: S, entrants: &mut Entrants, first: usize, count: usize) {
-        let nothing = Surface::default();
-        let mut triangles = [[&nothing; 3]; LANES];
-        for (lane, triangle) in triangles.iter_mut().enumerate().take(count) {
-            let Entrant { key, draw, .. } = entrants.get(Slot::new(first + lane, false));
-            let [a, b, c] = self.records(key, draw as usize);
-            if let (Some(a), Some(b), Some(c)) = (a.1, b.1, c.1) {
-                *triangle = [a, b, c];
-            }
-        }
-        let Some(records) = entrants.eight_surfaces(first) else { return };
-        fill_parts(simd, records, &triangles, self.reads_normals, self.reads_colors);
     }
 }
