@@ -221,7 +221,9 @@ fn offered(key: &str, methods: &[&dyn Upscaler]) -> String {
         }
     };
     let all: Vec<_> = methods.iter().map(|method| words(method.offers())).collect();
-    let choices = all.iter().filter(|words| words.len() > 1 || methods.len() == 1);
+    // A range is a choice, too.
+    let is_choice = |words: &[String]| words.len() > 1 || words.iter().any(|word| word.contains('…'));
+    let choices = all.iter().filter(|words| is_choice(words) || methods.len() == 1);
     let mut known: Vec<String> = Vec::new();
     for word in choices.flatten() {
         if !known.contains(word) {
@@ -290,7 +292,7 @@ mod tests {
     #[test]
     fn every_key_tells_its_values_and_recipes_survive_json() {
         for (key, values) in Recipe::keys() {
-            assert!(!values.is_empty(), "{key}");
+            assert!(values.starts_with(char::is_alphanumeric), "{key}: {values}");
         }
         let text = serde_json::to_string(&Recipe::default()).unwrap();
         assert_eq!(serde_json::from_str::<Recipe>(&text).unwrap(), Recipe::default());

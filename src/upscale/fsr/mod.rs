@@ -114,18 +114,22 @@ fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgb
     }
     bands::fill(full, Scale::ONE, |band, _, pixels| {
         let mut scratch = easu::Scratch::default();
-        let mut enlarged = Image::filled(0, 0, [0; 4]);
+        let (mut enlarged, mut spare) = (Image::filled(0, 0, [0; 4]), None);
         for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
             let (first, count) = (band as usize + strip * STRIP, rows.len() / width);
             if how.sharpening() == 0 {
                 easu::fill(lanes, drawn, how.lattice(), (first as u32, width), rows, &mut scratch);
                 continue;
             }
-            // Sharpening looks at the rows beside these, too.
+            // Sharpening looks at the rows beside these, too; two of them are what the strip before ended with.
             let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
-            enlarged = Image::reusing(Some(enlarged), width as u32, (above + count + below) as u32, [0; 4]);
-            let place = ((first - above) as u32, width);
-            easu::fill(lanes, drawn, how.lattice(), place, enlarged.pixels_mut(), &mut scratch);
+            let known = if strip == 0 { 0 } else { above + 1 };
+            let mut next = Image::reusing(spare.take(), width as u32, (above + count + below) as u32, [0; 4]);
+            let (head, rest) = next.pixels_mut().split_at_mut(known * width);
+            head.copy_from_slice(&enlarged.pixels()[enlarged.pixels().len() - head.len()..]);
+            let place = ((first - above + known) as u32, width);
+            easu::fill(lanes, drawn, how.lattice(), place, rest, &mut scratch);
+            spare = Some(std::mem::replace(&mut enlarged, next));
             rcas::fill(lanes, &enlarged, above as u32, strength(how), rows);
         }
     });

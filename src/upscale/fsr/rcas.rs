@@ -60,18 +60,19 @@ pub(super) fn fill(lanes: Lanes, picture: &Image<Rgba8>, above: u32, strength: f
     }
 }
 
-/// Sixteen pixels at a time where all around them lie within the row, the others one by one.
+/// Sixteen pixels at a time where all around them lie within the row, the others one by one. The last sixteen may overlap those
+/// before.
 #[inline(always)]
 fn fill_row<S: Simd>(simd: S, [above, own, below]: [&[Rgba8]; 3], strength: f32, row: &mut [Rgba8]) {
     let last = row.len() - 1;
-    let mut x = 1;
-    while x + WIDE <= last {
+    let inner = if last > WIDE { 1..last } else { 1..1 };
+    for x in inner.clone().step_by(WIDE) {
+        let x = x.min(last - WIDE);
         let around = [run(simd, above, x), run(simd, own, x - 1), run(simd, own, x + 1), run(simd, below, x)];
         let codes = lanes(simd, run(simd, own, x), around, strength).bitcast::<u8x64<S>>();
         codes.store_slice(row[x..x + WIDE].as_flattened_mut());
-        x += WIDE;
     }
-    for x in (0..1).chain(x..last + 1) {
+    for x in (0..1).chain(inner.end..last + 1) {
         let (left, right) = (own[x.saturating_sub(1)], own[(x + 1).min(last)]);
         row[x] = pixel([above[x], left, own[x], right, below[x]], strength);
     }
