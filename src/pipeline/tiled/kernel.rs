@@ -11,7 +11,7 @@ use super::lattice::{Lattice, TILE};
 use super::locations::Locations;
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
-use super::record::{Entrants, Record, Source, Subject};
+use super::record::{Entrants, One, Record, Source, Subject};
 use super::setup::Edges;
 use super::shader::{DrawShader, Light, Plan};
 use super::texture::Taps;
@@ -130,27 +130,38 @@ pub(super) fn shade_rows<S: Simd>(
     edges: impl Fn([usize; 2]) -> [f32x16<S>; 3],
 ) {
     let Subject { one, draw, .. } = *subject;
-    let shader = frame.shader(draw);
-    let rows = patch.end - patch.first;
-    let (pairs, taps, coarse) =
-        make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band.pixels);
-    let relative_inv_w = one.relative_inv_w(simd);
-    let plan = shader.plan;
-    let mut start = band.start(patch, patch.first);
+    let (shader, rows) = (frame.shader(draw), patch.end - patch.first);
+    let room = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band.pixels);
+    let starts = (band.start(patch, patch.first), band.width);
+    match shader.plan {
+        Plan::COMMON => interpolate_rows(simd, (shader, Plan::COMMON), one, (patch, starts), room, edges),
+        plan => interpolate_rows(simd, (shader, plan), one, (patch, starts), room, edges),
+    }
+}
+
+/// Everything that is interpolated for the rows of a patch, the first of which is written from a place on and each other one from a
+/// width after.
+#[inline(always)]
+fn interpolate_rows<S: Simd>(
+    simd: S,
+    (shader, plan): (&DrawShader<'_>, Plan),
+    one: One<'_>,
+    (patch, (mut start, width)): (&Patch, (usize, usize)),
+    (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
+    edges: impl Fn([usize; 2]) -> [f32x16<S>; 3],
+) {
+    let (rows, relative_inv_w) = (patch.end - patch.first, one.relative_inv_w(simd));
     let mut coarse = coarse.iter_mut();
     for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate() {
         // A last row that has no other beside it is computed twice, and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
         let weights = corner_weights(simd, edges([upper, lower]), relative_inv_w);
         let row = QueuedRow { start, count: patch.count, mine: patch.mine };
-        let below = QueuedRow { start: start + band.width, ..row };
+        let below = QueuedRow { start: start + width, ..row };
         pair.rows = [row, if lower > upper { below } else { QueuedRow::default() }];
-        start += 2 * band.width;
-        let taps = (taps, coarse.next());
-        match plan {
-            Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, one, weights, (pair, taps)),
-            plan => interpolate_pair(simd, shader, plan, one, weights, (pair, taps)),
-        }
+        start += 2 * width;
+        let coarse = if plan.mipmapped { coarse.next() } else { None };
+        interpolate_pair(simd, shader, plan, one, weights, (pair, (taps, coarse)));
     }
 }
 
@@ -389,7 +400,7 @@ pub(super) fn locate_texels<S: Simd>(
     shader: &DrawShader<'_>,
     plan: Plan,
     source: impl Source,
-    weights: &Weights<S>,
+    weights: Weights<S>,
     (taps, coarse): (&mut Taps, Option<&mut CoarseTaps>),
 ) {
     let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) else { return };
@@ -412,7 +423,7 @@ pub(super) fn interpolate_pair<S: Simd>(
     weights: Weights<S>,
     (pair, taps): (&mut QueuedPair, (&mut Taps, Option<&mut CoarseTaps>)),
 ) {
-    locate_texels(simd, shader, plan, source, &weights, taps);
+    locate_texels(simd, shader, plan, source, weights, taps);
     let weights = weights.of_corners;
     match plan.light {
         Light::None => {}

@@ -40,7 +40,7 @@ impl TextureReader<'_> {
         simd: S,
         layout: Layout,
         source: impl Source,
-        weights: &Weights<S>,
+        weights: Weights<S>,
         (fine, coarse): (&mut Taps, &mut CoarseTaps),
     ) {
         simd.vectorize(
