@@ -148,7 +148,7 @@ fn the_second_level_is_left_out_where_it_has_no_share() {
         assert!(counts.shaded > 1000);
         counts.texels as f64 / counts.shaded as f64
     };
-    assert_eq!(texels(0.002), 4.0, "less than a texel in every pixel");
+    assert_eq!(texels(5e-4), 4.0, "less than a texel in every pixel");
     assert!((4.1..7.5).contains(&texels(0.2)), "less nearby, and more far away");
     assert!((7.5..=8.0).contains(&texels(3.8)), "more, but for the last row hardly ever more than there are");
     assert_eq!(texels(1e7), 4.0, "more in every pixel than there are");
