@@ -75,16 +75,12 @@ pub(super) fn neighbours<S: Simd>(simd: S, unit: F64<S>, axis: Axis<S>, address:
 }
 
 /// For positions of repeated coordinates in texels, along axes that are powers of two, the texels at or before them, but for
-/// multiples of the lengths, and the weights of the ones after those; none if some of them are out of the ordinary.
+/// multiples of the lengths, and the weights of the ones after those; none if some of them are out of the ordinary. Where a
+/// position is the very centre of a texel this may be the one before, without any weight.
 #[inline(always)]
 pub(super) fn below_repeated<S: Simd>([x, y]: [f32x16<S>; 2]) -> Option<[(i32x16<S>, f32x16<S>); 2]> {
-    if are_small(x) & are_small(y) {
-        Some(each!(position in [x, y] => below_small(position.simd, position)))
-    } else if are_moderate(x) & are_moderate(y) {
-        Some(each!(position in [x, y] => below_moderate(position.simd, position)))
-    } else {
-        None
-    }
+    let are_exact = (are_small(x) & are_small(y)) || (are_moderate(x) & are_moderate(y));
+    if are_exact { Some(each!(position in [x, y] => below(position))) } else { None }
 }
 
 /// Whether positions are neither negative nor so large that they have no broken part: those of all samples.
@@ -94,21 +90,7 @@ fn are_small<S: Simd>(position: f32x16<S>) -> bool {
     position.bitcast::<u32x16<S>>().simd_lt(ALL_INTEGERS.to_bits()).all_true()
 }
 
-/// What [`neighbours`] finds for the position of a repeated coordinate in texels that [`are_small`], with a size that is a power
-/// of two; the texel may be off by multiples of the size.
-///
-/// Every step is exact in f32 but the last sum, which rounds what f64 rounds at its end: the product with a power of two is
-/// exact, and so are its whole and its broken part, which whole repeats do not change.
-#[inline(always)]
-fn below_small<S: Simd>(simd: S, position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
-    let texel: i32x16<S> = position.to_int();
-    let within = position - texel.to_float::<f32x16<S>>();
-    let first_half = within.simd_lt(0.5);
-    let before = first_half.select(i32x16::splat(simd, -1), i32x16::splat(simd, 0));
-    (texel + before, within + first_half.select(f32x16::splat(simd, 0.5), f32x16::splat(simd, -0.5)))
-}
-
-/// Whether [`below_moderate`] holds for positions: those of all samples.
+/// Whether positions are of either sign, but not so near below zero that [`neighbours`] rounds them: those of all samples.
 #[inline(always)]
 fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
     let least_below_zero = (-LEAST_BELOW_ZERO).to_bits() as i32;
@@ -117,18 +99,16 @@ fn are_moderate<S: Simd>(position: f32x16<S>) -> bool {
     (position.abs().simd_lt(ALL_INTEGERS) & far_enough).all_true()
 }
 
-/// [`below_small`] for positions of either sign. The whole part of a position is cut off without a rounding error, and what is
-/// left is rounded once, by the sum, as f64 rounds it at its end.
+/// What [`neighbours`] finds for the position of a repeated coordinate in texels, with a size that is a power of two; the texel may
+/// be off by multiples of the size.
+///
+/// Every step is exact in f32 but the last sum, which rounds what f64 rounds at its end: the product with a power of two is
+/// exact, and so is the distance from the nearest whole number, which whole repeats do not change. Halfway between two of them
+/// it does not matter which one is taken: the texel has all the weight as the first of two as well as as the second.
 #[inline(always)]
-fn below_moderate<S: Simd>(simd: S, position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
-    let whole: i32x16<S> = position.to_int();
-    let rest = position - whole.to_float::<f32x16<S>>();
-    let (right_half, left_half) = (rest.simd_ge(0.5), rest.simd_lt(-0.5));
-    let before = right_half.select(i32x16::splat(simd, 0), i32x16::splat(simd, -1));
-    let before = left_half.select(i32x16::splat(simd, -2), before);
-    let weight = right_half.select(f32x16::splat(simd, -0.5), f32x16::splat(simd, 0.5));
-    let weight = left_half.select(f32x16::splat(simd, 1.5), weight);
-    (whole + before, rest + weight)
+fn below<S: Simd>(position: f32x16<S>) -> (i32x16<S>, f32x16<S>) {
+    let nearest = position.round_ties_even();
+    (nearest.to_int::<i32x16<S>>() - 1, (position - nearest) + 0.5)
 }
 
 /// Nearer to zero, negative positions in textures of up to 2¹⁶ texels have digits that f64 cannot hold together with one.

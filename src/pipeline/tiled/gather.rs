@@ -2,6 +2,18 @@
 
 use crate::math::lanes::*;
 
+/// Which texels sixteen samples read, and how near each sample is to the right and to the lower ones.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+pub(super) struct Taps {
+    /// Places of texels; of pairs those of the upper and of the lower row.
+    pub(super) index: [[u32; WIDE]; 4],
+    /// The pairs themselves, where they are read ahead.
+    pub(super) pairs: [Pairs; 2],
+    pub(super) right: [f32; WIDE],
+    pub(super) down: [f32; WIDE],
+}
+
 /// The texels at as many places as a register holds.
 ///
 /// # Panics
@@ -38,26 +50,32 @@ pub(super) fn reads_ahead<S: Simd>(simd: S) -> bool {
     return true;
 }
 
-/// Reads the pairs at places of two rows and does nothing else, so that as many reads as possible are under way at a time.
+/// Reads the pairs of many samples and does nothing else, so that as many reads as possible are under way at a time.
 ///
 /// # Panics
 /// If one of the places, or the one after it, lies outside of the texels.
 #[inline(always)]
 #[expect(
     unsafe_code,
-    reason = "one test for 32 reads: a picture that is all texture is drawn an eighth faster than with a test for each"
+    reason = "one test for all reads: a picture that is all texture is drawn an eighth faster than with a test for each"
 )]
-pub(super) fn read_pairs<S: Simd>(simd: S, texels: &[u32], places: [&[u32; WIDE]; 2], pairs: &mut [Pairs; 2]) {
-    let [upper, lower] = each!(row in [0, 1] => u32x16::load_array_ref(simd, places[row]));
+pub(super) fn read_pairs<S: Simd>(simd: S, texels: &[u32], all: &mut [Taps]) {
+    let mut farthest = u32x16::splat(simd, 0);
+    for Taps { index: [upper, lower, ..], .. } in &*all {
+        let [upper, lower] = each!(row in [upper, lower] => u32x16::load_array_ref(simd, row));
+        farthest = farthest.max(upper.max(lower));
+    }
     // Lengths are below 2³²: texture sizes are limited.
     let last = texels.len().saturating_sub(1) as u32;
-    assert!(upper.max(lower).simd_lt(last).all_true(), "all texels are within the texture");
-    for (places, pairs) in places.into_iter().zip(pairs) {
-        for lane in 0..WIDE {
-            let place = places[lane] as usize;
-            // SAFETY: the place is less than that of the last texel, as was just made sure, so that it and the texel after it lie
-            // within the slice; an array asks for no other alignment than its items do.
-            pairs[slot_of(lane)] = unsafe { texels.as_ptr().add(place).cast::<[u32; 2]>().read() };
+    assert!(farthest.simd_lt(last).all_true(), "all texels are within the texture");
+    for Taps { index: [upper, lower, ..], pairs, .. } in all {
+        for (places, pairs) in [upper, lower].into_iter().zip(pairs) {
+            for lane in 0..WIDE {
+                let place = places[lane] as usize;
+                // SAFETY: the place is less than that of the last texel, as was just made sure of the farthest one, so that it
+                // and the texel after it lie within the slice; an array asks for no other alignment than its items do.
+                pairs[slot_of(lane)] = unsafe { texels.as_ptr().add(place).cast::<[u32; 2]>().read() };
+            }
         }
     }
 }
@@ -178,9 +196,10 @@ mod tests {
         let pairs = if let Some([pairs, _]) = gather_pairs(simd, texels, [places, places]) {
             pairs
         } else {
-            let mut pairs = [[[0; 2]; WIDE]; 2];
-            read_pairs(simd, texels, [places, places], &mut pairs);
-            split_pairs(simd, &pairs[1], WIDE - S::u32s::LEN)
+            // Those that are looked at come last.
+            let mut all = [Taps::default(), Taps { index: [*places; 4], ..Taps::default() }];
+            read_pairs(simd, texels, &mut all);
+            split_pairs(simd, &all[1].pairs[1], WIDE - S::u32s::LEN)
         };
         pairs.map(|texels| texels.as_slice().to_vec())
     }

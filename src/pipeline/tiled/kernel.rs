@@ -6,6 +6,7 @@
 use glam::Vec3;
 
 use super::Frame;
+use super::gather::Taps;
 use super::geometry::lambert_lanes;
 use super::lattice::{Lattice, TILE};
 use super::locations::Locations;
@@ -14,7 +15,6 @@ use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
 use super::record::{Entrants, One, Record, Source, Subject};
 use super::setup::Edges;
 use super::shader::{DrawShader, Light, Plan};
-use super::texture::Taps;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::interpolate::interpolate;

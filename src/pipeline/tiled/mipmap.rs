@@ -6,9 +6,10 @@
 //! [`Sampler::levels`]: crate::pipeline::sample::Sampler::levels
 
 use super::axis::{Axis, below_repeated};
+use super::gather::Taps;
 use super::kernel::Weights;
 use super::record::Source;
-use super::texture::{Images, Layout, Taps, TextureReader};
+use super::texture::{Images, Layout, TextureReader};
 use crate::math::lanes::*;
 use crate::math::log2::log2_lanes;
 

@@ -1,11 +1,12 @@
 //! Rows of samples that wait for their texels, and what becomes of them: colour × texture × light, encoded and written.
 
 use super::Frame;
+use super::gather::Taps;
 use super::kernel::ALL;
 use super::lattice::BLOCK;
 use super::mipmap::CoarseTaps;
 use super::shader::{DrawShader, Light, Plan, TEXELS_AROUND};
-use super::texture::{self, Taps};
+use super::texture;
 use crate::image::Rgba8;
 use crate::image::color::Tables;
 use crate::math::lanes::*;

@@ -2,11 +2,11 @@
 //! are kept.
 
 use super::Frame;
+use super::gather::Taps;
 use super::kernel::{Band, Patch, RowPair, Spots as _, Weights, corner_weights, interpolate_pair, locate_texels};
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, make_room};
 use super::record::{Source as _, Subject};
-use super::texture::Taps;
 use crate::math::lanes::*;
 use crate::scene::material::CUT_OUT_BELOW;
 

@@ -1,23 +1,11 @@
 //! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
 use super::axis::{Axis, below_repeated, bring_into_unit, nearest, neighbours};
-use super::gather::{Pairs, gather, gather_pairs, read_pairs, reads_ahead, split_pairs};
+use super::gather::{Taps, gather, gather_pairs, read_pairs, reads_ahead, split_pairs};
 use crate::math::lanes::*;
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 use crate::scene::{Level, Texture};
-
-/// Which texels sixteen samples read, and how near each sample is to the right and to the lower ones.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(align(64))]
-pub(super) struct Taps {
-    /// Places of texels; of pairs those of the upper and of the lower row.
-    pub(super) index: [[u32; WIDE]; 4],
-    /// The pairs themselves, where they are read ahead.
-    pairs: [Pairs; 2],
-    pub(super) right: [f32; WIDE],
-    pub(super) down: [f32; WIDE],
-}
 
 /// How texels are found in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -190,9 +178,7 @@ impl<'a> TextureReader<'a> {
     pub(super) fn read_ahead<S: Simd>(&self, simd: S, layout: Layout, all: &mut [Taps]) {
         let are_pairs = matches!(layout, Layout::Pairs | Layout::PowerOfTwoPairs) && self.linear.is_empty();
         if are_pairs && reads_ahead(simd) {
-            for Taps { index: [upper, lower, ..], pairs, .. } in all {
-                read_pairs(simd, self.texels, [upper, lower], pairs);
-            }
+            read_pairs(simd, self.texels, all);
         }
     }
 
@@ -360,6 +346,17 @@ mod tests {
         (0..steps.abs()).fold(u, |u, _| if steps < 0 { u.next_down() } else { u.next_up() })
     }
 
+    /// Column and row of the first of the four texels of a sample, and the bits of the weights of the second ones. Of two texels
+    /// of which the second one has all the weight, that one is the first.
+    fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32)) -> [(u32, u32); 2] {
+        let [upper, lower] = [0, 1].map(|row| taps.index[row][lane]);
+        let [(x, y), below] = [upper, lower].map(|place| (place % (width + 1), place / (width + 1)));
+        assert_eq!(below, (x, (y + 1) % height));
+        let along =
+            |first, weight: f32, size| if weight == 1.0 { ((first + 1) % size, 0) } else { (first, weight.to_bits()) };
+        [along(x, taps.right[lane], width), along(y, taps.down[lane], height)]
+    }
+
     #[test]
     fn powers_of_two_are_found_as_all_sizes_are() {
         let mut random = fastrand::Rng::with_seed(3);
@@ -394,10 +391,10 @@ mod tests {
                         reader.locate_all(simd, Layout::Pairs, uv, &mut general);
                         [quick, general]
                     });
-                    assert_eq!(quick.index[..2], general.index[..2], "{u:?} {v:?} by {}", lanes.name());
-                    let bits = |weights: [f32; WIDE]| weights.map(f32::to_bits);
-                    assert_eq!(bits(quick.right), bits(general.right), "{u:?} by {}", lanes.name());
-                    assert_eq!(bits(quick.down), bits(general.down), "{v:?} by {}", lanes.name());
+                    for lane in 0..WIDE {
+                        let [quick, general] = [&quick, &general].map(|taps| first_with_weight(taps, lane, size));
+                        assert_eq!(quick, general, "{} {} by {}", u[lane], v[lane], lanes.name());
+                    }
                 }
             }
         }

@@ -106,6 +106,19 @@ fn wide_lanes_agree_with_plain_code_bit_for_bit() {
 }
 
 #[test]
+fn strips_leave_no_trace_in_sharpened_pictures() {
+    let drawn = noise(6, 70);
+    for (scale, size) in [(Scale::ONE_AND_A_HALF, (9, 105)), (Scale::TWO, (12, 140))] {
+        let how = how(scale, Anchor::Centre, 80);
+        let full = filled(Lanes::best(), how, &drawn, size);
+        for (x, y) in (0..size.1).flat_map(|y| (0..size.0).map(move |x| (x, y))) {
+            let alone = FSR1.pixel(how, &Drawn::from(&drawn), size, (x, y));
+            assert_eq!(full.at(x, y), alone, "×{scale} ({x}, {y})");
+        }
+    }
+}
+
+#[test]
 fn sharpening_makes_no_new_extremes_of_the_scale_and_keeps_plain_colours() {
     // At the ends of the scale the limits of the lobe divide by zero.
     for color in [[0, 0, 0, 255], [255; 4], [0, 255, 128, 7]] {
