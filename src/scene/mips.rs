@@ -27,8 +27,8 @@ pub struct Levels<T> {
 }
 
 impl<T> Levels<T> {
-    /// Of images, the largest first.
-    pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8) -> T) -> Self {
+    /// Of images, the largest first; for each texel what `value` gives for it and the one below it.
+    pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8, Rgba8) -> T) -> Self {
         let (mut texels, mut places) = (Vec::new(), Vec::<Level>::new());
         for image in images {
             let first = texels.len() as u32;
@@ -42,10 +42,12 @@ impl<T> Levels<T> {
     }
 }
 
-/// The rows of an image, each followed by its first texel.
-pub(super) fn wrapped<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8) -> T) -> impl Iterator<Item = T> {
-    let rows = (0..image.height()).map(|y| image.row(y));
-    rows.flat_map(|row| row.iter().chain(row.first())).map(move |texel| value(*texel))
+/// The rows of an image, each followed by its first texel: what `value` gives for each texel and the one below it, which is the
+/// first one of its column for the last.
+pub(super) fn wrapped<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8, Rgba8) -> T) -> impl Iterator<Item = T> {
+    let row = |y: u32| image.row(y).iter().chain(image.row(y).first());
+    let rows = (0..image.height()).flat_map(move |y| row(y).zip(row((y + 1) % image.height())));
+    rows.map(move |(texel, below)| value(*texel, *below))
 }
 
 /// Colour × alpha, and alpha, in [0, 1].

@@ -28,15 +28,18 @@ impl Alpha {
     }
 }
 
+/// A texel and the one below it, which is the first one of its column for the last, as little-endian numbers.
+pub type Column = [u32; 2];
+
 /// A texture. Never empty.
 #[derive(Clone, Debug)]
 pub struct Texture {
     name: String,
     image: Image<Rgba8>,
     alpha: Alpha,
-    wrapped: OnceLock<Box<[u32]>>,
+    wrapped: OnceLock<Box<[Column]>>,
     wrapped_linear: OnceLock<Box<[[f32; 4]]>>,
-    levels: OnceLock<Levels<u32>>,
+    levels: OnceLock<Levels<Column>>,
     levels_linear: OnceLock<Levels<[f32; 4]>>,
     /// Means of codes, means of linear light.
     smaller: [OnceLock<Vec<Image<Rgba8>>>; 2],
@@ -62,20 +65,21 @@ impl Texture {
         &self.name
     }
 
-    /// Texels as little-endian numbers, each row followed by its first texel: neighbours along a row of the repeated texture
-    /// are neighbours in memory. Made when first asked for.
-    pub fn wrapped(&self) -> &[u32] {
-        self.wrapped.get_or_init(|| wrapped(&self.image, u32::from_le_bytes).collect())
+    /// Texels, each with the one below it, and each row followed by its first ones: the four around any place of the repeated
+    /// texture are neighbours in memory. Made when first asked for.
+    pub fn wrapped(&self) -> &[Column] {
+        self.wrapped.get_or_init(|| wrapped(&self.image, column).collect())
     }
 
-    /// The same in linear light: red, green and blue, and alpha, which is no light, as its code.
+    /// Texels in linear light, each row followed by its first one: red, green and blue, and alpha, which is no light, as its
+    /// code. Neighbours along a row of the repeated texture are neighbours in memory.
     pub fn wrapped_linear(&self) -> &[[f32; 4]] {
         self.wrapped_linear.get_or_init(|| wrapped(&self.image, linear).collect())
     }
 
     /// [`Texture::wrapped`] of the texture and of all its smaller copies by means of codes.
-    pub fn levels(&self) -> &Levels<u32> {
-        self.levels.get_or_init(|| Levels::new(self.images(false), u32::from_le_bytes))
+    pub fn levels(&self) -> &Levels<Column> {
+        self.levels.get_or_init(|| Levels::new(self.images(false), column))
     }
 
     /// [`Texture::wrapped_linear`] of the texture and of all its smaller copies by means of linear light.
@@ -105,7 +109,11 @@ impl Texture {
     }
 }
 
-fn linear([r, g, b, alpha]: Rgba8) -> [f32; 4] {
+fn column(texel: Rgba8, below: Rgba8) -> Column {
+    [u32::from_le_bytes(texel), u32::from_le_bytes(below)]
+}
+
+fn linear([r, g, b, alpha]: Rgba8, _: Rgba8) -> [f32; 4] {
     [decode_byte(r), decode_byte(g), decode_byte(b), alpha.into()]
 }
 
@@ -129,14 +137,14 @@ mod tests {
                 end += (width + 1) * height;
                 assert_eq!(next, if level + 1 < codes.places.len() { end } else { first });
                 for (x, y) in (0..height).flat_map(|y| (0..=width).map(move |x| (x, y))) {
-                    let texel = |linear: bool| {
+                    let texel = |linear: bool, y: usize| {
                         let image = level.checked_sub(1).map_or(texture.image(), |copy| &texture.smaller(linear)[copy]);
                         assert_eq!(image.size(), (width as u32, height as u32));
-                        image.at((x % width) as u32, y as u32)
+                        image.at((x % width) as u32, (y % height) as u32)
                     };
                     let place = first + y * (width + 1) + x;
-                    assert_eq!(codes.texels[place], u32::from_le_bytes(texel(false)));
-                    let [r, g, b, alpha] = texel(true);
+                    assert_eq!(codes.texels[place], [y, y + 1].map(|y| u32::from_le_bytes(texel(false, y))));
+                    let [r, g, b, alpha] = texel(true, y);
                     assert_eq!(linear.texels[place][..3], [r, g, b].map(decode_byte));
                     assert_eq!(linear.texels[place][3], f32::from(alpha));
                 }

@@ -1,25 +1,29 @@
 //! Texels at several places at once: by the instructions for that where the processor has fast ones, else one after the other.
 
 use crate::math::lanes::*;
+use crate::scene::Column;
 
 /// Which texels sixteen samples read, and how near each sample is to the right and to the lower ones.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(super) struct Taps {
-    /// Places of texels; of pairs those of the upper and of the lower row.
+    /// Places of texels; of quads that of the first texel, and for those in linear light of the one below it.
     pub(super) index: [[u32; WIDE]; 4],
-    /// The pairs themselves, where they are read ahead.
-    pub(super) pairs: [Pairs; 2],
+    /// The quads themselves, where they are read ahead, in the order of [`slot_of`].
+    quads: [Quad; WIDE],
     pub(super) right: [f32; WIDE],
     pub(super) down: [f32; WIDE],
 }
+
+/// Two by two texels: the left ones, the right ones.
+type Quad = [Column; 2];
 
 /// The texels at as many places as a register holds.
 ///
 /// # Panics
 /// If one of the places lies outside of the texels, or there are fewer.
 #[inline(always)]
-pub(super) fn gather<S: Simd>(simd: S, texels: &[u32], places: &[u32]) -> S::u32s {
+pub(super) fn gather<S: Simd>(simd: S, texels: &[Column], places: &[u32]) -> S::u32s {
     let places = &places[..S::u32s::LEN];
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = simd.level().as_avx512() {
@@ -27,18 +31,15 @@ pub(super) fn gather<S: Simd>(simd: S, texels: &[u32], places: &[u32]) -> S::u32
             x86::gather(avx512, texels, u32x16::from_slice(avx512, places).into()).simd_into(avx512);
         return S::u32s::from_slice(simd, &texels.to_array());
     }
-    S::u32s::from_fn(simd, |lane| texels[places[lane] as usize])
+    S::u32s::from_fn(simd, |lane| texels[places[lane] as usize][0])
 }
 
-/// Sixteen texels, each with the one after it, in the order of [`slot_of`].
-pub(super) type Pairs = [[u32; 2]; WIDE];
-
-/// Where the pair of a lane is kept: so that lanes find the first four of each half of a register in order.
+/// Where the quad of a lane is kept: of eight lanes the first four are the first halves of registers of eight numbers.
 const fn slot_of(lane: usize) -> usize {
-    lane & !0b110 | (lane & 0b100) >> 1 | (lane & 0b010) << 1
+    lane & 0b1000 | (lane & 0b11) << 1 | (lane & 0b100) >> 2
 }
 
-/// Whether pairs are better read by [`read_pairs`] before they are asked for: where no instruction gathers them quickly.
+/// Whether quads are better read by [`read_quads`] before they are asked for: where no instruction gathers them quickly.
 ///
 /// AVX2 has one, but many processors take as long for it as for single reads, and those that had to be kept from leaking what
 /// they gather (CVE-2022-40982) several times as long.
@@ -50,7 +51,7 @@ pub(super) fn reads_ahead<S: Simd>(simd: S) -> bool {
     return true;
 }
 
-/// Reads the pairs of many samples and does nothing else, so that as many reads as possible are under way at a time.
+/// Reads the quads of many samples and does nothing else, so that as many reads as possible are under way at a time.
 ///
 /// # Panics
 /// If one of the places, or the one after it, lies outside of the texels.
@@ -59,67 +60,73 @@ pub(super) fn reads_ahead<S: Simd>(simd: S) -> bool {
     unsafe_code,
     reason = "one test for all reads: a picture that is all texture is drawn an eighth faster than with a test for each"
 )]
-pub(super) fn read_pairs<S: Simd>(simd: S, texels: &[u32], all: &mut [Taps]) {
+pub(super) fn read_quads<S: Simd>(simd: S, texels: &[Column], all: &mut [Taps]) {
     let mut farthest = u32x16::splat(simd, 0);
-    for Taps { index: [upper, lower, ..], .. } in &*all {
-        let [upper, lower] = each!(row in [upper, lower] => u32x16::load_array_ref(simd, row));
-        farthest = farthest.max(upper.max(lower));
+    for Taps { index: [places, ..], .. } in &*all {
+        farthest = farthest.max(u32x16::load_array_ref(simd, places));
     }
     // Lengths are below 2³²: texture sizes are limited.
     let last = texels.len().saturating_sub(1) as u32;
     assert!(farthest.simd_lt(last).all_true(), "all texels are within the texture");
-    for Taps { index: [upper, lower, ..], pairs, .. } in all {
-        for (places, pairs) in [upper, lower].into_iter().zip(pairs) {
-            for lane in 0..WIDE {
-                let place = places[lane] as usize;
-                // SAFETY: the place is less than that of the last texel, as was just made sure of the farthest one, so that it
-                // and the texel after it lie within the slice; an array asks for no other alignment than its items do.
-                pairs[slot_of(lane)] = unsafe { texels.as_ptr().add(place).cast::<[u32; 2]>().read() };
-            }
+    for Taps { index: [places, ..], quads, .. } in all {
+        for lane in 0..WIDE {
+            let place = places[lane] as usize;
+            // SAFETY: the place is less than the last one, as was just made sure of the farthest of all, so that it and the one
+            // after it lie within the slice; an array asks for no other alignment than its items do.
+            quads[slot_of(lane)] = unsafe { texels.as_ptr().add(place).cast::<Quad>().read() };
         }
     }
 }
 
-/// The first and the second texels of as many pairs as a register holds, from `first` on.
+/// The upper left, upper right, lower left and lower right texels of as many samples as a register holds, from `first` on: by
+/// instructions that gather them, or those that were read ahead.
+///
+/// # Panics
+/// If a quad lies outside of the texels.
 #[inline(always)]
-pub(super) fn split_pairs<S: Simd>(simd: S, pairs: &Pairs, first: usize) -> [S::u32s; 2] {
+pub(super) fn quads<S: Simd>(simd: S, texels: &[Column], taps: &Taps, first: usize) -> [S::u32s; 4] {
+    let [left, lower_left, right, lower_right] = columns(simd, texels, taps, first);
+    [left, right, lower_left, lower_right]
+}
+
+/// The same, column by column.
+#[inline(always)]
+fn columns<S: Simd>(
+    simd: S,
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        expect(unused_variables, reason = "there are no instructions that gather")
+    )]
+    texels: &[Column],
+    taps: &Taps,
+    first: usize,
+) -> [S::u32s; 4] {
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = simd.level().as_avx2()
-        && S::u32s::LEN == LANES
-    {
-        let (a, b) = pairs[first..first + LANES].as_flattened().split_at(LANES);
-        let [a, b] = each!(half in [a, b] => u32x8::from_slice(avx2, half));
-        let (first, second) = x86::split(avx2, a.into(), b.into());
-        return each!(texels in [first, second] => {
-            let texels: u32x8<_> = texels.simd_into(avx2);
+    if let Some(avx512) = simd.level().as_avx512() {
+        let gathered = x86::gather_quads(avx512, texels, u32x16::load_array_ref(avx512, &taps.index[0]).into());
+        return each!(texels in [gathered[0], gathered[1], gathered[2], gathered[3]] => {
+            let texels: u32x16<_> = texels.simd_into(avx512);
             S::u32s::from_slice(simd, &texels.to_array())
         });
     }
-    let mut halves = [[0; WIDE]; 2];
+    if S::u32s::LEN == LANES {
+        let quads = taps.quads[first..first + LANES].as_flattened().as_flattened();
+        let rows = each!(row in [0, 1, 2, 3] => {
+            u32x8::from_slice(simd, &quads[row * LANES..][..LANES]).bitcast::<F32<S>>()
+        });
+        let columns = transpose_halves(rows);
+        return each!(column in [0, 1, 2, 3] => {
+            S::u32s::from_slice(simd, &columns[column].bitcast::<u32x8<S>>().to_array())
+        });
+    }
+    let mut columns = [[0; WIDE]; 4];
     for lane in 0..S::u32s::LEN {
-        let [left, right] = pairs[slot_of(first + lane)];
-        (halves[0][lane], halves[1][lane]) = (left, right);
+        let [[a, b], [c, d]] = taps.quads[slot_of(first + lane)];
+        for (column, texel) in columns.iter_mut().zip([a, b, c, d]) {
+            column[lane] = texel;
+        }
     }
-    each!(half in [0, 1] => S::u32s::from_slice(simd, &halves[half][..S::u32s::LEN]))
-}
-
-/// The texels at twice as many places as a register holds, each with the one after it, by instructions for that; none where there
-/// are no such instructions, and pairs are read ahead.
-///
-/// # Panics
-/// If one of the places, or the one after it, lies outside of the texels, or there are fewer.
-#[inline(always)]
-pub(super) fn gather_pairs<S: Simd>(simd: S, texels: &[u32], places: [&[u32; WIDE]; 2]) -> Option<[[S::u32s; 2]; 2]> {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = simd.level().as_avx512() {
-        let [upper, lower] = each!(i in [0, 1] => u32x16::load_array_ref(avx512, places[i]));
-        let gathered = x86::gather_wide_pairs(avx512, texels, upper.into(), lower.into());
-        return Some(each!(i in [0, 1] => each!(texels in [gathered[2 * i], gathered[2 * i + 1]] => {
-            let texels: u32x16<_> = texels.simd_into(avx512);
-            S::u32s::from_slice(simd, &texels.to_array())
-        })));
-    }
-    None
+    each!(column in [0, 1, 2, 3] => S::u32s::from_slice(simd, &columns[column][..S::u32s::LEN]))
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -128,50 +135,37 @@ mod x86 {
 
     use fearless_simd::kernel;
 
+    use crate::scene::Column;
+
     kernel! {
         #[inline]
         #[expect(unsafe_code, reason = "one test and one instruction for sixteen reads")]
-        pub(super) fn gather(avx512: Avx512, texels: &[u32], places: __m512i) -> __m512i {
+        pub(super) fn gather(avx512: Avx512, texels: &[Column], places: __m512i) -> __m512i {
             let end = _mm512_set1_epi32(texels.len().min(i32::MAX as usize) as i32);
             assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
             // SAFETY: every place is less than the number of texels, as was just made sure, and not negative as an i32.
-            unsafe { _mm512_i32gather_epi32::<4>(places, texels.as_ptr().cast()) }
+            unsafe { _mm512_i32gather_epi32::<8>(places, texels.as_ptr().cast()) }
         }
     }
 
     kernel! {
-        /// Every second number from the first and from the second on, of four and four of each half.
-        #[inline]
-        pub(super) fn split(avx2: Avx2, a: __m256i, b: __m256i) -> (__m256i, __m256i) {
-            let (a, b) = (_mm256_castsi256_ps(a), _mm256_castsi256_ps(b));
-            (
-                _mm256_castps_si256(_mm256_shuffle_ps::<0b10_00_10_00>(a, b)),
-                _mm256_castps_si256(_mm256_shuffle_ps::<0b11_01_11_01>(a, b)),
-            )
-        }
-    }
-
-    kernel! {
+        /// The left texels, those below them, the right ones, those below them.
         #[inline]
         #[expect(unsafe_code, reason = "one test for 32 reads, and an instruction for eight: fills are shaded a fifth faster than eight by eight")]
-        pub(super) fn gather_wide_pairs(avx512: Avx512, texels: &[u32], upper: __m512i, lower: __m512i) -> [__m512i; 4] {
+        pub(super) fn gather_quads(avx512: Avx512, texels: &[Column], places: __m512i) -> [__m512i; 4] {
             let end = _mm512_set1_epi32(texels.len().saturating_sub(1).min(i32::MAX as usize) as i32);
-            assert!(_mm512_cmpge_epu32_mask(_mm512_max_epu32(upper, lower), end) == 0, "all texels are within the texture");
-            let eights = [
-                _mm512_castsi512_si256(upper),
-                _mm512_extracti64x4_epi64::<1>(upper),
-                _mm512_castsi512_si256(lower),
-                _mm512_extracti64x4_epi64::<1>(lower),
-            ];
-            let start = texels.as_ptr().cast();
-            // SAFETY: every place is less than that of the last texel, as was just made sure, and not negative as an i32, so
-            // that it and the texel after it lie within the slice; the instruction asks for no alignment.
+            assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
+            let (low, high) = (_mm512_castsi512_si256(places), _mm512_extracti64x4_epi64::<1>(places));
+            let left = texels.as_ptr();
+            // SAFETY: every place is less than the last one, as was just made sure, and not negative as an i32, so that it and the
+            // one after it lie within the slice; the instruction asks for no alignment.
             let [a, b, c, d] = unsafe {
+                let right = left.add(1);
                 [
-                    _mm512_i32gather_epi64::<4>(eights[0], start),
-                    _mm512_i32gather_epi64::<4>(eights[1], start),
-                    _mm512_i32gather_epi64::<4>(eights[2], start),
-                    _mm512_i32gather_epi64::<4>(eights[3], start),
+                    _mm512_i32gather_epi64::<8>(low, left.cast()),
+                    _mm512_i32gather_epi64::<8>(high, left.cast()),
+                    _mm512_i32gather_epi64::<8>(low, right.cast()),
+                    _mm512_i32gather_epi64::<8>(high, right.cast()),
                 ]
             };
             let even = _mm512_setr_epi32(0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30);
@@ -190,22 +184,19 @@ mod x86 {
 mod tests {
     use super::*;
 
-    /// The pairs at as many places as a register holds, the way these lanes read them.
+    /// The quads at as many places as a register holds, the way these lanes read them.
     #[inline(always)]
-    fn pairs<S: Simd>(simd: S, texels: &[u32], places: &[u32; WIDE]) -> [Vec<u32>; 2] {
-        let pairs = if let Some([pairs, _]) = gather_pairs(simd, texels, [places, places]) {
-            pairs
-        } else {
-            // Those that are looked at come last.
-            let mut all = [Taps::default(), Taps { index: [*places; 4], ..Taps::default() }];
-            read_pairs(simd, texels, &mut all);
-            split_pairs(simd, &all[1].pairs[1], WIDE - S::u32s::LEN)
-        };
-        pairs.map(|texels| texels.as_slice().to_vec())
+    fn quads_at<S: Simd>(simd: S, texels: &[Column], places: &[u32; WIDE]) -> [Vec<u32>; 4] {
+        // Those that are looked at come last.
+        let mut all = [Taps::default(), Taps { index: [*places; 4], ..Taps::default() }];
+        if reads_ahead(simd) {
+            read_quads(simd, texels, &mut all);
+        }
+        quads(simd, texels, &all[1], WIDE - S::u32s::LEN).map(|texels| texels.as_slice().to_vec())
     }
 
-    fn texels() -> Vec<u32> {
-        (0..1000_u32).map(|i| i.wrapping_mul(2_654_435_761)).collect()
+    fn texels() -> Vec<Column> {
+        (0..1000_u32).map(|i| [i.wrapping_mul(2_654_435_761), !i]).collect()
     }
 
     #[test]
@@ -215,18 +206,18 @@ mod tests {
         for lanes in Lanes::all() {
             for _ in 0..100 {
                 let places: [u32; WIDE] = std::array::from_fn(|_| random.u32(0..999));
-                let (one, [first, second]) = on_lanes!(lanes, simd => {
+                let (one, quads) = on_lanes!(lanes, simd => {
                     let one = gather(simd, &texels, &places).as_slice().to_vec();
-                    (one, pairs(simd, &texels, &places))
+                    (one, quads_at(simd, &texels, &places))
                 });
                 let count = one.len();
-                let expected = |places: &[u32], next: usize| -> Vec<u32> {
-                    places.iter().map(|place| texels[*place as usize + next]).collect()
+                let expected = |places: &[u32], right: usize, down: usize| -> Vec<u32> {
+                    places.iter().map(|place| texels[*place as usize + right][down]).collect()
                 };
-                assert_eq!(one, expected(&places[..count], 0), "by {}", lanes.name());
-                // Where pairs are read ahead those of the last register are looked at.
+                assert_eq!(one, expected(&places[..count], 0, 0), "by {}", lanes.name());
                 let places = &places[WIDE - count..];
-                assert_eq!([first, second], [0, 1].map(|next| expected(places, next)), "by {}", lanes.name());
+                let of_quads = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(right, down)| expected(places, right, down));
+                assert_eq!(quads, of_quads, "by {}", lanes.name());
             }
         }
     }
@@ -235,15 +226,15 @@ mod tests {
     fn places_beyond_the_texels_are_refused() {
         let texels = texels();
         for lanes in Lanes::all() {
-            for (place, of_pair) in
+            for (place, of_quad) in
                 [(999, true), (1000, false), (1000, true), (u32::MAX, false), (i32::MAX as u32 + 1, true)]
             {
                 let refused = std::panic::catch_unwind(|| {
                     on_lanes!(lanes, simd => {
                         let mut places = [0; WIDE];
                         places[3] = place;
-                        if of_pair {
-                            pairs(simd, &texels, &places)[0][0]
+                        if of_quad {
+                            quads_at(simd, &texels, &places)[0][0]
                         } else {
                             gather(simd, &texels, &places).as_slice()[0]
                         }

@@ -105,15 +105,17 @@ impl TextureReader<'_> {
         taps: &mut Taps,
     ) {
         let [width, height] = level.size;
-        if layout == Layout::PowerOfTwoPairs
+        if layout == Layout::PowerOfTwoQuads
             && let Some([(x, right), (y, down)]) = below_repeated(each!(axis in [0, 1] => {
                 uv[axis] * level.size[axis].to_float::<f32x16<S>>()
             }))
         {
             let (x, lowest) = ((x & (width - 1)) + level.first, height - 1);
-            let [upper, lower] = each!(y in [y & lowest, (y + 1) & lowest] => y * (width + 1) + x);
-            upper.bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
-            lower.bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
+            let (stride, y, below) = (width + 1, y & lowest, (y + 1) & lowest);
+            (y * stride + x).bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
+            if self.mixes_light() {
+                (below * stride + x).bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
+            }
             right.store_array(&mut taps.right);
             down.store_array(&mut taps.down);
             return;
@@ -163,7 +165,7 @@ impl TextureReader<'_> {
         layout: Layout,
         taps: (&Taps, Option<&CoarseTaps>),
     ) -> f32x16<S> {
-        if !self.linear.is_empty() {
+        if self.mixes_light() {
             let [.., alpha] = self.read_levels_linear(simd, layout, taps);
             return alpha;
         }

@@ -40,7 +40,7 @@ pub(super) enum Light {
 impl Plan {
     /// What most fast scenes need. There is code for it that asks nothing.
     pub(super) const COMMON: Self = Self {
-        texture: Some(Layout::PowerOfTwoPairs),
+        texture: Some(Layout::PowerOfTwoQuads),
         mipmapped: false,
         light: Light::Vertices,
         tinted: false,

@@ -1,11 +1,11 @@
 //! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
 use super::axis::{Axis, below_repeated, bring_into_unit, nearest, neighbours};
-use super::gather::{Taps, gather, gather_pairs, read_pairs, reads_ahead, split_pairs};
+use super::gather::{Taps, gather, quads, read_quads, reads_ahead};
 use crate::math::lanes::*;
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
-use crate::scene::{Level, Texture};
+use crate::scene::{Column, Level, Texture};
 
 /// How texels are found in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -14,19 +14,20 @@ pub(super) enum Layout {
     Single,
     /// Four texels.
     Four,
-    /// Two times two texels that are neighbours in memory, in rows that go on with their first texel once more.
-    Pairs,
+    /// Two by two texels of the repeated texture.
+    Quads,
     /// The same, and both sides are powers of two.
-    PowerOfTwoPairs,
+    PowerOfTwoQuads,
 }
 
 /// A texture with how it is read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
-    /// Rows of texels, with one more at the end of each for pairs; of mip-mapped textures those of all levels.
-    texels: &'a [u32],
-    /// The same in linear light, if that is what is mixed.
+    /// Rows of texels, each with the one below it, and with one more at the end of each row; of mip-mapped textures those of all
+    /// levels. None if light is what is mixed.
+    texels: &'a [Column],
+    /// Rows of texels in linear light, likewise, if that is what is mixed.
     pub(super) linear: &'a [[f32; 4]],
     /// Where each level lies among the texels that are mixed; none without mip-mapping.
     pub(super) levels: &'a [Level],
@@ -57,17 +58,17 @@ impl<'a> TextureReader<'a> {
             (Filter::Bilinear | Filter::Trilinear, Address::Repeat)
                 if width.is_power_of_two() && height.is_power_of_two() =>
             {
-                Layout::PowerOfTwoPairs
+                Layout::PowerOfTwoQuads
             }
-            (Filter::Bilinear | Filter::Trilinear, Address::Repeat) => Layout::Pairs,
+            (Filter::Bilinear | Filter::Trilinear, Address::Repeat) => Layout::Quads,
         };
-        let (texels, linear, levels): (_, &[_], &[_]) = match (sampler.filter, space) {
-            (Filter::Trilinear, ColorSpace::Bytes) => (&*texture.levels().texels, &[], &texture.levels().places),
+        let (texels, linear, levels): (&[_], &[_], &[_]) = match (sampler.filter, space) {
+            (Filter::Trilinear, ColorSpace::Bytes) => (&texture.levels().texels, &[], &texture.levels().places),
             (Filter::Trilinear, ColorSpace::Linear) => {
-                (texture.wrapped(), &texture.levels_linear().texels, &texture.levels_linear().places)
+                (&[], &texture.levels_linear().texels, &texture.levels_linear().places)
             }
             (_, ColorSpace::Bytes) => (texture.wrapped(), &[], &[]),
-            (_, ColorSpace::Linear) => (texture.wrapped(), texture.wrapped_linear(), &[]),
+            (_, ColorSpace::Linear) => (&[], texture.wrapped_linear(), &[]),
         };
         let extent = [width as f32, height as f32];
         Self { layout, texels, linear, levels, stride: width as i32 + 1, size, extent, sampler }
@@ -75,13 +76,19 @@ impl<'a> TextureReader<'a> {
 
     /// Tells textures apart.
     pub(super) fn address(&self) -> usize {
-        self.texels.as_ptr().addr()
+        if self.mixes_light() { self.linear.as_ptr().addr() } else { self.texels.as_ptr().addr() }
+    }
+
+    /// Whether texels are mixed in linear light.
+    #[inline(always)]
+    pub(super) fn mixes_light(&self) -> bool {
+        !self.linear.is_empty()
     }
 
     /// Which texels sixteen samples read (v down). Told apart from reading them, so that many reads can be under way.
     #[inline(always)]
     pub(super) fn locate<S: Simd>(&self, simd: S, layout: Layout, [u, v]: [f32x16<S>; 2], taps: &mut Taps) {
-        if layout == Layout::PowerOfTwoPairs {
+        if layout == Layout::PowerOfTwoQuads {
             self.locate_power_of_two(simd, [u, v], taps);
             return;
         }
@@ -111,7 +118,7 @@ impl<'a> TextureReader<'a> {
     fn locate_unusual<S: Simd>(&self, simd: S, uv: [f32x16<S>; 2], taps: &mut Taps) {
         simd.vectorize(
             #[inline(always)]
-            || self.locate_all(simd, Layout::Pairs, uv, taps),
+            || self.locate_all(simd, Layout::Quads, uv, taps),
         );
     }
 
@@ -125,10 +132,11 @@ impl<'a> TextureReader<'a> {
         };
         let (x, lowest) = (x & (width as i32 - 1), height as i32 - 1);
         // Rows are one longer than a power of two: quicker by a shift and a sum than by a product.
-        let shift = width.trailing_zeros();
-        let [upper, lower] = each!(y in [y & lowest, (y + 1) & lowest] => (y << shift) + (y + x));
-        upper.bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
-        lower.bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
+        let (shift, y, below) = (width.trailing_zeros(), y & lowest, (y + 1) & lowest);
+        ((y << shift) + (y + x)).bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
+        if self.mixes_light() {
+            ((below << shift) + (below + x)).bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
+        }
         right.store_array(&mut taps.right);
         down.store_array(&mut taps.down);
     }
@@ -173,12 +181,12 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Reads the pairs of texels of many samples, if that is quicker than to do so when they are mixed.
+    /// Reads the quads of many samples, if that is quicker than to do so when they are mixed.
     #[inline(always)]
     pub(super) fn read_ahead<S: Simd>(&self, simd: S, layout: Layout, all: &mut [Taps]) {
-        let are_pairs = matches!(layout, Layout::Pairs | Layout::PowerOfTwoPairs) && self.linear.is_empty();
-        if are_pairs && reads_ahead(simd) {
-            read_pairs(simd, self.texels, all);
+        let are_quads = matches!(layout, Layout::Quads | Layout::PowerOfTwoQuads) && !self.mixes_light();
+        if are_quads && reads_ahead(simd) {
+            read_quads(simd, self.texels, all);
         }
     }
 
@@ -193,14 +201,7 @@ impl<'a> TextureReader<'a> {
                 return each!(channel in [0, 1, 2, 3] => codes[channel] * scales[channel]);
             }
             Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.texels, places(tap))),
-            Layout::Pairs | Layout::PowerOfTwoPairs => {
-                let pairs = gather_pairs(simd, self.texels, [&taps.index[0], &taps.index[1]]);
-                let [[a, b], [c, d]] = match pairs {
-                    Some(pairs) => pairs,
-                    None => each!(row in [0, 1] => split_pairs(simd, &taps.pairs[row], first)),
-                };
-                [a, b, c, d]
-            }
+            Layout::Quads | Layout::PowerOfTwoQuads => quads(simd, self.texels, taps, first),
         };
         let weights = weights(
             simd,
@@ -270,7 +271,7 @@ impl<'a> TextureReader<'a> {
                 });
                 a + b + c + d
             }),
-            Layout::Pairs | Layout::PowerOfTwoPairs => {
+            Layout::Quads | Layout::PowerOfTwoQuads => {
                 let pairs = each!(row in [0, 1] => {
                     neighbours_at(simd, self.linear, u32x8::from_slice(simd, &index[row][first..first + LANES]))
                 });
@@ -348,10 +349,12 @@ mod tests {
 
     /// Column and row of the first of the four texels of a sample, and the bits of the weights of the second ones. Of two texels
     /// of which the second one has all the weight, that one is the first.
-    fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32)) -> [(u32, u32); 2] {
-        let [upper, lower] = [0, 1].map(|row| taps.index[row][lane]);
-        let [(x, y), below] = [upper, lower].map(|place| (place % (width + 1), place / (width + 1)));
-        assert_eq!(below, (x, (y + 1) % height));
+    fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32), space: ColorSpace) -> [(u32, u32); 2] {
+        let [(x, y), below] =
+            [0, 1].map(|row| (taps.index[row][lane] % (width + 1), taps.index[row][lane] / (width + 1)));
+        if space == ColorSpace::Linear {
+            assert_eq!(below, (x, (y + 1) % height));
+        }
         let along =
             |first, weight: f32, size| if weight == 1.0 { ((first + 1) % size, 0) } else { (first, weight.to_bits()) };
         [along(x, taps.right[lane], width), along(y, taps.down[lane], height)]
@@ -360,12 +363,14 @@ mod tests {
     #[test]
     fn powers_of_two_are_found_as_all_sizes_are() {
         let mut random = fastrand::Rng::with_seed(3);
-        for size in [(1, 1), (2, 64), (1024, 16), (256, 512)] {
+        let spaces = [ColorSpace::Bytes, ColorSpace::Linear];
+        let sizes = [(1, 1), (2, 64), (1024, 16), (256, 512)];
+        for (size, space) in sizes.into_iter().flat_map(|size| spaces.map(|space| (size, space))) {
             let texture = Texture::new("", Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");
-            let sampler = Sampler::new(Filter::Bilinear, Address::Repeat, ColorSpace::Bytes);
-            let reader = TextureReader::new(&texture, sampler, ColorSpace::Bytes);
-            assert_eq!(reader.layout, Layout::PowerOfTwoPairs);
-            for round in 0..4000 {
+            let sampler = Sampler::new(Filter::Bilinear, Address::Repeat, space);
+            let reader = TextureReader::new(&texture, sampler, space);
+            assert_eq!(reader.layout, Layout::PowerOfTwoQuads);
+            for round in 0..2000 {
                 // Mostly of one kind, so that all ways are gone.
                 let [u, v] = [size.0, size.1].map(|size| -> [f32; WIDE] {
                     std::array::from_fn(|_| {
@@ -388,11 +393,12 @@ mod tests {
                         let uv = [f32x16::load_array(simd, u), f32x16::load_array(simd, v)];
                         let (mut quick, mut general) = (Taps::default(), Taps::default());
                         reader.locate_power_of_two(simd, uv, &mut quick);
-                        reader.locate_all(simd, Layout::Pairs, uv, &mut general);
+                        reader.locate_all(simd, Layout::Quads, uv, &mut general);
                         [quick, general]
                     });
                     for lane in 0..WIDE {
-                        let [quick, general] = [&quick, &general].map(|taps| first_with_weight(taps, lane, size));
+                        let [quick, general] =
+                            [&quick, &general].map(|taps| first_with_weight(taps, lane, size, space));
                         assert_eq!(quick, general, "{} {} by {}", u[lane], v[lane], lanes.name());
                     }
                 }
