@@ -103,7 +103,6 @@ impl Library {
 
     /// Bytes held by meshes and textures.
     pub fn bytes(&self) -> usize {
-        self.meshes.iter().map(Mesh::bytes).sum::<usize>()
-            + self.textures.iter().map(|t| t.image().bytes()).sum::<usize>()
+        self.meshes.iter().map(Mesh::bytes).sum::<usize>() + self.textures.iter().map(Texture::bytes).sum::<usize>()
     }
 }

@@ -40,6 +40,11 @@ impl<T> Levels<T> {
         }
         Self { texels: texels.into(), places: places.into() }
     }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.texels) + size_of_val(&*self.places)
+    }
 }
 
 /// The rows of an image, each followed by its first texel: what `value` gives for each texel and the one below it, which is the

@@ -98,6 +98,17 @@ impl Texture {
         self.smaller[usize::from(linear)].get_or_init(|| mips::smaller(&self.image, linear))
     }
 
+    /// Bytes held, by the picture and by what was made of it so far.
+    pub fn bytes(&self) -> usize {
+        let smaller = self.smaller.iter().filter_map(OnceLock::get).flatten();
+        self.image.bytes()
+            + self.wrapped.get().map_or(0, |texels| size_of_val(&**texels))
+            + self.wrapped_linear.get().map_or(0, |texels| size_of_val(&**texels))
+            + self.levels.get().map_or(0, Levels::bytes)
+            + self.levels_linear.get().map_or(0, Levels::bytes)
+            + smaller.map(Image::bytes).sum::<usize>()
+    }
+
     /// Texels, row 0 at the top (v = 0 after the flip on load).
     pub fn image(&self) -> &Image<Rgba8> {
         &self.image
@@ -151,6 +162,21 @@ mod tests {
             }
             assert_eq!((codes.texels.len(), linear.texels.len()), (end, end));
         }
+    }
+
+    #[test]
+    fn what_is_made_of_a_picture_counts_as_held() {
+        let texture = Texture::new("plain", Image::filled(8, 4, [9; 4])).unwrap();
+        assert_eq!(texture.bytes(), 8 * 4 * 4);
+        texture.wrapped();
+        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 4 * 8);
+        texture.wrapped_linear();
+        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 4 * (8 + 16));
+        texture.levels();
+        // Copies of 4 × 2, 2 × 1 and 1 × 1 texels, and all levels with the places of them.
+        let copies = (4 * 2 + 2 + 1) * 4;
+        let levels = (9 * 4 + 5 * 2 + 3 + 2) * 8 + 4 * 16;
+        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 4 * (8 + 16) + copies + levels);
     }
 
     #[test]
