@@ -5,6 +5,7 @@
 mod common;
 
 mod mips;
+mod see_through;
 
 use std::sync::Arc;
 

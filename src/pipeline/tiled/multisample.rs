@@ -10,7 +10,6 @@ use std::time::Instant;
 use super::kernel::Band;
 use super::lattice::Lattice;
 use super::record::{Entrants, Slot};
-use super::see_through_samples::SeenThrough;
 use super::setup::Batch;
 use super::shade::{Canvas, shade_tile};
 use super::tested::set_bits;
@@ -79,10 +78,7 @@ impl Frame<'_> {
             return;
         }
         tiles.resize_with(planes.lattices.len(), Tile::new);
-        if !self.all_opaque {
-            seen_through.clear();
-        }
-        self.draw_planes(simd, (planes, tiles), (entrants, batches), place, seen_through);
+        self.draw_planes(simd, (planes, tiles), (entrants, batches), place, &mut seen_through.blended);
         let (samples, centres) = tiles.split_at_mut(planes.samples.offsets.len());
         if let [centres] = centres {
             self.write_depths(simd, centres, entrants, &mut target);
@@ -98,9 +94,9 @@ impl Frame<'_> {
         );
         shaded += mixed.shade(simd, self, planes, (entrants, queue), place);
         mixed.write(&mut picture, place);
-        if !self.all_opaque && !seen_through.blended.is_empty() {
-            let seen = (&*entrants, place);
-            shaded.samples += self.blend_samples(simd, (planes, samples), seen, mixed, seen_through, &mut picture);
+        if !seen_through.blended.is_empty() {
+            let (seen, memory) = ((&*entrants, place), (seen_through, queue));
+            shaded += self.blend_samples(simd, (planes, samples), seen, mixed, memory, &mut picture);
         }
         work.add((rasterized - start, rasterized.elapsed()), tiles.iter().map(|tile| tile.counts), shaded);
     }
@@ -113,8 +109,9 @@ impl Frame<'_> {
         (planes, tiles): (&Planes<'_>, &mut [Tile]),
         (entrants, batches): (&mut Entrants, &mut [Batch; BATCHES]),
         place: (usize, usize),
-        seen_through: &mut SeenThrough,
+        blended: &mut Vec<Slot>,
     ) {
+        blended.clear();
         for tile in tiles.iter_mut() {
             tile.clear(&self.rules, entrants.len() < CROWDED);
         }
@@ -127,7 +124,7 @@ impl Frame<'_> {
                     for lane in set_bits(alive[number]) {
                         if self.transparency(entrants.get(slot(lane))) == Transparency::Blended {
                             alive[number] &= !(1 << lane);
-                            seen_through.blended.push(slot(lane));
+                            blended.push(slot(lane));
                         }
                     }
                 }
@@ -146,7 +143,7 @@ impl Frame<'_> {
                             tile.draw(simd, &triangle, lattice, &self.rules, &owner);
                         } else {
                             let seen = (&*entrants, place);
-                            self.draw_cut_out(simd, planes, (tile, &triangle, lattice), seen, seen_through);
+                            self.draw_cut_out(simd, planes, (tile, &triangle, lattice), seen, &owner);
                         }
                     }
                 }

@@ -12,6 +12,7 @@ use super::queue::{Queue, flush};
 use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Setup;
 use super::shade::Shaded;
+use super::shader::DrawShader;
 use super::tested::{TestedRows, TestedSample, keep_tested, shade_tested};
 use super::tile::Tile;
 use crate::image::Rgba8;
@@ -46,20 +47,27 @@ impl Frame<'_> {
         (entrants, place): (&Entrants, (usize, usize)),
         owner: &impl Fn(Slot) -> Option<Setup>,
     ) {
-        let subject = entrants.subject(triangle.slot);
+        let keep = self.what_is_there(simd, entrants.subject(triangle.slot), place);
+        tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
+    }
+
+    /// Tells by bits which samples of a cut-out triangle that passed are not cut out.
+    pub(super) fn what_is_there<'a, S: Simd>(
+        &'a self,
+        simd: S,
+        subject: Subject<'a>,
+        place: (usize, usize),
+    ) -> impl Fn(&TestedRows) -> u64 + 'a {
         let Subject { key, draw, .. } = subject;
-        if self.shader(draw).on_lanes {
-            let keep = |tested: &TestedRows| keep_tested(simd, self, &subject, tested);
-            tile.draw_kept(simd, triangle, locations, &self.rules, owner, keep);
-            return;
-        }
-        let (whole, shader) = (self.screen_triangle(key, draw), &self.shader(draw).shader);
-        tile.draw_kept(simd, triangle, locations, &self.rules, owner, |tested| {
+        let DrawShader { shader, on_lanes, .. } = self.shader(draw);
+        let whole = (!on_lanes).then(|| self.screen_triangle(key, draw));
+        move |tested| {
+            let Some(whole) = &whole else { return keep_tested(simd, self, &subject, tested) };
             let is_there = |sample: &TestedSample| {
-                !shader.cuts_out(&self.fragment(&whole, draw, place, sample.place, sample.edges))
+                !shader.cuts_out(&self.fragment(whole, draw, place, sample.place, sample.edges))
             };
             tested.samples().filter(is_there).fold(0, |kept, sample| kept | sample.bit)
-        });
+        }
     }
 
     /// Some triangles of a tile, given in the order in which they were submitted, in that in which they are blended.
@@ -87,14 +95,12 @@ impl Frame<'_> {
     ) -> Shaded {
         let owner = self.owner(entrants, locations.lattice(), place);
         let mut band = Band { pixels: colors, width: self.packed.0 as usize };
-        let (columns, rows) = band.size(place);
-        let left = place.0 * TILE;
+        let size = band.size(place);
         let mut shaded = Shaded::default();
         for (slot, triangle) in self.by_distance(entrants, blended) {
             let Some(setup) = owner(slot) else { continue };
             let subject = entrants.subject(slot);
-            let Subject { draw, .. } = subject;
-            let shader = self.shader(draw);
+            let shader = self.shader(subject.draw);
             let mut samples = 0;
             // What is blended hides nothing: none is kept.
             if shader.on_lanes {
@@ -109,18 +115,29 @@ impl Frame<'_> {
                 continue;
             }
             tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
-                for TestedSample { place: at @ (column, row), edges, .. } in tested.samples() {
-                    if column < columns && row < rows {
-                        let fragment = self.fragment(&triangle, draw, place, at, edges);
-                        let pixel = &mut band.pixels[row * band.width + left + column];
-                        *pixel = shader.shader.blend(&fragment, &triangle, *pixel);
-                        samples += 1;
-                    }
-                }
+                let tested = TestedRows { passed: tested.within(size), ..*tested };
+                let mut below = Band { pixels: &mut band.pixels[place.0 * TILE..], width: band.width };
+                samples += self.blend_one_by_one((&triangle, subject.draw), (place, &tested), &mut below);
                 0
             });
             shaded.add(shader, samples);
         }
         shaded
+    }
+
+    /// Blends samples that passed over their colours, which begin with that of the tile's first sample, by the classic way's own
+    /// functions; how many.
+    pub(super) fn blend_one_by_one(
+        &self,
+        (triangle, draw): (&ScreenTriangle, usize),
+        (place, tested): ((usize, usize), &TestedRows),
+        below: &mut Band<'_>,
+    ) -> usize {
+        let shader = &self.shader(draw).shader;
+        for TestedSample { place: at @ (column, row), edges, .. } in tested.samples() {
+            let pixel = &mut below.pixels[row * below.width + column];
+            *pixel = shader.blend(&self.fragment(triangle, draw, place, at, edges), triangle, *pixel);
+        }
+        tested.passed.count_ones() as usize
     }
 }

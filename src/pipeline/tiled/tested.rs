@@ -3,10 +3,12 @@
 
 use super::Frame;
 use super::gather::Taps;
-use super::kernel::{Band, Patch, RowPair, Spots as _, Weights, corner_weights, interpolate_pair, locate_texels};
+use super::kernel::{ALL, Band, Patch, RowPair, Spots as _, Weights, corner_weights, interpolate_pair, locate_texels};
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, make_room};
 use super::record::{Source as _, Subject};
+use super::setup::{Edges, Setup};
+use super::tile::inside;
 use crate::math::lanes::*;
 use crate::scene::material::CUT_OUT_BELOW;
 
@@ -50,15 +52,48 @@ impl TestedRows {
         })
     }
 
-    /// Those that passed and lie among so many columns and rows, as a patch and their bits.
-    fn within(&self, tile: (usize, usize), (columns, rows): (usize, usize)) -> (Patch, u32) {
+    /// Bits of those that passed and lie among so many columns and rows.
+    pub(super) fn within(&self, (columns, rows): (usize, usize)) -> u64 {
         let (column, first) = self.place;
-        let count = columns.saturating_sub(column).min(LANES);
-        let of_row = (1 << count) - 1;
+        let of_row = (1 << columns.saturating_sub(column).min(LANES)) - 1;
         let inside =
             (0..2).filter(|below| first + below < rows).fold(0, |bits, below| bits | of_row << (below * LANES));
-        let mine = self.passed as u32 & inside;
-        (Patch { tile, column, count, first, end: first + 2, mine }, mine)
+        self.passed & inside
+    }
+
+    /// The same with edge values from where their pixels are shaded: the first of some places that the triangle covers. Places
+    /// are given by their offsets from the pixel's centre, as is that of the samples, which is among them.
+    #[inline(never)]
+    pub(super) fn at_first_covered<S: Simd>(
+        &self,
+        simd: S,
+        triangle: &Setup,
+        sample: [i32; 2],
+        places: &[[i32; 2]],
+    ) -> Self {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let (mut moved, Edges { a, b, .. }) = (*self, triangle.edges);
+                for (below, edges) in moved.edges.iter_mut().enumerate() {
+                    let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
+                    let (mut found, mut open) = (e, self.passed >> (below * LANES) & u64::from(ALL));
+                    for place in places {
+                        if open == 0 {
+                            break;
+                        }
+                        let [right, down] = each!(axis in [0, 1] => f64::from(place[axis] - sample[axis]));
+                        let e = each!(i in [0, 1, 2] => e[i] + (right * a[i] + down * b[i]));
+                        let covered = open & inside(simd, triangle, e);
+                        let here = mask64x8::from_bitmask(simd, covered);
+                        found = each!(i in [0, 1, 2] => here.select(e[i], found[i]));
+                        open &= !covered;
+                    }
+                    *edges = each!(i in [0, 1, 2] => found[i].to_array());
+                }
+                moved
+            },
+        )
     }
 
     /// Weights of the corners. Those of samples without a bit stand for the first corner: what is computed there must not lead
@@ -86,10 +121,13 @@ pub(super) fn shade_tested<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let (patch, mine) = tested.within(tile, band.size(tile));
+            let (size, (column, first)) = (band.size(tile), tested.place);
+            let mine = tested.within(size) as u32;
             if mine == 0 {
                 return 0;
             }
+            let count = (size.0 - column).min(LANES);
+            let patch = Patch { tile, column, count, first, end: first + 2, mine };
             let shader = frame.shader_of_draw[subject.draw];
             let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band.pixels) else { return 0 };
             pair.rows = RowPair { patch: &patch, locations: &frame.lattice }.rows(mine, band);

@@ -596,7 +596,7 @@ fn rows_in(triangle: &Setup, by: usize) -> Range<usize> {
 
 /// Bits of the samples that are inside all edges.
 #[inline(always)]
-fn inside<S: Simd>(_: S, triangle: &Setup, e: [F64<S>; 3]) -> u64 {
+pub(super) fn inside<S: Simd>(_: S, triangle: &Setup, e: [F64<S>; 3]) -> u64 {
     let Setup { inside, .. } = triangle;
     let all = e[0].simd_ge(inside[0]) & e[1].simd_ge(inside[1]) & e[2].simd_ge(inside[2]);
     all.to_bitmask()

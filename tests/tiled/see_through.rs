@@ -1,0 +1,85 @@
+//! What is cut out and what is blended, where pixels have several samples: triangles of all shapes, and how much is shaded.
+
+use std::sync::Arc;
+
+use glam::{Mat4, Vec3};
+use rasterscope::antialias::settings::Samples;
+use rasterscope::chain::{KeepDepth, Renderer};
+use rasterscope::pipeline::settings::{Choice, ColorSpace, Culling, FillRule, Filter, Shading};
+use rasterscope::scene::{Mesh, Projection};
+
+use crate::common::{self, SceneBuilder};
+use crate::{Renderers, SMALL, multisampled};
+
+/// Side of a pixel without perspective: the origin is at the centre of one.
+const PIXEL: f32 = 1.0 / 32.0;
+
+/// Triangles anywhere around the origin, up to so many pixels long and as wide, from a fraction of that on. Corners
+/// may be rounded to the centres of pixels, so that edges run through others.
+fn triangles(random: &mut fastrand::Rng, count: u32, [length, width]: [f32; 2], rounded: bool) -> Mesh {
+    let one = |random: &mut fastrand::Rng| {
+        let size = PIXEL * 0.03_f32.powf(random.f32());
+        let [first, tilt] = [(); 2].map(|()| common::in_cube(random) * Vec3::new(1.6, 1.1, 0.8));
+        let along = common::in_cube(random).normalize_or(Vec3::X) * size * length;
+        let across = along.cross(tilt).normalize_or(Vec3::Y) * size * width;
+        let corners = [first - along, first + along, first + across];
+        if rounded { corners.map(|corner| (corner / PIXEL).round() * PIXEL) } else { corners }
+    };
+    let positions = (0..count).flat_map(|_| one(random)).collect();
+    common::mesh(positions, (0..count).map(|i| [0, 1, 2].map(|corner| i * 3 + corner)).collect())
+}
+
+/// Triangles smaller than pixels, thinner than they are, and such that the eye is among them and 32 bits are too few for their
+/// edge values; of each some that are cut out, and some that are blended by their texture or by their material.
+#[test]
+fn triangles_of_all_sizes_are_seen_through_alike() {
+    let mut renderers = Renderers::of(SMALL);
+    let recipes = multisampled(&[Samples::Four, Samples::Sixteen, Samples::SixtyFour]);
+    common::for_seeds(10, |random| {
+        let flat = random.bool();
+        let mut scene = SceneBuilder::new(Vec3::Z * 3.0).with(common::cube(), Mat4::IDENTITY, None);
+        for (count, size) in [(250, [1.5, 1.5]), (40, [60.0, 1.0]), (4, [40.0, 40.0]), (2, [9000.0, 9000.0])] {
+            for (codes, opacity) in [(&[0, 255][..], 1.0), (&[0, 90, 200, 255], 1.0), (&[0, 255], 0.6)] {
+                let image = common::noise_texture(random);
+                let textures = [(); 2].map(|()| common::with_alpha(random, &image, codes));
+                let mesh = triangles(random, count, size, flat);
+                scene = scene.with_opacity(mesh, Mat4::IDENTITY, Some(textures), opacity);
+            }
+        }
+        let mut scene = scene.0;
+        if flat {
+            scene.home.projection = Projection::Orthographic { height: SMALL.height as f32 * PIXEL };
+        }
+        let scene = Arc::new(scene);
+        let mut recipe = recipes[random.usize(..recipes.len())];
+        let pipeline = &mut recipe.pipeline;
+        let shadings = [Shading::Texture, Shading::Gouraud, Shading::Lambert, Shading::Cel];
+        pipeline.shading = shadings[random.usize(..shadings.len())];
+        pipeline.culling = Culling::None;
+        pipeline.fill_rule = FillRule::ALL[random.usize(..FillRule::ALL.len())];
+        pipeline.filter = Filter::ALL[random.usize(..Filter::ALL.len())];
+        pipeline.color_space = ColorSpace::ALL[random.usize(..ColorSpace::ALL.len())];
+        renderers.check("all sizes", &scene, &scene.home, &recipe);
+    });
+}
+
+/// A blended surface that fills the picture is shaded for each sample of each pixel, and for none beside the picture.
+#[test]
+fn what_is_blended_is_counted_sample_by_sample() {
+    let mut random = fastrand::Rng::with_seed(1);
+    let textures = [(); 2].map(|()| common::noise_texture(&mut random));
+    let large = Mat4::from_scale(Vec3::splat(10.0));
+    let scene = SceneBuilder::new(Vec3::Z * 3.0).with_opacity(common::plane(), large, Some(textures), 0.5).0;
+    let scene = Arc::new(scene);
+    let pixels = u64::from(SMALL.width * SMALL.height);
+    for (samples, recipe) in [4, 16].into_iter().zip(multisampled(&[Samples::Four, Samples::Sixteen])) {
+        for shading in [Shading::Gouraud, Shading::Cel] {
+            let mut recipe = recipe;
+            (recipe.pipeline.shading, recipe.pipeline.filter) = (shading, Filter::Bilinear);
+            let frame = Renderer::default().render(&scene, &scene.home, &recipe, SMALL, KeepDepth::Yes);
+            let counts = frame.tiled.as_ref().unwrap().counts;
+            assert_eq!(counts.shaded, pixels * samples, "{shading:?}");
+            assert_eq!(counts.texels, counts.shaded * 4, "{shading:?}");
+        }
+    }
+}
