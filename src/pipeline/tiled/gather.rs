@@ -58,7 +58,7 @@ pub(super) fn reads_ahead<S: Simd>(simd: S) -> bool {
 #[inline(always)]
 #[expect(
     unsafe_code,
-    reason = "one test for all reads: a picture that is all texture is drawn an eighth faster than with a test for each"
+    reason = "one test for all reads: of pairs, a picture that is all texture was drawn an eighth faster than with a test for each"
 )]
 pub(super) fn read_quads<S: Simd>(simd: S, texels: &[Column], all: &mut [Taps]) {
     let mut farthest = u32x16::splat(simd, 0);
@@ -151,7 +151,7 @@ mod x86 {
     kernel! {
         /// The left texels, those below them, the right ones, those below them.
         #[inline]
-        #[expect(unsafe_code, reason = "one test for 32 reads, and an instruction for eight: fills are shaded a fifth faster than eight by eight")]
+        #[expect(unsafe_code, reason = "one test for 32 reads, and an instruction for eight: of pairs, fills were shaded a fifth faster than eight by eight")]
         pub(super) fn gather_quads(avx512: Avx512, texels: &[Column], places: __m512i) -> [__m512i; 4] {
             let end = _mm512_set1_epi32(texels.len().saturating_sub(1).min(i32::MAX as usize) as i32);
             assert!(_mm512_cmpge_epu32_mask(places, end) == 0, "all texels are within the texture");
