@@ -142,6 +142,20 @@ pub fn narrow<S: Simd>(simd: S, x: F64<S>) -> F32<S> {
     simd.narrow_f64x4(low, high)
 }
 
+/// Integers as doubles, without rounding.
+#[inline(always)]
+pub fn doubles_of<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = simd.level().as_avx2() {
+        let [low, high] = x86::doubles_of(avx2, i32x8::load_array(avx2, numbers.to_array()).into());
+        let [low, high]: [f64x4<_>; 2] = [low.simd_into(avx2), high.simd_into(avx2)];
+        let [low, high] = each!(half in [low, high] => f64x4::load_array(simd, half.to_array()));
+        return low.combine(high);
+    }
+    let numbers = numbers.to_array();
+    F64::load_array(simd, each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f64::from(numbers[i])))
+}
+
 /// Whole numbers below 2³¹ as floats: by way of signed ones, as few processors have an instruction for others.
 #[inline(always)]
 pub fn float_of<S: Simd>(numbers: u32x16<S>) -> f32x16<S> {
@@ -252,6 +266,17 @@ mod x86 {
             ]
         }
     }
+
+    kernel! {
+        /// [`super::doubles_of`], half by half.
+        #[inline]
+        pub(super) fn doubles_of(avx2: Avx2, numbers: __m256i) -> [__m256d; 2] {
+            [
+                _mm256_cvtepi32_pd(_mm256_castsi256_si128(numbers)),
+                _mm256_cvtepi32_pd(_mm256_extracti128_si256::<1>(numbers)),
+            ]
+        }
+    }
 }
 
 /// The larger of two floats and the smaller, as `f32::clamp` and `f64::clamp` choose for numbers: NaN does not occur.
@@ -288,6 +313,14 @@ mod tests {
                 assert_eq!(repeated[i], [low, low, low, low, high, high, high, high], "by {}", lanes.name());
             }
             assert_eq!(back, rows[..LANES], "by {}", lanes.name());
+        }
+    }
+    #[test]
+    fn integers_are_doubles_too() {
+        let numbers = [0, 1, -1, i32::MAX, i32::MIN, 123_456_789, -16_777_217, 255];
+        for lanes in Lanes::all() {
+            let doubles = on_lanes!(lanes, simd => doubles_of(simd, i32x8::load_array(simd, numbers)).to_array());
+            assert_eq!(doubles, numbers.map(f64::from), "by {}", lanes.name());
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Depths of samples on lanes, and their bounds: by the operations of [`crate::pipeline::depth`], in their order.
 
+use super::edge_number::EdgeNumber;
 use super::setup::{Edges, Setup};
 use crate::math::lanes::*;
 use crate::pipeline::depth::{Comparison, DepthEncoding};
@@ -17,43 +18,50 @@ pub(super) struct DepthRules {
     pub(super) stored: bool,
 }
 
-/// Bits of the depths that pass.
+/// The depths that pass.
 #[inline(always)]
-pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> u64 {
+pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> mask32x8<S> {
     match comparison {
-        Comparison::Always => 0xFF,
-        Comparison::Less => new.simd_lt(stored).to_bitmask(),
-        Comparison::LessEqual => new.simd_le(stored).to_bitmask(),
-        Comparison::Greater => new.simd_gt(stored).to_bitmask(),
-        Comparison::GreaterEqual => new.simd_ge(stored).to_bitmask(),
+        Comparison::Always => mask32x8::splat(new.simd, true),
+        Comparison::Less => new.simd_lt(stored),
+        Comparison::LessEqual => new.simd_le(stored),
+        Comparison::Greater => new.simd_gt(stored),
+        Comparison::GreaterEqual => new.simd_ge(stored),
     }
 }
 
-/// Depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples.
+/// Depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples. Of integers those that the triangle covers.
 #[inline(always)]
-pub(super) fn depth<S: Simd>(simd: S, triangle: &Setup, e: [F64<S>; 3], rules: &DepthRules) -> F32<S> {
+pub(super) fn depth<S: Simd, E: EdgeNumber>(
+    simd: S,
+    triangle: &Setup<E>,
+    e: [E::Eight<S>; 3],
+    rules: &DepthRules,
+) -> F32<S> {
     let Setup { rises, inv_w, least, .. } = triangle;
-    let rise = if rules.linear_in_space {
-        let weights = each!(i in [0, 1, 2] => e[i].max(0.0) * inv_w[i]);
+    if rules.linear_in_space {
+        let weights = each!(i in [0, 1, 2] => E::doubles(simd, e[i]).max(0.0) * inv_w[i]);
         let sum = weights[0] + weights[1] + weights[2];
         let zero = F64::splat(simd, 0.0);
-        sum.simd_gt(0.0).select(weighted(weights, rises) / sum, zero)
-    } else {
-        weighted(e, rises)
-    };
+        let weighted = weights[0] * rises[0] + weights[1] * rises[1] + weights[2] * rises[2];
+        let rise = sum.simd_gt(0.0).select(weighted / sum, zero);
+        return quantize(simd, clamp_f64(rise + *least, 0.0, 1.0), rules.encoding);
+    }
+    let [first, second] = each!(i in [0, 1] => E::doubles(simd, e[i]) * rises[i]);
+    if E::LAST_IS_LEAST {
+        // Without the one that is zero, the sum of three is that of the other two, whatever their order. Where the triangle covers
+        // the sample nothing is negative.
+        return quantize(simd, (first + second + *least).min(1.0), rules.encoding);
+    }
+    let rise = first + second + E::doubles(simd, e[2]) * rises[2];
     quantize(simd, clamp_f64(rise + *least, 0.0, 1.0), rules.encoding)
-}
-
-#[inline(always)]
-fn weighted<S: Simd>(v: [F64<S>; 3], rises: &[f64; 3]) -> F64<S> {
-    v[0] * rises[0] + v[1] * rises[1] + v[2] * rises[2]
 }
 
 /// Depth of a triangle's plane at the first sample of the tile, as it would be stored without rounding. Nothing that means
 /// anything if depths are linear in space.
 #[inline(always)]
-pub(super) fn depth_at_first(Setup { edges: Edges { c, .. }, rises, least, .. }: &Setup) -> f64 {
-    c[0] * rises[0] + c[1] * rises[1] + c[2] * rises[2] + least
+pub(super) fn depth_at_first<E: EdgeNumber>(Setup { edges: Edges { c, .. }, rises, least, .. }: &Setup<E>) -> f64 {
+    c[0].double() * rises[0] + c[1].double() * rises[1] + c[2].double() * rises[2] + least
 }
 
 /// [`DepthEncoding::quantize`] for eight depths.
@@ -74,10 +82,10 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
 /// Bounds of the stored depths of a triangle in eight rectangles, from its edge values at their first samples and the way from
 /// those to their last samples.
 #[inline(always)]
-pub(super) fn depth_bounds<S: Simd>(
+pub(super) fn depth_bounds<S: Simd, E: EdgeNumber>(
     simd: S,
-    triangle: &Setup,
-    first: [F64<S>; 3],
+    triangle: &Setup<E>,
+    first: [E::Eight<S>; 3],
     [width, height]: [f64; 2],
     rules: &DepthRules,
 ) -> [F32<S>; 2] {
@@ -87,13 +95,18 @@ pub(super) fn depth_bounds<S: Simd>(
     if rules.linear_in_space {
         return each!(d in [low - slack, high + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding));
     }
-    let terms = each!(i in [0, 1, 2] => first[i] * rises[i]);
-    let across = edges.a[0] * rises[0] + edges.a[1] * rises[1] + edges.a[2] * rises[2];
-    let down = edges.b[0] * rises[0] + edges.b[1] * rises[1] + edges.b[2] * rises[2];
-    let steepest = each!(i in [0, 1, 2] => (edges.a[i].abs() * width + edges.b[i].abs() * height) * rises[i]);
-    let slack = (terms[0].abs() + terms[1].abs() + terms[2].abs()) * ROUNDING
-        + (slack + (steepest[0] + steepest[1] + steepest[2]) * ROUNDING);
-    let at_first = terms[0] + terms[1] + terms[2] + *least;
+    let [a, b] = each!(of in [edges.a, edges.b] => each!(i in [0, 1, 2] => of[i].double()));
+    let across = a[0] * rises[0] + a[1] * rises[1] + a[2] * rises[2];
+    let down = b[0] * rises[0] + b[1] * rises[1] + b[2] * rises[2];
+    let steepest = each!(i in [0, 1, 2] => (a[i].abs() * width + b[i].abs() * height) * rises[i]);
+    let terms = each!(i in [0, 1] => E::doubles(simd, first[i]) * rises[i]);
+    let (mut sum, mut magnitude) = (terms[0] + terms[1], terms[0].abs() + terms[1].abs());
+    if !E::LAST_IS_LEAST {
+        let last = E::doubles(simd, first[2]) * rises[2];
+        (sum, magnitude) = (sum + last, magnitude + last.abs());
+    }
+    let slack = magnitude * ROUNDING + (slack + (steepest[0] + steepest[1] + steepest[2]) * ROUNDING);
+    let at_first = sum + *least;
     let nearest = at_first + (across.min(0.0) * width + down.min(0.0) * height);
     let farthest = at_first + (across.max(0.0) * width + down.max(0.0) * height);
     each!(d in [nearest.max(low) - slack, farthest.min(high) + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding))
@@ -118,7 +131,7 @@ pub(super) fn compare_bounds<S: Simd>(
 
 /// Bounds of the stored depths of a triangle anywhere.
 #[inline(always)]
-pub(super) fn whole_depths(triangle: &Setup, rules: &DepthRules) -> [f32; 2] {
+pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRules) -> [f32; 2] {
     let slack = ROUNDING * triangle.greatest;
     each!(d in [triangle.least - slack, triangle.greatest + slack] => rules.encoding.quantize(d.clamp(0.0, 1.0)))
 }

@@ -1,9 +1,10 @@
 //! Which triangles enter a tile, and how they are set up.
 
 use super::Frame;
+use super::batch::Batch;
 use super::geometry::{Surface, Vertex};
 use super::record::{Entrant, Entrants, Part, Slot, SurfaceRecord};
-use super::setup::{Batch, Origin};
+use super::setup::Origin;
 use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 

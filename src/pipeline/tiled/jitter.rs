@@ -6,12 +6,12 @@
 
 use std::time::{Duration, Instant};
 
+use super::batch::Batch;
 use super::kernel::Band;
 use super::lattice::{Lattice, TILE};
 use super::locations::{Displaced, Locations, Offsets};
 use super::record::{Entrants, Slot};
 use super::see_through_samples::SeenThrough;
-use super::setup::Batch;
 use super::shade::{Canvas, Shaded, shade_tile};
 use super::tile::{Tile, TileCounts};
 use super::{BATCHES, CROWDED, Frame, GROUP, Target, Work, Workspace};
@@ -210,8 +210,8 @@ impl Frame<'_> {
                     let lane = alive.trailing_zeros() as usize;
                     alive &= alive - 1;
                     let slot = Slot::new(group * GROUP + number * LANES + lane, large[number] >> lane & 1 != 0);
-                    let triangle = moved.triangle(lane, slot);
-                    self.draw_triangle(simd, (tile, locations), &triangle, (entrants, place), &owner, blended);
+                    let triangle = (&moved, lane, slot);
+                    self.draw_triangle(simd, (tile, locations), triangle, (entrants, place), &owner, blended);
                 }
             }
         }

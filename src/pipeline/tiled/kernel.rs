@@ -213,9 +213,10 @@ impl<S: Simd> ExactRows<S> {
     #[inline(always)]
     fn new(simd: S, lattice: &Lattice, edges: &Edges, patch: &Patch) -> Self {
         let Edges { a, b, c, .. } = *edges;
-        let columns = F64::load_array(simd, lattice.lanes) + lattice.column(patch.column);
-        let y = F64::load_array(simd, lattice.rows) + patch.first as f64 * lattice.row_step;
-        let shift = F64::load_array(simd, lattice.shifts(patch.first));
+        let steps = &lattice.doubles;
+        let columns = F64::load_array_ref(simd, &steps.lanes) + steps.column(patch.column);
+        let y = F64::load_array_ref(simd, &steps.rows) + steps.row(patch.first);
+        let shift = F64::load_array_ref(simd, steps.shifts(patch.first));
         Self {
             along: each!(i in [0, 1, 2] => columns * a[i]),
             down: each!(i in [0, 1, 2] => (y * b[i] + shift * a[i] + c[i]).to_array()),

@@ -1,5 +1,6 @@
 //! Where the samples of a tile lie: the packed samples of a [`SampleGrid`] in steps that lanes can take.
 
+use super::edge_number::EdgeNumber;
 use crate::math::fixed::{HALF_PIXEL, SUBPIXELS};
 use crate::math::lanes::{F32, LANES, Simd, SimdBase as _, SimdFloat as _, i32x8};
 use crate::pipeline::grid::SampleGrid;
@@ -19,81 +20,115 @@ pub(super) const BLOCKS: usize = TILE / BLOCK;
 /// Rows after which shifts repeat.
 const SHIFTS: usize = 4;
 
+/// More than rows are shifted against each other by and samples lie from the points of the lattice.
+const FARTHEST_IN_PIXEL: f64 = (4 * SUBPIXELS) as f64;
+
 /// Samples by their distance from a tile's first one, in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lattice {
     grid: SampleGrid,
-    /// Of the eight samples of a block's row, from the first.
-    pub(super) lanes: [f64; LANES],
-    /// Of the eight rows of a block, from the first.
-    pub(super) rows: [f64; LANES],
-    /// The same two as integers.
-    lanes_i32: [i32; LANES],
-    rows_i32: [i32; LANES],
-    /// How far the samples of eight rows stand to the right of those of a tile's first row, by the first of the rows.
-    shifts: [[f64; LANES]; SHIFTS],
-    shifts_i32: [[i32; LANES]; SHIFTS],
-    /// Of four samples of a row and the four below: columns, rows.
-    pub(super) two_rows: [[f64; LANES]; 2],
-    /// Of the first samples of the blocks of a row.
-    pub(super) blocks: [f64; BLOCKS],
-    /// From one block to the next in a row.
-    pub(super) block_step: f64,
-    /// From one row to the next.
-    pub(super) row_step: f64,
-    /// Whether that is a power of two.
+    /// Distances as doubles and as integers.
+    pub(super) doubles: Steps<f64>,
+    pub(super) integers: Steps<i32>,
+    /// Whether what lies between rows is a power of two.
     has_exact_reciprocal: bool,
-    /// From the first sample of a block's row to the last one, what shifts rows against each other, and how far samples may lie
-    /// from their points.
-    pub(super) block_width: f64,
-    /// From the first row of a block to the last one, and how far samples may lie from their points.
-    pub(super) block_height: f64,
     /// Where samples, or the points that they lie near, are from the centres of their pixels.
     offset: [i32; 2],
     /// Along each axis how far before and behind that others of the same pixel lie: the least and the greatest offset.
     reach: [[f32; 2]; 2],
 }
 
-#[inline(always)]
-fn shift_of(grid: SampleGrid, row: usize) -> f64 {
-    match grid {
-        SampleGrid::Block { .. } => 0.0,
-        // Columns count from where the rows that begin farthest to the left do; tiles begin on a row of the first kind.
-        SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => {
-            (i64::from(grid.first_drawn(row as u32)) * SUBPIXELS) as f64
+/// Distances of samples from a tile's first one. All numbers are whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Steps<T> {
+    /// From one row to the next.
+    pub(super) row: T,
+    /// The same, and that to the row after the next, eight times.
+    pub(super) next_row: [T; LANES],
+    pub(super) row_after_next: [T; LANES],
+    /// Samples stand below each other.
+    pub(super) are_straight: bool,
+    /// Of the eight samples of a block's row, from the first.
+    pub(super) lanes: [T; LANES],
+    /// Of the eight rows of a block, from the first.
+    pub(super) rows: [T; LANES],
+    /// How far the samples of eight rows stand to the right of those of a tile's first row, by the first of the rows.
+    shifts: [[T; LANES]; SHIFTS],
+    /// Of four samples of a row and the four below: columns, rows.
+    pub(super) two_rows: [[T; LANES]; 2],
+    /// Of the first samples of the blocks of a row.
+    pub(super) blocks: [T; BLOCKS],
+    /// From the first sample of a block's row to the last one, what shifts rows against each other, and how far samples may lie
+    /// from their points; and from the first row of a block to the last one, and how far samples may lie from their points.
+    pub(super) block: [T; 2],
+}
+
+impl<T: EdgeNumber> Steps<T> {
+    fn new(grid: SampleGrid) -> Self {
+        let of = |steps: i64| T::of(steps as i32);
+        let column = |column: usize| i64::from(grid.pixel(column as u32, 0).0 - grid.pixel(0, 0).0) * SUBPIXELS;
+        let row = |row: usize| i64::from(grid.pixel(0, row as u32).1) * SUBPIXELS;
+        let are_straight = matches!(grid, SampleGrid::Block { .. });
+        let shift = if are_straight { 0 } else { 2 * SUBPIXELS };
+        Self {
+            row: of(row(1)),
+            next_row: [of(row(1)); LANES],
+            row_after_next: [of(row(2)); LANES],
+            are_straight,
+            lanes: std::array::from_fn(|lane| of(column(lane))),
+            rows: std::array::from_fn(|index| of(row(index))),
+            shifts: std::array::from_fn(|first| std::array::from_fn(|index| of(shift_of(grid, first + index)))),
+            two_rows: [std::array::from_fn(|lane| of(column(lane % 4))), std::array::from_fn(|lane| of(row(lane / 4)))],
+            blocks: std::array::from_fn(|block| of(column(block * BLOCK))),
+            block: [of(column(LANES - 1) + shift), of(row(LANES - 1))],
         }
+    }
+
+    /// Of a column of rows that are not shifted.
+    #[inline(always)]
+    pub(super) fn column(&self, column: usize) -> T {
+        // Of four pixels in a row a checkerboard samples two; both ways steps are as long as those between rows.
+        let pixel = if self.are_straight { column } else { column / 2 * 4 + column % 2 };
+        T::of(pixel as i32) * self.row
+    }
+
+    /// Of a row.
+    #[inline(always)]
+    pub(super) fn row(&self, row: usize) -> T {
+        T::of(row as i32) * self.row
+    }
+
+    /// How far the samples of a row stand to the right of those of a tile's first row.
+    #[inline(always)]
+    pub(super) fn shift(&self, row: usize) -> T {
+        self.shifts[0][row % SHIFTS]
+    }
+
+    /// The shifts of eight rows.
+    #[inline(always)]
+    pub(super) fn shifts(&self, first: usize) -> &[T; LANES] {
+        &self.shifts[first % SHIFTS]
+    }
+}
+
+#[inline(always)]
+fn shift_of(grid: SampleGrid, row: usize) -> i64 {
+    match grid {
+        SampleGrid::Block { .. } => 0,
+        // Columns count from where the rows that begin farthest to the left do; tiles begin on a row of the first kind.
+        SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => i64::from(grid.first_drawn(row as u32)) * SUBPIXELS,
     }
 }
 
 impl Lattice {
     /// The centres of pixels.
     pub(super) fn new(grid: SampleGrid) -> Self {
-        let pixel = SUBPIXELS as f64;
-        let column = |column: u32| f64::from(grid.pixel(column, 0).0 - grid.pixel(0, 0).0) * pixel;
-        let row = |row: u32| f64::from(grid.pixel(0, row).1) * pixel;
-        let last = LANES as u32 - 1;
-        let shift = match grid {
-            SampleGrid::Block { .. } => 0.0,
-            SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => 2.0 * pixel,
-        };
+        let doubles = Steps::<f64>::new(grid);
         Self {
             grid,
-            lanes: std::array::from_fn(|lane| column(lane as u32)),
-            rows: std::array::from_fn(|index| row(index as u32)),
-            lanes_i32: std::array::from_fn(|lane| column(lane as u32) as i32),
-            rows_i32: std::array::from_fn(|index| row(index as u32) as i32),
-            shifts: std::array::from_fn(|first| std::array::from_fn(|index| shift_of(grid, first + index))),
-            shifts_i32: std::array::from_fn(|first| std::array::from_fn(|index| shift_of(grid, first + index) as i32)),
-            two_rows: [
-                std::array::from_fn(|lane| column(lane as u32 % 4)),
-                std::array::from_fn(|lane| row(lane as u32 / 4)),
-            ],
-            blocks: std::array::from_fn(|block| column((block * BLOCK) as u32)),
-            block_step: column(BLOCK as u32),
-            row_step: row(1),
-            has_exact_reciprocal: (row(1) as u64).is_power_of_two(),
-            block_width: column(last) + shift,
-            block_height: row(last),
+            doubles,
+            integers: Steps::new(grid),
+            has_exact_reciprocal: (doubles.row as u64).is_power_of_two(),
             offset: [0; 2],
             reach: [[0.0; 2]; 2],
         }
@@ -116,15 +151,13 @@ impl Lattice {
 
     /// The same pixels, each with its sample somewhere from a least to a greatest offset from the centre. The points of the
     /// lattice are those of the least offset; its blocks reach to the greatest.
-    pub(super) fn spread(self, [least, greatest]: [[i32; 2]; 2]) -> Self {
-        let [across, down] = [0, 1].map(|axis| f64::from(greatest[axis] - least[axis]));
-        Self {
-            block_width: self.block_width + across,
-            block_height: self.block_height + down,
-            offset: least,
-            reach: [0, 1].map(|axis| [least[axis] as f32, greatest[axis] as f32]),
-            ..self
+    pub(super) fn spread(mut self, [least, greatest]: [[i32; 2]; 2]) -> Self {
+        for axis in 0..2 {
+            let spread = greatest[axis] - least[axis];
+            self.integers.block[axis] += spread;
+            self.doubles.block[axis] += f64::from(spread);
         }
+        Self { offset: least, reach: [0, 1].map(|axis| [least[axis] as f32, greatest[axis] as f32]), ..self }
     }
 
     /// From the centres of pixels to their samples.
@@ -138,12 +171,6 @@ impl Lattice {
         across.max(down).into()
     }
 
-    /// Whether samples stand below each other.
-    #[inline(always)]
-    pub(super) fn is_straight(&self) -> bool {
-        matches!(self.grid, SampleGrid::Block { .. })
-    }
-
     /// Position of a tile's first sample, in grid steps.
     pub(super) fn origin(&self, tile: (usize, usize)) -> [f64; 2] {
         let (x, y) = self.grid.pixel((tile.0 * TILE) as u32, (tile.1 * TILE) as u32);
@@ -155,50 +182,36 @@ impl Lattice {
     /// From the first sample of a tile to the last one, along both axes.
     #[inline(always)]
     pub(super) fn tile_extent(&self) -> [f64; 2] {
-        let last = (BLOCKS - 1) as f64;
-        [last * self.block_step + self.block_width, last * BLOCK as f64 * self.row_step + self.block_height]
+        let Steps { blocks, block: [width, height], .. } = &self.doubles;
+        [blocks[BLOCKS - 1] + width, self.doubles.row((BLOCKS - 1) * BLOCK) + height]
     }
 
-    /// How far the samples of a row stand to the right of those of a tile's first row.
+    /// Farther than any sample of a tile lies from the tile's first pixel along either axis, and any beyond that which eight at a
+    /// time or two rows at a time take in.
     #[inline(always)]
-    pub(super) fn shift(&self, row: usize) -> f64 {
-        shift_of(self.grid, row)
-    }
-
-    /// The shifts of eight rows.
-    #[inline(always)]
-    pub(super) fn shifts(&self, first: usize) -> [f64; LANES] {
-        self.shifts[first % SHIFTS]
+    pub(super) fn farthest(&self) -> f64 {
+        let (columns, rows) = (self.doubles.column(TILE + LANES), self.doubles.row(TILE + LANES));
+        columns.max(rows) + FARTHEST_IN_PIXEL
     }
 
     /// Eight columns of a row from `column` on, not shifted, as integers.
     #[inline(always)]
     pub(super) fn columns_i32<S: Simd>(&self, simd: S, column: usize) -> i32x8<S> {
-        i32x8::load_array(simd, self.lanes_i32) + self.column(column) as i32
+        i32x8::load_array(simd, self.integers.lanes) + self.integers.column(column)
     }
 
     /// Eight rows from `first` on, and how far their samples are shifted to the right, as integers.
     #[inline(always)]
     pub(super) fn rows_i32<S: Simd>(&self, simd: S, first: usize) -> [i32x8<S>; 2] {
-        let rows = i32x8::load_array(simd, self.rows_i32) + first as i32 * self.row_step as i32;
-        [rows, i32x8::load_array(simd, self.shifts_i32[first % SHIFTS])]
-    }
-
-    /// Distance of a column from a tile's first one.
-    #[inline(always)]
-    pub(super) fn column(&self, column: usize) -> f64 {
-        match self.grid {
-            SampleGrid::Block { .. } => column as f64 * self.row_step,
-            SampleGrid::Checkerboard | SampleGrid::OddCheckerboard => {
-                ((column / 2 * 4 + column % 2) as i64 * SUBPIXELS) as f64
-            }
-        }
+        let rows = i32x8::load_array(simd, self.integers.rows) + self.integers.row(first);
+        [rows, i32x8::load_array_ref(simd, self.integers.shifts(first))]
     }
 
     /// Distance of a sample from the tile's first one, by its column and row.
     #[inline(always)]
     pub(super) fn place(&self, (column, row): (usize, usize)) -> [i32; 2] {
-        [(self.column(column) + self.shift(row)) as i32, row as i32 * self.row_step as i32]
+        let steps = &self.integers;
+        [steps.column(column) + steps.shift(row), steps.row(row)]
     }
 
     /// Packed columns or rows from the first to the last that may lie within a range of grid steps; both may be beyond the
@@ -215,7 +228,7 @@ impl Lattice {
                 [((least - half) / four).floor() * 2.0, ((greatest - half) / four).floor() * 2.0 + 1.0]
             }
             _ => {
-                let step = self.row_step as f32;
+                let step = self.doubles.row as f32;
                 [((least - half) / step).ceil(), ((greatest - half) / step).floor()]
             }
         }
@@ -226,7 +239,7 @@ impl Lattice {
     /// Grid steps divided by those between rows. Where that is a power of two its reciprocal is exact, and multiplies faster.
     #[inline(always)]
     fn per_row<S: Simd>(&self, steps: F32<S>) -> F32<S> {
-        let step = self.row_step as f32;
+        let step = self.doubles.row as f32;
         if self.has_exact_reciprocal { steps * (1.0 / step) } else { steps / step }
     }
 

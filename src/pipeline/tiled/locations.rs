@@ -3,6 +3,7 @@
 //! In fixed point a triangle that is moved against the offset of a sample has the same edges as where it stood, elsewhere; so a
 //! sample off the lattice is found by what the offset changes edge values by, which are whole numbers still.
 
+use super::edge_number::EdgeNumber;
 use super::lattice::{Lattice, TILE};
 use super::setup::Edges;
 use super::tile::{ROWS, STRIDE};
@@ -17,16 +18,22 @@ pub(super) trait Locations: Copy {
     fn lattice(&self) -> &Lattice;
 
     /// Edge values at eight samples of a row, whose first one is given by column and row, from those at the points.
-    fn displaced<S: Simd>(self, simd: S, edges: &Edges, e: [F64<S>; 3], first: (usize, usize)) -> [F64<S>; 3];
-
-    /// The same for four samples of a row and the four below.
-    fn displaced_in_two_rows<S: Simd>(
+    fn displaced<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
-        edges: &Edges,
-        e: [F64<S>; 3],
+        edges: &Edges<E>,
+        e: [E::Eight<S>; 3],
         first: (usize, usize),
-    ) -> [F64<S>; 3];
+    ) -> [E::Eight<S>; 3];
+
+    /// The same for four samples of a row and the four below.
+    fn displaced_in_two_rows<S: Simd, E: EdgeNumber>(
+        self,
+        simd: S,
+        edges: &Edges<E>,
+        e: [E::Eight<S>; 3],
+        first: (usize, usize),
+    ) -> [E::Eight<S>; 3];
 
     /// Eight samples of each of two rows, from a column on: how far right of and below the centre of the tile's first pixel they
     /// lie, in grid steps.
@@ -42,12 +49,24 @@ impl Locations for &Lattice {
     }
 
     #[inline(always)]
-    fn displaced<S: Simd>(self, _: S, _: &Edges, e: [F64<S>; 3], _: (usize, usize)) -> [F64<S>; 3] {
+    fn displaced<S: Simd, E: EdgeNumber>(
+        self,
+        _: S,
+        _: &Edges<E>,
+        e: [E::Eight<S>; 3],
+        _: (usize, usize),
+    ) -> [E::Eight<S>; 3] {
         e
     }
 
     #[inline(always)]
-    fn displaced_in_two_rows<S: Simd>(self, _: S, _: &Edges, e: [F64<S>; 3], _: (usize, usize)) -> [F64<S>; 3] {
+    fn displaced_in_two_rows<S: Simd, E: EdgeNumber>(
+        self,
+        _: S,
+        _: &Edges<E>,
+        e: [E::Eight<S>; 3],
+        _: (usize, usize),
+    ) -> [E::Eight<S>; 3] {
         e
     }
 
@@ -55,8 +74,8 @@ impl Locations for &Lattice {
     fn places<S: Simd>(self, simd: S, column: usize, rows: [usize; 2]) -> [i32x16<S>; 2] {
         let ([right, down], columns) = (self.offset(), self.columns_i32(simd, column));
         let [upper, lower] = each!(row in [rows[0], rows[1]] => {
-            let y = row as i32 * self.row_step as i32 + down;
-            (columns + (self.shift(row) as i32 + right), i32x8::splat(simd, y))
+            let steps = &self.integers;
+            (columns + (steps.shift(row) + right), i32x8::splat(simd, steps.row(row) + down))
         });
         [upper.0.combine(lower.0), upper.1.combine(lower.1)]
     }
@@ -120,18 +139,24 @@ impl Locations for Displaced<'_> {
     }
 
     #[inline(always)]
-    fn displaced<S: Simd>(self, simd: S, edges: &Edges, e: [F64<S>; 3], first: (usize, usize)) -> [F64<S>; 3] {
+    fn displaced<S: Simd, E: EdgeNumber>(
+        self,
+        simd: S,
+        edges: &Edges<E>,
+        e: [E::Eight<S>; 3],
+        first: (usize, usize),
+    ) -> [E::Eight<S>; 3] {
         moved(simd, edges, e, self.offsets.eight(simd, first))
     }
 
     #[inline(always)]
-    fn displaced_in_two_rows<S: Simd>(
+    fn displaced_in_two_rows<S: Simd, E: EdgeNumber>(
         self,
         simd: S,
-        edges: &Edges,
-        e: [F64<S>; 3],
+        edges: &Edges<E>,
+        e: [E::Eight<S>; 3],
         first: (usize, usize),
-    ) -> [F64<S>; 3] {
+    ) -> [E::Eight<S>; 3] {
         moved(simd, edges, e, self.offsets.four_by_two(simd, first))
     }
 
@@ -145,40 +170,48 @@ impl Locations for Displaced<'_> {
 
 /// Edge values at offsets from where they are known. Their sum, which is the doubled area, stays.
 #[inline(always)]
-fn moved<S: Simd>(simd: S, edges: &Edges, e: [F64<S>; 3], [right, down]: [F32<S>; 2]) -> [F64<S>; 3] {
-    let (right, down) = (widen(simd, right), widen(simd, down));
+fn moved<S: Simd, E: EdgeNumber>(
+    simd: S,
+    edges: &Edges<E>,
+    e: [E::Eight<S>; 3],
+    [right, down]: [F32<S>; 2],
+) -> [E::Eight<S>; 3] {
+    let (right, down) = (E::of_floats(simd, right), E::of_floats(simd, down));
     let [first, second] = each!(i in [0, 1] => right * edges.a[i] + down * edges.b[i]);
     [e[0] + first, e[1] + second, e[2] - (first + second)]
 }
 
 /// Edge values at eight points of one row after the other. They are whole numbers, so that steps add no error.
-pub(super) struct Rows<S: Simd> {
+pub(super) struct Rows<S: Simd, E: EdgeNumber> {
     /// Of the next row, but for its shift.
-    next: [F64<S>; 3],
+    next: [E::Eight<S>; 3],
     /// From row to row.
-    step: [F64<S>; 3],
+    step: [E::Eight<S>; 3],
+    are_straight: bool,
 }
 
-impl<S: Simd> Rows<S> {
+impl<S: Simd, E: EdgeNumber> Rows<S, E> {
     /// Begins with row `first`, whose points lie in columns `x` of a row that is not shifted.
     #[inline(always)]
-    pub(super) fn new(simd: S, edges: &Edges, x: F64<S>, first: usize, lattice: &Lattice) -> Self {
-        let y = first as f64 * lattice.row_step;
+    pub(super) fn new(simd: S, edges: &Edges<E>, x: E::Eight<S>, first: usize, lattice: &Lattice) -> Self {
+        let (steps, Edges { a, b, c }) = (E::steps(lattice), edges);
+        let y = steps.row(first);
         Self {
-            next: each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y)),
-            step: each!(i in [0, 1, 2] => F64::splat(simd, edges.b[i] * lattice.row_step)),
+            next: each!(i in [0, 1, 2] => x * a[i] + (c[i] + b[i] * y)),
+            step: each!(i in [0, 1, 2] => E::repeat(simd, b[i]) * E::load(simd, &steps.next_row)),
+            are_straight: steps.are_straight,
         }
     }
 
     /// Edge values of the next row, which is `row`.
     #[inline(always)]
-    pub(super) fn next(&mut self, edges: &Edges, row: usize, lattice: &Lattice) -> [F64<S>; 3] {
+    pub(super) fn next(&mut self, edges: &Edges<E>, row: usize, lattice: &Lattice) -> [E::Eight<S>; 3] {
         let e = self.next;
         self.next = each!(i in [0, 1, 2] => e[i] + self.step[i]);
-        if lattice.is_straight() {
+        if self.are_straight {
             return e;
         }
-        let shift = lattice.shift(row);
+        let shift = E::steps(lattice).shift(row);
         each!(i in [0, 1, 2] => e[i] + edges.a[i] * shift)
     }
 }
@@ -192,8 +225,9 @@ pub(super) fn edge_values<S: Simd>(
     locations: impl Locations,
 ) -> [F64<S>; 3] {
     let lattice = locations.lattice();
-    let x = F64::load_array(simd, lattice.lanes) + (lattice.column(column) + lattice.shift(row));
-    let y = row as f64 * lattice.row_step;
+    let steps = &lattice.doubles;
+    let x = F64::load_array_ref(simd, &steps.lanes) + (steps.column(column) + steps.shift(row));
+    let y = steps.row(row);
     let e = each!(i in [0, 1, 2] => x * edges.a[i] + (edges.c[i] + edges.b[i] * y));
     locations.displaced(simd, edges, e, (column, row))
 }

@@ -109,7 +109,7 @@ impl Frame<'_> {
             }
         });
         let corners = vertices.each_ref().map(Corner::from);
-        let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |edges| edges.doubled_area);
+        let area = setup::Edges::new(&corners, [0.0; 2]).map_or(0.0, |(_, doubled_area)| doubled_area);
         ScreenTriangle {
             id: TriangleId(key.0),
             instance: draw.instance,

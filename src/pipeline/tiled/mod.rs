@@ -15,10 +15,12 @@
 //! [`Multisampling`]. Samples that are elsewhere in each pixel are drawn and shaded one after the other: [`Jittering`].
 
 mod axis;
+mod batch;
 mod bins;
 mod clusters;
 mod depths;
 mod displaced;
+mod edge_number;
 mod entry;
 mod gather;
 mod geometry;
@@ -49,6 +51,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use batch::{Batch, Triangles};
 use bins::{Binning, Chunk, MOST_TRIANGLES};
 use clusters::{Kept, View};
 use depths::DepthRules;
@@ -66,7 +69,7 @@ use queue::Queue;
 use record::{Entrants, Slot};
 pub use report::{TiledCounts, TiledReport, TiledTimes};
 use see_through_samples::SeenThrough;
-use setup::{Batch, Origin, Setup};
+use setup::{Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
 use shader::{DrawShader, Light};
 use tile::{Tile, TileCounts};
@@ -484,8 +487,8 @@ impl Frame<'_> {
                     let lane = alive.trailing_zeros() as usize;
                     alive &= alive - 1;
                     let slot = Slot::new(group + number * LANES + lane, large[number] >> lane & 1 != 0);
-                    let triangle = batch.triangle(lane, slot);
-                    self.draw_triangle(simd, (tile, &self.lattice), &triangle, (entrants, place), &owner, blended);
+                    let triangle = (batch, lane, slot);
+                    self.draw_triangle(simd, (tile, &self.lattice), triangle, (entrants, place), &owner, blended);
                 }
             }
         }
@@ -502,27 +505,41 @@ impl Frame<'_> {
         work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
     }
 
-    /// Draws a triangle into a tile, or lists it if it is blended.
+    /// Draws one of some triangles into a tile, or lists it if it is blended.
     #[inline(always)]
     fn draw_triangle<S: Simd>(
         &self,
         simd: S,
         (tile, locations): (&mut Tile, impl Locations),
-        triangle: &Setup,
+        (triangles, lane, slot): (&impl Triangles, usize, Slot),
         (entrants, place): (&Entrants, (usize, usize)),
         owner: &impl Fn(Slot) -> Option<Setup>,
         blended: &mut Vec<Slot>,
     ) {
-        if self.all_opaque {
-            tile.draw(simd, triangle, locations, &self.rules, owner);
-            return;
-        }
-        match self.transparency(entrants.get(triangle.slot)) {
-            Transparency::Opaque => tile.draw(simd, triangle, locations, &self.rules, owner),
+        let transparency = if self.all_opaque { Transparency::Opaque } else { self.transparency(entrants.get(slot)) };
+        match transparency {
+            Transparency::Opaque => self.draw_opaque(simd, (tile, locations), (triangles, lane, slot), owner),
             Transparency::CutOut => {
-                self.draw_what_is_there(simd, (tile, locations), triangle, (entrants, place), owner);
+                let triangle = triangles.triangle(lane, slot);
+                self.draw_what_is_there(simd, (tile, locations), &triangle, (entrants, place), owner);
             }
-            Transparency::Blended => blended.push(triangle.slot),
+            Transparency::Blended => blended.push(slot),
+        }
+    }
+
+    /// Draws one of some triangles that nothing shows through.
+    #[inline(always)]
+    fn draw_opaque<S: Simd>(
+        &self,
+        simd: S,
+        (tile, locations): (&mut Tile, impl Locations),
+        (triangles, lane, slot): (&impl Triangles, usize, Slot),
+        owner: &impl Fn(Slot) -> Option<Setup>,
+    ) {
+        if triangles.fits(lane) {
+            tile.draw(simd, &triangles.triangle::<i32>(lane, slot), locations, &self.rules, owner);
+        } else {
+            tile.draw(simd, &triangles.triangle::<f64>(lane, slot), locations, &self.rules, owner);
         }
     }
 

@@ -7,10 +7,10 @@
 
 use std::time::Instant;
 
+use super::batch::{Batch, Triangles as _};
 use super::kernel::Band;
 use super::lattice::Lattice;
 use super::record::{Entrants, Slot};
-use super::setup::Batch;
 use super::shade::{Canvas, shade_tile};
 use super::tested::set_bits;
 use super::tile::Tile;
@@ -138,11 +138,11 @@ impl Frame<'_> {
                     while alive != 0 {
                         let lane = alive.trailing_zeros() as usize;
                         alive &= alive - 1;
-                        let triangle = moved.triangle(lane, slot(lane));
-                        if self.all_opaque || self.transparency(entrants.get(triangle.slot)) == Transparency::Opaque {
-                            tile.draw(simd, &triangle, lattice, &self.rules, &owner);
+                        let slot = slot(lane);
+                        if self.all_opaque || self.transparency(entrants.get(slot)) == Transparency::Opaque {
+                            self.draw_opaque(simd, (tile, lattice), (&moved, lane, slot), &owner);
                         } else {
-                            let seen = (&*entrants, place);
+                            let (triangle, seen) = (moved.triangle(lane, slot), (&*entrants, place));
                             self.draw_cut_out(simd, planes, (tile, &triangle, lattice), seen, &owner);
                         }
                     }

@@ -182,7 +182,7 @@ impl<'a, L: Locations> Job<'a, L> {
             return Some(*edges);
         }
         let Entrant { key, draw } = self.entrants.get(slot);
-        let edges = Edges::new(&self.frame.corners(key, draw as usize), self.frame.lattice.origin(self.tile))?;
+        let (edges, _) = Edges::new(&self.frame.corners(key, draw as usize), self.frame.lattice.origin(self.tile))?;
         self.exact.push((slot, edges));
         Some(edges)
     }

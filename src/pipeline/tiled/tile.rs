@@ -9,6 +9,7 @@
 use std::ops::{AddAssign, Range};
 
 use super::depths::{DepthRules, compare_bounds, depth, depth_at_first, depth_bounds, passes, whole_depths};
+use super::edge_number::EdgeNumber;
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
 use super::locations::{Locations, Rows, edge_values};
 use super::record::Slot;
@@ -148,10 +149,10 @@ impl Tile {
 
     /// Draws a triangle. `owner` sets up the triangle of a plain block that is no longer plain.
     #[inline(always)]
-    pub(super) fn draw<S: Simd>(
+    pub(super) fn draw<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
-        triangle: &Setup,
+        triangle: &Setup<E>,
         locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
@@ -167,10 +168,10 @@ impl Tile {
 
     /// A triangle at most eight samples wide: each of its rows at once.
     #[inline(never)]
-    fn draw_small<S: Simd>(
+    fn draw_small<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
-        triangle: &Setup,
+        triangle: &Setup<E>,
         start: usize,
         locations: impl Locations,
         rules: &DepthRules,
@@ -201,16 +202,18 @@ impl Tile {
                     }
                 }
                 let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
-                if lattice.is_straight() && triangle.columns[1] < start + LANES / 2 {
+                let steps = E::steps(lattice);
+                if steps.are_straight && triangle.columns[1] < start + LANES / 2 {
                     self.draw_narrow(simd, triangle, start, locations, rules);
                     return;
                 }
-                let x = F64::load_array(simd, lattice.lanes) + lattice.column(start);
+                let least = triangle.least_inside(simd);
+                let x = E::load(simd, &steps.lanes) + steps.column(start);
                 let mut rows = Rows::new(simd, edges, x, top, lattice);
-                for row in top..=bottom {
+                for row in top..bottom + 1 {
                     let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (start, row));
-                    let covered = inside(simd, triangle, e);
-                    if covered != 0 {
+                    let covered = E::inside(e, least);
+                    if covered.any_true() {
                         self.write(simd, triangle, e, covered, (start, row), rules);
                     }
                 }
@@ -221,39 +224,42 @@ impl Tile {
 
     /// A triangle at most four samples wide: two of its rows at once.
     #[inline(always)]
-    fn draw_narrow<S: Simd>(
+    fn draw_narrow<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
-        triangle: &Setup,
+        triangle: &Setup<E>,
         start: usize,
         locations: impl Locations,
         rules: &DepthRules,
     ) {
         let Setup { edges: edges @ Edges { a, b, c, .. }, rows: [top, bottom], .. } = triangle;
         let lattice = locations.lattice();
-        let x = F64::load_array(simd, lattice.two_rows[0]) + lattice.column(start);
-        let y = F64::load_array(simd, lattice.two_rows[1]) + *top as f64 * lattice.row_step;
+        let (steps, least) = (E::steps(lattice), triangle.least_inside(simd));
+        let x = E::load(simd, &steps.two_rows[0]) + steps.column(start);
+        let y = E::load(simd, &steps.two_rows[1]) + steps.row(*top);
         let mut next = each!(i in [0, 1, 2] => x * a[i] + c[i] + y * b[i]);
-        let step = 2.0 * lattice.row_step;
-        for row in (*top..=*bottom).step_by(2) {
+        let step = each!(i in [0, 1, 2] => E::repeat(simd, b[i]) * E::load(simd, &steps.row_after_next));
+        let mut row = *top;
+        while row <= *bottom {
             let e = locations.displaced_in_two_rows(simd, edges, next, (start, row));
-            let covered = inside(simd, triangle, e);
-            if covered != 0 {
+            let covered = E::inside(e, least);
+            if covered.any_true() {
                 self.write_two(simd, triangle, e, covered, (start, row), rules);
             }
-            next = each!(i in [0, 1, 2] => next[i] + b[i] * step);
-            self.counts.visited += LANES as u64;
+            next = each!(i in [0, 1, 2] => next[i] + step[i]);
+            row += 2;
         }
+        self.counts.visited += ((row - top) * LANES / 2) as u64;
     }
 
     /// Tests the covered samples of four in a row and of the four below, and stores those that pass.
     #[inline(always)]
-    fn write_two<S: Simd>(
+    fn write_two<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
-        triangle: &Setup,
-        e: [F64<S>; 3],
-        covered: u64,
+        triangle: &Setup<E>,
+        e: [E::Eight<S>; 3],
+        covered: mask32x8<S>,
         (column, row): (usize, usize),
         rules: &DepthRules,
     ) {
@@ -267,27 +273,27 @@ impl Tile {
             let low = f32x4::from_slice(simd, &depths[..HALF]);
             let stored = low.combine(f32x4::from_slice(simd, &depths[STRIDE..]));
             passed &= passes(new, stored, rules.comparison);
-            if passed == 0 {
+            if !passed.any_true() {
                 return;
             }
-            let (low, high) = mask32x8::from_bitmask(simd, passed).select(new, stored).split();
+            let (low, high) = passed.select(new, stored).split();
             low.store_slice(&mut depths[..HALF]);
             high.store_slice(&mut depths[STRIDE..]);
         }
         let ids = &mut self.ids[upper..lower + HALF];
         let slot = u32x8::splat(simd, triangle.slot.0);
         let stored = u32x4::from_slice(simd, &ids[..HALF]).combine(u32x4::from_slice(simd, &ids[STRIDE..]));
-        let (low, high) = mask32x8::from_bitmask(simd, passed).select(slot, stored).split();
+        let (low, high) = passed.select(slot, stored).split();
         low.store_slice(&mut ids[..HALF]);
         high.store_slice(&mut ids[STRIDE..]);
     }
 
     /// A larger triangle: block by block.
     #[inline(never)]
-    fn draw_large<S: Simd>(
+    fn draw_large<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
-        triangle: &Setup,
+        triangle: &Setup<E>,
         locations: impl Locations,
         rules: &DepthRules,
         owner: &impl Fn(Slot) -> Option<Setup>,
@@ -300,27 +306,23 @@ impl Tile {
                     return;
                 }
                 let Setup { edges, columns, rows, .. } = triangle;
-                let (width, height) = (lattice.block_width, lattice.block_height);
-                let reach = each!(i in [0, 1, 2] => {
-                    let (a, b) = (edges.a[i], edges.b[i]);
-                    [a.min(0.0) * width + b.min(0.0) * height, a.max(0.0) * width + b.max(0.0) * height]
-                });
+                let (steps, least_inside) = (E::steps(lattice), triangle.least_inside(simd));
+                let [across, down] = steps.block;
+                let reach = each!(i in [0, 1, 2] => E::reach(edges.a[i], edges.b[i], across, down));
                 let touched = (u64::MAX >> (63 - columns[1] / BLOCK)) & (u64::MAX << (columns[0] / BLOCK));
-                let blocks = F64::load_array(simd, lattice.blocks);
+                let blocks = E::load(simd, &steps.blocks);
                 let along = each!(i in [0, 1, 2] => blocks * edges.a[i] + edges.c[i]);
                 for by in rows[0] / BLOCK..=rows[1] / BLOCK {
-                    let y = (by * BLOCK) as f64 * lattice.row_step;
+                    let y = steps.row(by * BLOCK);
                     let first = each!(i in [0, 1, 2] => along[i] + edges.b[i] * y);
-                    let (mut candidates, mut accepted) = (touched, touched);
-                    for i in 0..3 {
-                        candidates &= (first[i] + reach[i][1]).simd_ge(triangle.inside[i]).to_bitmask();
-                        accepted &= (first[i] + reach[i][0]).simd_ge(triangle.inside[i]).to_bitmask();
-                    }
+                    let [least, greatest] = each!(end in [0, 1] => each!(i in [0, 1, 2] => first[i] + reach[i][end]));
+                    let mut candidates = touched & E::inside_bits(greatest, least_inside);
+                    let accepted = E::inside_bits(least, least_inside);
                     if candidates == 0 {
                         continue;
                     }
                     let here = by * BLOCKS..(by + 1) * BLOCKS;
-                    let [low, high] = depth_bounds(simd, triangle, first, [width, height], rules);
+                    let [low, high] = depth_bounds(simd, triangle, first, lattice.doubles.block, rules);
                     let stored = [
                         F32::from_slice(simd, &self.least[here.clone()]),
                         F32::from_slice(simd, &self.greatest[here.clone()]),
@@ -354,7 +356,13 @@ impl Tile {
 
     /// Whether a triangle lies behind all that the tile holds.
     #[inline(always)]
-    fn hides<S: Simd>(&self, simd: S, triangle: &Setup, lattice: &Lattice, rules: &DepthRules) -> bool {
+    fn hides<S: Simd, E: EdgeNumber>(
+        &self,
+        simd: S,
+        triangle: &Setup<E>,
+        lattice: &Lattice,
+        rules: &DepthRules,
+    ) -> bool {
         // A triangle that would be in front at the first sample is not behind everywhere: mostly that is enough to know.
         let first = depth_at_first(triangle);
         let in_front = match rules.comparison {
@@ -365,7 +373,7 @@ impl Tile {
         if in_front || !self.bounded || !rules.stored {
             return false;
         }
-        let first = each!(i in [0, 1, 2] => F64::splat(simd, triangle.edges.c[i]));
+        let first = each!(i in [0, 1, 2] => E::repeat(simd, triangle.edges.c[i]));
         let bounds = depth_bounds(simd, triangle, first, lattice.tile_extent(), rules);
         // Eight columns of blocks.
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
@@ -411,6 +419,7 @@ impl Tile {
                             let kept = kept >> (below * LANES) & 0xFF;
                             if kept != 0 {
                                 let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
+                                let kept = mask32x8::from_bitmask(simd, kept);
                                 self.write(simd, triangle, e, kept, (bx * BLOCK, row + below), rules);
                             }
                         }
@@ -439,10 +448,10 @@ impl Tile {
             #[inline(always)]
             || {
                 let e = edge_values(simd, &triangle.edges, (column, row), locations);
-                let mut passed = inside(simd, triangle, e);
+                let mut passed = f64::inside_bits(e, triangle.least_inside(simd));
                 if rules.stored {
                     let stored = F32::from_slice(simd, &self.depths[row * STRIDE + column..][..LANES]);
-                    passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison);
+                    passed &= passes(depth(simd, triangle, e, rules), stored, rules.comparison).to_bitmask();
                 }
                 *edges = each!(i in [0, 1, 2] => e[i].to_array());
                 passed
@@ -452,24 +461,25 @@ impl Tile {
 
     /// The samples of one block.
     #[inline(always)]
-    fn draw_block<S: Simd>(
+    fn draw_block<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
-        triangle: &Setup,
+        triangle: &Setup<E>,
         (bx, by): (usize, usize),
         locations: impl Locations,
         rules: &DepthRules,
     ) {
         let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
-        let x = F64::load_array(simd, lattice.lanes) + bx as f64 * lattice.block_step;
+        let (steps, least) = (E::steps(lattice), triangle.least_inside(simd));
+        let x = E::load(simd, &steps.lanes) + steps.blocks[bx];
         let touched = rows_in(triangle, by);
         self.counts.visited += (touched.len() * BLOCK) as u64;
         let mut rows = Rows::new(simd, edges, x, touched.start, lattice);
         let mut written = false;
         for row in touched {
             let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (bx * BLOCK, row));
-            let covered = inside(simd, triangle, e);
-            if covered != 0 {
+            let covered = E::inside(e, least);
+            if covered.any_true() {
                 written |= self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
             }
         }
@@ -480,12 +490,12 @@ impl Tile {
 
     /// Tests the covered samples of eight in a row, and stores those that pass. Whether there are any.
     #[inline(always)]
-    fn write<S: Simd>(
+    fn write<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
-        triangle: &Setup,
-        e: [F64<S>; 3],
-        covered: u64,
+        triangle: &Setup<E>,
+        e: [E::Eight<S>; 3],
+        covered: mask32x8<S>,
         (column, row): (usize, usize),
         rules: &DepthRules,
     ) -> bool {
@@ -497,13 +507,13 @@ impl Tile {
             let new = depth(simd, triangle, e, rules);
             let stored = F32::from_slice(simd, depths);
             passed &= passes(new, stored, rules.comparison);
-            if passed == 0 {
+            if !passed.any_true() {
                 return false;
             }
-            mask32x8::from_bitmask(simd, passed).select(new, stored).store_slice(depths);
+            passed.select(new, stored).store_slice(depths);
         }
         let slot = u32x8::splat(simd, triangle.slot.0);
-        mask32x8::from_bitmask(simd, passed).select(slot, u32x8::from_slice(simd, ids)).store_slice(ids);
+        passed.select(slot, u32x8::from_slice(simd, ids)).store_slice(ids);
         true
     }
 
@@ -547,7 +557,7 @@ impl Tile {
 
     /// Whether a triangle may pass the depth test anywhere in a block.
     #[inline(always)]
-    fn may_show(&self, triangle: &Setup, block: usize, rules: &DepthRules) -> bool {
+    fn may_show<E: EdgeNumber>(&self, triangle: &Setup<E>, block: usize, rules: &DepthRules) -> bool {
         let [low, high] = whole_depths(triangle, rules);
         match rules.comparison {
             Comparison::Always => true,
@@ -560,7 +570,7 @@ impl Tile {
 
     /// Lets the bounds of a block hold after a triangle was drawn into it.
     #[inline(always)]
-    fn widen_bounds(&mut self, triangle: &Setup, block: usize, rules: &DepthRules) {
+    fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: usize, rules: &DepthRules) {
         let [low, high] = whole_depths(triangle, rules);
         match rules.comparison {
             Comparison::Less | Comparison::LessEqual => self.least[block] = self.least[block].min(low),
@@ -589,15 +599,7 @@ fn blocks(triangle: &Setup) -> impl Iterator<Item = (usize, usize)> + use<> {
 }
 
 /// The rows of a triangle that lie in a row of blocks.
-fn rows_in(triangle: &Setup, by: usize) -> Range<usize> {
+fn rows_in<E>(triangle: &Setup<E>, by: usize) -> Range<usize> {
     let [top, bottom] = triangle.rows;
     top.max(by * BLOCK)..(bottom + 1).min((by + 1) * BLOCK)
-}
-
-/// Bits of the samples that are inside all edges.
-#[inline(always)]
-pub(super) fn inside<S: Simd>(_: S, triangle: &Setup, e: [F64<S>; 3]) -> u64 {
-    let Setup { inside, .. } = triangle;
-    let all = e[0].simd_ge(inside[0]) & e[1].simd_ge(inside[1]) & e[2].simd_ge(inside[2]);
-    all.to_bitmask()
 }

@@ -1,0 +1,373 @@
+//! Eight triangles of a tile that are set up together, as doubles and as integers.
+
+use super::edge_number::EdgeNumber;
+use super::geometry::Vertex;
+use super::lattice::{Lattice, TILE};
+use super::record::{Record, Slot};
+use super::setup::{Edges, Origin, Setup, least_inside};
+use crate::math::lanes::*;
+use crate::pipeline::depth::DepthScale;
+use crate::pipeline::settings::FillRule;
+
+/// The edges of eight triangles.
+#[derive(Clone, Debug, Default)]
+#[repr(align(32))]
+struct EdgeArrays<E> {
+    a: [[E; LANES]; 3],
+    b: [[E; LANES]; 3],
+    c: [[E; LANES]; 3],
+    /// The least value that is inside.
+    inside: [[E; LANES]; 3],
+}
+
+/// Eight triangles that are set up together.
+#[derive(Clone, Debug, Default)]
+#[repr(align(32))]
+pub(super) struct Batch {
+    doubles: EdgeArrays<f64>,
+    integers: EdgeArrays<i32>,
+    /// A bit for each triangle for which integers hold the edge values of the whole tile.
+    fit: u64,
+    least: [f64; LANES],
+    greatest: [f64; LANES],
+    /// What depth rises by, in the order of the doubles and in that of the integers.
+    rises: [[[f64; LANES]; 3]; 2],
+    inv_w: [[f64; LANES]; 3],
+    columns: [[i32; LANES]; 2],
+    rows: [[i32; LANES]; 2],
+    /// The least and the greatest coordinate along each axis, in grid steps; only known if pixels have several samples.
+    boxes: [[[f32; LANES]; 2]; 2],
+}
+
+/// Triangles that are set up.
+pub(super) trait Triangles {
+    /// Whether integers of 32 bits hold the edge values of one of them at all samples of the tile.
+    fn fits(&self, lane: usize) -> bool;
+
+    /// One of them; with integers only if those fit.
+    fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E>;
+}
+
+impl Batch {
+    /// Sets up eight triangles by their corners as [`Setup::new`] does, fills their records, and says by bits which of them
+    /// may have a sample in the tile, and which of those have edge values of more than 32 bits at samples of pixels that they
+    /// cover another sample of.
+    #[inline(never)]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "eight triangles, their records, and what is the same for all triangles"
+    )]
+    pub(super) fn set_up<S: Simd>(
+        &mut self,
+        simd: S,
+        triangles: &[[&Vertex; 3]; LANES],
+        (records, divides_by_w): (&mut [Record; LANES], u64),
+        rule: FillRule,
+        scale: &DepthScale,
+        lattice: &Lattice,
+        (origin, first): Origin,
+    ) -> (u64, u64) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let vertices = each!(corner in [0, 1, 2] => {
+                    each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner])
+                });
+                let corners = each!(corner in [0, 1, 2] => Vertex::positions_and_depths(simd, &vertices[corner]));
+                let boxes = each!(axis in [0, 1] => {
+                    let [a, b, c] = each!(i in [0, 1, 2] => corners[i].0[axis]);
+                    [a.min(b).min(c), a.max(b).max(c)]
+                });
+                let mut alive = ranges_lanes(simd, boxes, lattice, first, [&mut self.columns, &mut self.rows]);
+                let p =
+                    each!(i in [0, 1, 2] => each!(axis in [0, 1] => widen(simd, corners[i].0[axis]) - origin[axis]));
+                let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
+                alive &= area.simd_ne(0.0).to_bitmask();
+                if alive == 0 {
+                    return (0, 0);
+                }
+                let turned = area.simd_lt(0.0);
+                let doubled_area = area.abs();
+                let zero_and_one = [F64::splat(simd, 0.0), F64::splat(simd, 1.0)];
+                let (mut greatest_value, mut greatest_in_tile) = (doubled_area, doubled_area);
+                for (i, (from, to)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
+                    let (a, b) = (p[from][1] - p[to][1], p[to][0] - p[from][0]);
+                    let (a, b) = (turned.select(-a, a), turned.select(-b, b));
+                    let c = -(a * p[from][0] + b * p[from][1]);
+                    a.store_array(&mut self.doubles.a[i]);
+                    b.store_array(&mut self.doubles.b[i]);
+                    c.store_array(&mut self.doubles.c[i]);
+                    least_inside(zero_and_one, a, b, rule).store_array(&mut self.doubles.inside[i]);
+                    let steepness = a.abs() + b.abs();
+                    greatest_value = greatest_value.max(doubled_area + steepness * lattice.extent());
+                    greatest_in_tile = greatest_in_tile.max(c.abs() + steepness * lattice.farthest());
+                }
+                self.fit = greatest_in_tile.simd_lt(f64::from(i32::MAX)).to_bitmask();
+                let depths = each!(i in [0, 1, 2] => corners[i].1);
+                let least = depths[0].min(depths[1]).min(depths[2]);
+                least.store_array(&mut self.least);
+                depths[0].max(depths[1]).max(depths[2]).store_array(&mut self.greatest);
+                let mut rises = each!(i in [0, 1, 2] => depths[i] - least);
+                let is_least = if scale.is_linear_in_space() {
+                    self.inv_w = each!(corner in [0, 1, 2] => {
+                        each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => triangles[lane][corner].inv_w().into())
+                    });
+                    [mask64x8::from_bitmask(simd, 0); 2]
+                } else {
+                    rises = each!(i in [0, 1, 2] => rises[i] / doubled_area);
+                    each!(i in [0, 1] => depths[i].simd_eq(least))
+                };
+                let in_turn = rotated(is_least, rises);
+                for i in 0..3 {
+                    rises[i].store_array(&mut self.rises[0][i]);
+                    in_turn[i].store_array(&mut self.rises[1][i]);
+                }
+                let positions = each!(i in [0, 1, 2] => corners[i].0);
+                let (edges, area) = integer_edges(simd, positions, origin, turned.to_bitmask());
+                let attributes = each!(corner in [0, 1, 2] => Vertex::attributes(simd, &vertices[corner]));
+                Record::fill_eight(simd, records, [edges[0], edges[1]], area, attributes, divides_by_w);
+                let is_least = each!(i in [0, 1] => mask32x8::from_bitmask(simd, is_least[i].to_bitmask()));
+                let edges = each!(term in [0, 1, 2] => {
+                    rotated(is_least, each!(i in [0, 1, 2] => edges[i][term]))
+                });
+                self.integers.fill(simd, edges, rule);
+                if lattice.extent() > 0.0 {
+                    self.boxes = each!(axis in [0, 1] => each!(end in [0, 1] => boxes[axis][end].to_array()));
+                }
+                (alive, alive & greatest_value.simd_gt(f64::from(i32::MAX)).to_bitmask())
+            },
+        )
+    }
+
+    /// The same triangles for the samples of another lattice, that are moved from those of the first one, and bits of those
+    /// which may have one in the tile. What differs is where edges and boxes stand.
+    #[inline(always)]
+    pub(super) fn moved<S: Simd>(&self, simd: S, lattice: &Lattice, first: [f32; 2]) -> (u64, MovedBatch<'_>) {
+        let boxes = each!(axis in [0, 1] => each!(end in [0, 1] => F32::load_array_ref(simd, &self.boxes[axis][end])));
+        let [mut columns, mut rows] = [[[0; LANES]; 2]; 2];
+        let alive = ranges_lanes(simd, boxes, lattice, first, [&mut columns, &mut rows]);
+        let c = (self.doubles.moved(simd, lattice), self.integers.moved(simd, lattice));
+        (alive, MovedBatch { batch: self, c, columns, rows })
+    }
+}
+
+impl Triangles for Batch {
+    #[inline(always)]
+    fn fits(&self, lane: usize) -> bool {
+        self.fit >> lane & 1 != 0
+    }
+
+    #[inline(always)]
+    fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E> {
+        let Self { doubles, integers, .. } = self;
+        let edges = Edges {
+            a: of_lane(E::pick(&doubles.a, &integers.a), lane),
+            b: of_lane(E::pick(&doubles.b, &integers.b), lane),
+            c: of_lane(E::pick(&doubles.c, &integers.c), lane),
+        };
+        Setup {
+            slot,
+            edges,
+            inside: of_lane(E::pick(&doubles.inside, &integers.inside), lane),
+            least: self.least[lane],
+            rises: of_lane(&self.rises[usize::from(E::LAST_IS_LEAST)], lane),
+            greatest: self.greatest[lane],
+            inv_w: of_lane(&self.inv_w, lane),
+            columns: range_of(&self.columns, lane),
+            rows: range_of(&self.rows, lane),
+        }
+    }
+}
+
+impl EdgeArrays<i32> {
+    /// From a, b and c, each of all edges.
+    #[inline(always)]
+    fn fill<S: Simd>(&mut self, simd: S, [a, b, c]: [[i32x8<S>; 3]; 3], rule: FillRule) {
+        let zero_and_one = [i32x8::splat(simd, 0), i32x8::splat(simd, 1)];
+        for i in 0..3 {
+            a[i].store_array(&mut self.a[i]);
+            b[i].store_array(&mut self.b[i]);
+            c[i].store_array(&mut self.c[i]);
+            least_inside(zero_and_one, a[i], b[i], rule).store_array(&mut self.inside[i]);
+        }
+    }
+}
+
+impl<E: EdgeNumber> EdgeArrays<E> {
+    /// c for the samples of a lattice that is moved.
+    #[inline(always)]
+    fn moved<S: Simd>(&self, simd: S, lattice: &Lattice) -> [[E; LANES]; 3] {
+        let [right, down] = lattice.offset().map(E::of);
+        each!(i in [0, 1, 2] => {
+            let [a, b, c] = each!(of in [&self.a, &self.b, &self.c] => E::load(simd, &of[i]));
+            E::store(a * right + b * down + c)
+        })
+    }
+}
+
+/// The triangles of a batch as another sample sees them.
+#[derive(Debug)]
+#[repr(align(32))]
+pub(super) struct MovedBatch<'a> {
+    batch: &'a Batch,
+    c: ([[f64; LANES]; 3], [[i32; LANES]; 3]),
+    columns: [[i32; LANES]; 2],
+    rows: [[i32; LANES]; 2],
+}
+
+impl Triangles for MovedBatch<'_> {
+    #[inline(always)]
+    fn fits(&self, lane: usize) -> bool {
+        self.batch.fits(lane)
+    }
+
+    #[inline(always)]
+    fn triangle<E: EdgeNumber>(&self, lane: usize, slot: Slot) -> Setup<E> {
+        let mut triangle = self.batch.triangle::<E>(lane, slot);
+        triangle.edges.c = of_lane(E::pick(&self.c.0, &self.c.1), lane);
+        triangle.columns = range_of(&self.columns, lane);
+        triangle.rows = range_of(&self.rows, lane);
+        triangle
+    }
+}
+
+/// What belongs to the corners of one of eight triangles.
+#[inline(always)]
+fn of_lane<T: Copy>(values: &[[T; LANES]; 3], lane: usize) -> [T; 3] {
+    each!(i in [0, 1, 2] => values[i][lane])
+}
+
+/// What belongs to three corners, beginning with the one after the first or the second if there is a bit for that, so that it
+/// comes last.
+#[inline(always)]
+fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V; 3]) -> [V; 3] {
+    each!((of_first, of_second, of_third) in [(b, c, a), (c, a, b), (a, b, c)] => {
+        first.select(of_first, second.select(of_second, of_third))
+    })
+}
+
+/// First and last column or row of one of eight triangles.
+#[inline(always)]
+fn range_of(ranges: &[[i32; LANES]; 2], lane: usize) -> [usize; 2] {
+    [ranges[0][lane] as usize, ranges[1][lane] as usize]
+}
+
+/// Finds the first and last columns and rows of the samples in a tile that eight triangles may cover, by the triangles' boxes in
+/// grid steps. Gives bits of those that have any.
+#[inline(always)]
+fn ranges_lanes<S: Simd>(
+    simd: S,
+    boxes: [[F32<S>; 2]; 2],
+    lattice: &Lattice,
+    first: [f32; 2],
+    ranges: [&mut [[i32; LANES]; 2]; 2],
+) -> u64 {
+    let mut alive = u64::MAX;
+    for (axis, out) in ranges.into_iter().enumerate() {
+        let [from, to] = lattice.range_lanes(simd, axis, boxes[axis][0], boxes[axis][1]);
+        let (from, to) = ((from - first[axis]).max(0.0), (to - first[axis]).min((TILE - 1) as f32));
+        alive &= from.simd_le(to).to_bitmask();
+        from.to_int::<i32x8<S>>().store_array(&mut out[0]);
+        to.to_int::<i32x8<S>>().store_array(&mut out[1]);
+    }
+    alive
+}
+
+/// a, b and c of the edges of eight triangles, and their doubled areas, by positions in grid steps: low 32 bits.
+#[inline(always)]
+fn integer_edges<S: Simd>(
+    simd: S,
+    corners: [[F32<S>; 2]; 3],
+    origin: [f64; 2],
+    turned: u64,
+) -> ([[i32x8<S>; 3]; 3], i32x8<S>) {
+    let p =
+        each!(i in [0, 1, 2] => each!(axis in [0, 1] => corners[i][axis].to_int::<i32x8<S>>() - origin[axis] as i32));
+    let turned = mask32x8::from_bitmask(simd, turned);
+    let [first, second] = each!((from, to) in [(1, 2), (2, 0)] => {
+        let (from, to) = (p[from], p[to]);
+        let (a, b) = (from[1] - to[1], to[0] - from[0]);
+        let (a, b) = (turned.select(-a, a), turned.select(-b, b));
+        [a, b, -(a * from[0] + b * from[1])]
+    });
+    let area = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
+    let area = turned.select(-area, area);
+    // Edge values add up to the doubled area everywhere.
+    let zero = i32x8::splat(simd, 0);
+    let third = each!((of_all, i) in [(zero, 0), (zero, 1), (area, 2)] => of_all - first[i] - second[i]);
+    ([first, second, third], area)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::grid::SampleGrid;
+
+    /// Three corners that lie so many grid steps from each other at most, somewhere around a place.
+    fn corners(random: &mut fastrand::Rng, around: [f64; 2], extent: i32) -> [Vertex; 3] {
+        let place = around.map(|along| along as i32 + random.i32(-8192..8192));
+        [(); 3].map(|()| {
+            let position = place.map(|along| (along + random.i32(0..=extent)) as f32);
+            Vertex::new(position, random.f64(), 1.0, 0.0, [0.0; 2])
+        })
+    }
+
+    /// Edge values at a place from the tile's first sample on, without rounding.
+    fn values<E: EdgeNumber>(triangle: &Setup<E>, [x, y]: [i64; 2]) -> [i64; 3] {
+        let Edges { a, b, c } = triangle.edges;
+        std::array::from_fn(|i| a[i].double() as i64 * x + b[i].double() as i64 * y + c[i].double() as i64)
+    }
+
+    #[test]
+    fn integers_are_the_doubles_in_turn_and_fit() {
+        let mut random = fastrand::Rng::with_seed(4);
+        let (mut small, mut large) = (0, 0);
+        let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Block { step: 3 }, SampleGrid::Checkerboard];
+        for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
+            let offsets = [[-96, 32], [96, -32]];
+            let centres = Lattice::new(grid);
+            let (lattice, sample) = (centres.with_samples(&offsets), centres.moved(offsets[1]));
+            let place = (3, 2);
+            let (origin, first) = (lattice.origin(place), [3.0 * TILE as f32, 2.0 * TILE as f32]);
+            let farthest = lattice.farthest() as i64;
+            for round in 0..200 {
+                let vertices = [(); LANES].map(|()| corners(&mut random, origin, 1 << (round % 22)));
+                let triangles = std::array::from_fn(|lane| vertices[lane].each_ref());
+                let (mut batch, mut records) = (Batch::default(), [Record::default(); LANES]);
+                let (rule, scale) = (FillRule::TopLeft, DepthScale::default());
+                let (alive, _) = on_lanes!(lanes, simd => {
+                    batch.set_up(simd, &triangles, (&mut records, 0), rule, &scale, &lattice, (origin, first))
+                });
+                let (_, moved) = on_lanes!(lanes, simd => batch.moved(simd, &sample, first));
+                for lane in (0..LANES).filter(|lane| alive >> lane & 1 != 0) {
+                    let doubles: Setup<f64> = batch.triangle(lane, Slot::NONE);
+                    let ends = [[0, 0], [farthest, 0], [0, farthest], [farthest, farthest]];
+                    let fit =
+                        ends.iter().flat_map(|end| values(&doubles, *end)).all(|value| i32::try_from(value).is_ok());
+                    if !batch.fits(lane) {
+                        large += 1;
+                        continue;
+                    }
+                    small += 1;
+                    assert!(fit);
+                    let integers: Setup<i32> = batch.triangle(lane, Slot::NONE);
+                    assert_eq!((integers.rises[2], integers.least), (0.0, doubles.least));
+                    let turn = (0..3)
+                        .find(|turn| values(&integers, [0, 0])[0] == values(&doubles, [0, 0])[*turn])
+                        .expect("the first of the integers' edges is one of the doubles'");
+                    let turned = |i: usize| (i + turn) % 3;
+                    let seen = (moved.triangle::<f64>(lane, Slot::NONE), moved.triangle::<i32>(lane, Slot::NONE));
+                    for i in 0..3 {
+                        assert_eq!(integers.rises[i], doubles.rises[turned(i)]);
+                        assert_eq!(integers.inside[i].double(), doubles.inside[turned(i)]);
+                        for end in ends {
+                            assert_eq!(values(&integers, end)[i], values(&doubles, end)[turned(i)]);
+                            assert_eq!(values(&seen.1, end)[i], values(&seen.0, end)[turned(i)]);
+                        }
+                    }
+                }
+            }
+        }
+        assert!(small > 300 && large > 300, "{small} triangles fit, {large} do not");
+    }
+}

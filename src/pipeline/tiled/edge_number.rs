@@ -1,0 +1,193 @@
+//! In which numbers the edge values of a triangle are computed within a tile. All of them are whole: doubles hold those of every
+//! triangle, integers of 32 bits those of most, and of integers twice as many fit a register.
+
+use std::ops::{Add, Mul, Sub};
+
+use super::lattice::{Lattice, Steps};
+use crate::math::lanes::*;
+
+/// A kind of numbers, one or eight at a time.
+pub(super) trait EdgeNumber: Copy + Default + Add<Output = Self> + Mul<Output = Self> {
+    /// Eight of them.
+    type Eight<S: Simd>: Copy
+        + Add<Output = Self::Eight<S>>
+        + Sub<Output = Self::Eight<S>>
+        + Add<Self, Output = Self::Eight<S>>
+        + Mul<Output = Self::Eight<S>>
+        + Mul<Self, Output = Self::Eight<S>>;
+
+    /// Edges are given in such an order that the last one is opposite a corner of least depth, which depth does not rise to. Not
+    /// so if depths are linear in space.
+    const LAST_IS_LEAST: bool;
+
+    /// An integer as such a number.
+    fn of(number: i32) -> Self;
+
+    /// The same number.
+    fn double(self) -> f64;
+
+    /// The least and the greatest that a product of two such numbers with a number from 0 to these can add up to.
+    fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2];
+
+    /// Places of samples.
+    fn steps(lattice: &Lattice) -> &Steps<Self>;
+
+    /// Of the numbers of eight triangles those that are of this kind.
+    fn pick<'a>(doubles: &'a [[f64; LANES]; 3], integers: &'a [[i32; LANES]; 3]) -> &'a [[Self; LANES]; 3];
+
+    /// Eight numbers.
+    fn load<S: Simd>(simd: S, numbers: &[Self; LANES]) -> Self::Eight<S>;
+
+    /// The same as an array.
+    fn store<S: Simd>(numbers: Self::Eight<S>) -> [Self; LANES];
+
+    /// Eight times the same number.
+    fn repeat<S: Simd>(simd: S, number: Self) -> Self::Eight<S>;
+
+    /// Floats that are whole numbers.
+    fn of_floats<S: Simd>(simd: S, floats: F32<S>) -> Self::Eight<S>;
+
+    /// The same numbers.
+    fn doubles<S: Simd>(simd: S, numbers: Self::Eight<S>) -> F64<S>;
+
+    /// The places where no edge value is below the least one that is inside.
+    fn inside<S: Simd>(values: [Self::Eight<S>; 3], least: [Self::Eight<S>; 3]) -> mask32x8<S>;
+
+    /// Their bits.
+    fn inside_bits<S: Simd>(values: [Self::Eight<S>; 3], least: [Self::Eight<S>; 3]) -> u64;
+}
+
+impl EdgeNumber for f64 {
+    type Eight<S: Simd> = F64<S>;
+
+    const LAST_IS_LEAST: bool = false;
+
+    #[inline(always)]
+    fn of(number: i32) -> Self {
+        number.into()
+    }
+
+    #[inline(always)]
+    fn double(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2] {
+        [a.min(0.0) * width + b.min(0.0) * height, a.max(0.0) * width + b.max(0.0) * height]
+    }
+
+    #[inline(always)]
+    fn steps(lattice: &Lattice) -> &Steps<Self> {
+        &lattice.doubles
+    }
+
+    #[inline(always)]
+    fn pick<'a>(doubles: &'a [[f64; LANES]; 3], _: &'a [[i32; LANES]; 3]) -> &'a [[Self; LANES]; 3] {
+        doubles
+    }
+
+    #[inline(always)]
+    fn load<S: Simd>(simd: S, numbers: &[Self; LANES]) -> F64<S> {
+        F64::load_array_ref(simd, numbers)
+    }
+
+    #[inline(always)]
+    fn store<S: Simd>(numbers: F64<S>) -> [Self; LANES] {
+        numbers.to_array()
+    }
+
+    #[inline(always)]
+    fn repeat<S: Simd>(simd: S, number: Self) -> F64<S> {
+        F64::splat(simd, number)
+    }
+
+    #[inline(always)]
+    fn of_floats<S: Simd>(simd: S, floats: F32<S>) -> F64<S> {
+        widen(simd, floats)
+    }
+
+    #[inline(always)]
+    fn doubles<S: Simd>(_: S, numbers: F64<S>) -> F64<S> {
+        numbers
+    }
+
+    #[inline(always)]
+    fn inside<S: Simd>(values: [F64<S>; 3], least: [F64<S>; 3]) -> mask32x8<S> {
+        mask32x8::from_bitmask(values[0].simd, Self::inside_bits(values, least))
+    }
+
+    #[inline(always)]
+    fn inside_bits<S: Simd>(values: [F64<S>; 3], least: [F64<S>; 3]) -> u64 {
+        let all = values[0].simd_ge(least[0]) & values[1].simd_ge(least[1]) & values[2].simd_ge(least[2]);
+        all.to_bitmask()
+    }
+}
+
+impl EdgeNumber for i32 {
+    type Eight<S: Simd> = i32x8<S>;
+
+    const LAST_IS_LEAST: bool = true;
+
+    #[inline(always)]
+    fn of(number: i32) -> Self {
+        number
+    }
+
+    #[inline(always)]
+    fn double(self) -> f64 {
+        self.into()
+    }
+
+    #[inline(always)]
+    fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2] {
+        [a.min(0) * width + b.min(0) * height, a.max(0) * width + b.max(0) * height]
+    }
+
+    #[inline(always)]
+    fn steps(lattice: &Lattice) -> &Steps<Self> {
+        &lattice.integers
+    }
+
+    #[inline(always)]
+    fn pick<'a>(_: &'a [[f64; LANES]; 3], integers: &'a [[i32; LANES]; 3]) -> &'a [[Self; LANES]; 3] {
+        integers
+    }
+
+    #[inline(always)]
+    fn load<S: Simd>(simd: S, numbers: &[Self; LANES]) -> i32x8<S> {
+        i32x8::load_array_ref(simd, numbers)
+    }
+
+    #[inline(always)]
+    fn store<S: Simd>(numbers: i32x8<S>) -> [Self; LANES] {
+        numbers.to_array()
+    }
+
+    #[inline(always)]
+    fn repeat<S: Simd>(simd: S, number: Self) -> i32x8<S> {
+        i32x8::splat(simd, number)
+    }
+
+    #[inline(always)]
+    fn of_floats<S: Simd>(_: S, floats: F32<S>) -> i32x8<S> {
+        floats.to_int()
+    }
+
+    #[inline(always)]
+    fn doubles<S: Simd>(simd: S, numbers: i32x8<S>) -> F64<S> {
+        doubles_of(simd, numbers)
+    }
+
+    #[inline(always)]
+    fn inside<S: Simd>(values: [i32x8<S>; 3], least: [i32x8<S>; 3]) -> mask32x8<S> {
+        // Whether one is greater is an instruction, whether it is greater or equal is none.
+        let outside = least[0].simd_gt(values[0]) | least[1].simd_gt(values[1]) | least[2].simd_gt(values[2]);
+        !outside
+    }
+
+    #[inline(always)]
+    fn inside_bits<S: Simd>(values: [i32x8<S>; 3], least: [i32x8<S>; 3]) -> u64 {
+        Self::inside(values, least).to_bitmask()
+    }
+}
