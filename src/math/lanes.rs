@@ -315,6 +315,7 @@ mod tests {
             assert_eq!(back, rows[..LANES], "by {}", lanes.name());
         }
     }
+
     #[test]
     fn integers_are_doubles_too() {
         let numbers = [0, 1, -1, i32::MAX, i32::MIN, 123_456_789, -16_777_217, 255];

@@ -285,7 +285,8 @@ fn jittered_samples_give_the_same_picture_by_every_depth_test_and_format() {
 fn triangles_of_all_sizes_are_sampled_alike() {
     let mut renderers = Renderers::of(SMALL);
     let few = [Samples::Four, Samples::Sixteen];
-    let recipes = [multisampled(&few), jittered(&few)];
+    let single: Vec<_> = Upscaling::every().map(|upscaler| Recipe { upscaler, ..Recipe::default() }).collect();
+    let recipes = [multisampled(&few), jittered(&few), single.clone(), single];
     let recipes = recipes.map(|recipes| with::<FillRule>(&recipes, |r, c| r.pipeline.fill_rule = c));
     common::for_seeds(6, |random| {
         let mut triangles = |count: u32, least_px: f32, greatest_px: f32| {

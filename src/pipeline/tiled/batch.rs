@@ -49,7 +49,7 @@ pub(super) trait Triangles {
 }
 
 impl Batch {
-    /// Sets up eight triangles by their corners as [`Setup::new`] does, fills their records, and says by bits which of them
+    /// Sets up eight triangles by their corners as [`Setup::new`] does, as doubles and as integers, fills their records, and says by bits which of them
     /// may have a sample in the tile, and which of those have edge values of more than 32 bits at samples of pixels that they
     /// cover another sample of.
     #[inline(never)]
@@ -89,7 +89,8 @@ impl Batch {
                 let turned = area.simd_lt(0.0);
                 let doubled_area = area.abs();
                 let zero_and_one = [F64::splat(simd, 0.0), F64::splat(simd, 1.0)];
-                let (mut greatest_value, mut greatest_in_tile) = (doubled_area, doubled_area);
+                // Sums of magnitudes, so that no partial sum overflows either, in whatever order.
+                let (mut greatest_value, mut greatest_in_tile) = (doubled_area, zero_and_one[0]);
                 for (i, (from, to)) in [(1, 2), (2, 0), (0, 1)].into_iter().enumerate() {
                     let (a, b) = (p[from][1] - p[to][1], p[to][0] - p[from][0]);
                     let (a, b) = (turned.select(-a, a), turned.select(-b, b));
@@ -237,8 +238,8 @@ fn of_lane<T: Copy>(values: &[[T; LANES]; 3], lane: usize) -> [T; 3] {
     each!(i in [0, 1, 2] => values[i][lane])
 }
 
-/// What belongs to three corners, beginning with the one after the first or the second if there is a bit for that, so that it
-/// comes last.
+/// What belongs to three corners, turned so that the first comes last where there is a bit for it, else the second where there is
+/// one for that, else as it is.
 #[inline(always)]
 fn rotated<S: Simd, V: SimdBase<S>>([first, second]: [V::Mask; 2], [a, b, c]: [V; 3]) -> [V; 3] {
     each!((of_first, of_second, of_third) in [(b, c, a), (c, a, b), (a, b, c)] => {
@@ -301,14 +302,18 @@ fn integer_edges<S: Simd>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::pipeline::depth::DepthEncoding;
     use crate::pipeline::grid::SampleGrid;
+    use crate::pipeline::settings::Choice as _;
+    use crate::scene::DepthMapping;
 
-    /// Three corners that lie so many grid steps from each other at most, somewhere around a place.
+    /// Three corners that lie so many grid steps from each other at most, somewhere around a place. Often some are equally deep.
     fn corners(random: &mut fastrand::Rng, around: [f64; 2], extent: i32) -> [Vertex; 3] {
         let place = around.map(|along| along as i32 + random.i32(-8192..8192));
         [(); 3].map(|()| {
             let position = place.map(|along| (along + random.i32(0..=extent)) as f32);
-            Vertex::new(position, random.f64(), 1.0, 0.0, [0.0; 2])
+            let depth = if random.bool() { random.f64() } else { f64::from(random.u8(..3)) * 0.5 };
+            Vertex::new(position, depth, 1.0, 0.0, [0.0; 2])
         })
     }
 
@@ -323,51 +328,61 @@ mod tests {
         let mut random = fastrand::Rng::with_seed(4);
         let (mut small, mut large) = (0, 0);
         let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Block { step: 3 }, SampleGrid::Checkerboard];
+        let linear = DepthScale::perspective(DepthMapping::Linear, DepthEncoding::F32, 0.1, 100.0);
+        let scales = [(DepthScale::default(), false), (linear, true)];
         for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
             let offsets = [[-96, 32], [96, -32]];
             let centres = Lattice::new(grid);
             let (lattice, sample) = (centres.with_samples(&offsets), centres.moved(offsets[1]));
-            let place = (3, 2);
-            let (origin, first) = (lattice.origin(place), [3.0 * TILE as f32, 2.0 * TILE as f32]);
-            let farthest = lattice.farthest() as i64;
-            for round in 0..200 {
+            let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
+            // The last samples that eight of a row and two rows take in, and as far beyond as samples lie from each other, twice.
+            let [right, _] = lattice.place((TILE + LANES - 3, 2));
+            let [_, below] = lattice.place((0, TILE));
+            let [left, right, below] = [-192, right + 384, below + 384].map(i64::from);
+            let ends = [[left, left], [right, left], [left, below], [right, below]];
+            for round in 0..400 {
                 let vertices = [(); LANES].map(|()| corners(&mut random, origin, 1 << (round % 22)));
                 let triangles = std::array::from_fn(|lane| vertices[lane].each_ref());
                 let (mut batch, mut records) = (Batch::default(), [Record::default(); LANES]);
-                let (rule, scale) = (FillRule::TopLeft, DepthScale::default());
+                let (rule, (scale, is_linear)) = (FillRule::ALL[round % FillRule::ALL.len()], &scales[round / 22 % 2]);
                 let (alive, _) = on_lanes!(lanes, simd => {
-                    batch.set_up(simd, &triangles, (&mut records, 0), rule, &scale, &lattice, (origin, first))
+                    batch.set_up(simd, &triangles, (&mut records, 0), rule, scale, &lattice, (origin, first))
                 });
                 let (_, moved) = on_lanes!(lanes, simd => batch.moved(simd, &sample, first));
                 for lane in (0..LANES).filter(|lane| alive >> lane & 1 != 0) {
-                    let doubles: Setup<f64> = batch.triangle(lane, Slot::NONE);
-                    let ends = [[0, 0], [farthest, 0], [0, farthest], [farthest, farthest]];
-                    let fit =
-                        ends.iter().flat_map(|end| values(&doubles, *end)).all(|value| i32::try_from(value).is_ok());
                     if !batch.fits(lane) {
                         large += 1;
                         continue;
                     }
                     small += 1;
-                    assert!(fit);
-                    let integers: Setup<i32> = batch.triangle(lane, Slot::NONE);
-                    assert_eq!((integers.rises[2], integers.least), (0.0, doubles.least));
-                    let turn = (0..3)
-                        .find(|turn| values(&integers, [0, 0])[0] == values(&doubles, [0, 0])[*turn])
-                        .expect("the first of the integers' edges is one of the doubles'");
-                    let turned = |i: usize| (i + turn) % 3;
-                    let seen = (moved.triangle::<f64>(lane, Slot::NONE), moved.triangle::<i32>(lane, Slot::NONE));
+                    let doubles: (Setup<f64>, Setup<f64>) =
+                        (batch.triangle(lane, Slot::NONE), moved.triangle(lane, Slot::NONE));
+                    let integers: (Setup<i32>, Setup<i32>) =
+                        (batch.triangle(lane, Slot::NONE), moved.triangle(lane, Slot::NONE));
+                    let all = |of: [i64; 3]| of.into_iter().all(|value| i32::try_from(value).is_ok());
+                    assert!(ends.iter().all(|end| all(values(&doubles.0, *end)) && all(values(&doubles.1, *end))));
+                    let is_turned = |turn: &usize| {
+                        (0..3).all(|i| {
+                            ends.iter().all(|end| {
+                                values(&integers.0, *end)[i] == values(&doubles.0, *end)[(i + turn) % 3]
+                                    && values(&integers.1, *end)[i] == values(&doubles.1, *end)[(i + turn) % 3]
+                            })
+                        })
+                    };
+                    let turn = (0..3).find(is_turned).expect("the same edges, in turn");
                     for i in 0..3 {
-                        assert_eq!(integers.rises[i], doubles.rises[turned(i)]);
-                        assert_eq!(integers.inside[i].double(), doubles.inside[turned(i)]);
-                        for end in ends {
-                            assert_eq!(values(&integers, end)[i], values(&doubles, end)[turned(i)]);
-                            assert_eq!(values(&seen.1, end)[i], values(&seen.0, end)[turned(i)]);
-                        }
+                        assert_eq!(integers.0.rises[i], doubles.0.rises[(i + turn) % 3]);
+                        assert_eq!(integers.0.inside[i].double(), doubles.0.inside[(i + turn) % 3]);
+                    }
+                    assert_eq!(integers.0.least, doubles.0.least);
+                    if *is_linear {
+                        assert_eq!(turn, 0, "weights are divided by distances, which are in order");
+                    } else {
+                        assert_eq!(integers.0.rises[2], 0.0);
                     }
                 }
             }
         }
-        assert!(small > 300 && large > 300, "{small} triangles fit, {large} do not");
+        assert!(small > 1000 && large > 500, "{small} triangles fit, {large} do not");
     }
 }

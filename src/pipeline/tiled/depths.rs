@@ -30,7 +30,7 @@ pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Compariso
     }
 }
 
-/// Depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples. Of integers those that the triangle covers.
+/// Depths as they are stored: [`crate::pipeline::depth::depth_at`] for eight samples. Right only where the triangle covers them.
 #[inline(always)]
 pub(super) fn depth<S: Simd, E: EdgeNumber>(
     simd: S,
@@ -39,22 +39,19 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
     rules: &DepthRules,
 ) -> F32<S> {
     let Setup { rises, inv_w, least, .. } = triangle;
-    if rules.linear_in_space {
+    let rise = if rules.linear_in_space {
         let weights = each!(i in [0, 1, 2] => E::doubles(simd, e[i]).max(0.0) * inv_w[i]);
         let sum = weights[0] + weights[1] + weights[2];
         let zero = F64::splat(simd, 0.0);
         let weighted = weights[0] * rises[0] + weights[1] * rises[1] + weights[2] * rises[2];
-        let rise = sum.simd_gt(0.0).select(weighted / sum, zero);
-        return quantize(simd, clamp_f64(rise + *least, 0.0, 1.0), rules.encoding);
-    }
-    let [first, second] = each!(i in [0, 1] => E::doubles(simd, e[i]) * rises[i]);
-    if E::LAST_IS_LEAST {
-        // Without the one that is zero, the sum of three is that of the other two, whatever their order. Where the triangle covers
-        // the sample nothing is negative.
-        return quantize(simd, (first + second + *least).min(1.0), rules.encoding);
-    }
-    let rise = first + second + E::doubles(simd, e[2]) * rises[2];
-    quantize(simd, clamp_f64(rise + *least, 0.0, 1.0), rules.encoding)
+        sum.simd_gt(0.0).select(weighted / sum, zero)
+    } else {
+        let [first, second] = each!(i in [0, 1] => E::doubles(simd, e[i]) * rises[i]);
+        // Without the one that is zero, the sum of three is that of the other two, whatever their order.
+        if E::LAST_IS_LEAST { first + second } else { first + second + E::doubles(simd, e[2]) * rises[2] }
+    };
+    // Where the triangle covers the sample nothing is negative.
+    quantize(simd, (rise + *least).min(1.0), rules.encoding)
 }
 
 /// Depth of a triangle's plane at the first sample of the tile, as it would be stored without rounding. Nothing that means

@@ -7,7 +7,7 @@ use super::lattice::{Lattice, Steps};
 use crate::math::lanes::*;
 
 /// A kind of numbers, one or eight at a time.
-pub(super) trait EdgeNumber: Copy + Default + Add<Output = Self> + Mul<Output = Self> {
+pub(super) trait EdgeNumber: Copy + Add<Output = Self> + Mul<Output = Self> {
     /// Eight of them.
     type Eight<S: Simd>: Copy
         + Add<Output = Self::Eight<S>>
@@ -26,7 +26,7 @@ pub(super) trait EdgeNumber: Copy + Default + Add<Output = Self> + Mul<Output = 
     /// The same number.
     fn double(self) -> f64;
 
-    /// The least and the greatest that a product of two such numbers with a number from 0 to these can add up to.
+    /// The least and the greatest of a·x + b·y for x from 0 to a width and y from 0 to a height.
     fn reach(a: Self, b: Self, width: Self, height: Self) -> [Self; 2];
 
     /// Places of samples.

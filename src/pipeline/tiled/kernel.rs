@@ -212,7 +212,7 @@ struct ExactRows<S: Simd> {
 impl<S: Simd> ExactRows<S> {
     #[inline(always)]
     fn new(simd: S, lattice: &Lattice, edges: &Edges, patch: &Patch) -> Self {
-        let Edges { a, b, c, .. } = *edges;
+        let Edges { a, b, c } = *edges;
         let steps = &lattice.doubles;
         let columns = F64::load_array_ref(simd, &steps.lanes) + steps.column(patch.column);
         let y = F64::load_array_ref(simd, &steps.rows) + steps.row(patch.first);

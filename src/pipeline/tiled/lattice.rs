@@ -20,9 +20,6 @@ pub(super) const BLOCKS: usize = TILE / BLOCK;
 /// Rows after which shifts repeat.
 const SHIFTS: usize = 4;
 
-/// More than rows are shifted against each other by and samples lie from the points of the lattice.
-const FARTHEST_IN_PIXEL: f64 = (4 * SUBPIXELS) as f64;
-
 /// Samples by their distance from a tile's first one, in grid steps of 1/256 px.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lattice {
@@ -42,11 +39,11 @@ pub(super) struct Lattice {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<T> {
     /// From one row to the next.
-    pub(super) row: T,
-    /// The same, and that to the row after the next, eight times.
+    row_step: T,
+    /// The same, and that to the row after the next, eight times: loaded as they are, for products on lanes.
     pub(super) next_row: [T; LANES],
     pub(super) row_after_next: [T; LANES],
-    /// Samples stand below each other.
+    /// Whether samples stand below each other.
     pub(super) are_straight: bool,
     /// Of the eight samples of a block's row, from the first.
     pub(super) lanes: [T; LANES],
@@ -71,7 +68,7 @@ impl<T: EdgeNumber> Steps<T> {
         let are_straight = matches!(grid, SampleGrid::Block { .. });
         let shift = if are_straight { 0 } else { 2 * SUBPIXELS };
         Self {
-            row: of(row(1)),
+            row_step: of(row(1)),
             next_row: [of(row(1)); LANES],
             row_after_next: [of(row(2)); LANES],
             are_straight,
@@ -89,13 +86,13 @@ impl<T: EdgeNumber> Steps<T> {
     pub(super) fn column(&self, column: usize) -> T {
         // Of four pixels in a row a checkerboard samples two; both ways steps are as long as those between rows.
         let pixel = if self.are_straight { column } else { column / 2 * 4 + column % 2 };
-        T::of(pixel as i32) * self.row
+        T::of(pixel as i32) * self.row_step
     }
 
     /// Of a row.
     #[inline(always)]
     pub(super) fn row(&self, row: usize) -> T {
-        T::of(row as i32) * self.row
+        T::of(row as i32) * self.row_step
     }
 
     /// How far the samples of a row stand to the right of those of a tile's first row.
@@ -128,7 +125,7 @@ impl Lattice {
             grid,
             doubles,
             integers: Steps::new(grid),
-            has_exact_reciprocal: (doubles.row as u64).is_power_of_two(),
+            has_exact_reciprocal: (doubles.row_step as u64).is_power_of_two(),
             offset: [0; 2],
             reach: [[0.0; 2]; 2],
         }
@@ -191,7 +188,7 @@ impl Lattice {
     #[inline(always)]
     pub(super) fn farthest(&self) -> f64 {
         let (columns, rows) = (self.doubles.column(TILE + LANES), self.doubles.row(TILE + LANES));
-        columns.max(rows) + FARTHEST_IN_PIXEL
+        columns.max(rows) + 2.0 * self.extent()
     }
 
     /// Eight columns of a row from `column` on, not shifted, as integers.
@@ -228,7 +225,7 @@ impl Lattice {
                 [((least - half) / four).floor() * 2.0, ((greatest - half) / four).floor() * 2.0 + 1.0]
             }
             _ => {
-                let step = self.doubles.row as f32;
+                let step = self.doubles.row_step as f32;
                 [((least - half) / step).ceil(), ((greatest - half) / step).floor()]
             }
         }
@@ -239,7 +236,7 @@ impl Lattice {
     /// Grid steps divided by those between rows. Where that is a power of two its reciprocal is exact, and multiplies faster.
     #[inline(always)]
     fn per_row<S: Simd>(&self, steps: F32<S>) -> F32<S> {
-        let step = self.doubles.row as f32;
+        let step = self.doubles.row_step as f32;
         if self.has_exact_reciprocal { steps * (1.0 / step) } else { steps / step }
     }
 

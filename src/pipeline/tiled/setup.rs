@@ -39,7 +39,8 @@ impl From<&ScreenVertex> for Corner {
 pub(super) type Origin = ([f64; 2], [f32; 2]);
 
 /// Edge functions of a triangle, each belonging to the corner opposite: e(x, y) = a·x + b·y + c, in units of 1/2¹⁶ px², for
-/// (x, y) in grid steps from an origin. All are whole numbers below 2⁵³, so f64 holds them and their sums exactly.
+/// (x, y) in grid steps from an origin. As doubles they are in the order of the corners, and whole numbers below 2⁵³, so that f64
+/// holds them and their sums exactly; as integers they may begin with another corner: [`EdgeNumber::LAST_IS_LEAST`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Edges<E = f64> {
     pub(super) a: [E; 3],
@@ -92,7 +93,7 @@ impl Edges {
     }
 }
 
-/// A triangle within a tile.
+/// A triangle within a tile. What belongs to corners is in the order of the edges.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Setup<E = f64> {
     pub(super) slot: Slot,

@@ -75,7 +75,7 @@ impl TestedRows {
             #[inline(always)]
             || {
                 let (mut moved, Edges { a, b, .. }) = (*self, triangle.edges);
-                let least = triangle.least_inside(simd);
+                let least_inside = triangle.least_inside(simd);
                 for (below, edges) in moved.edges.iter_mut().enumerate() {
                     let e = each!(i in [0, 1, 2] => F64::load_array_ref(simd, &edges[i]));
                     let (mut found, mut open) = (e, self.passed >> (below * LANES) & u64::from(ALL));
@@ -85,7 +85,7 @@ impl TestedRows {
                         }
                         let [right, down] = each!(axis in [0, 1] => f64::from(place[axis] - sample[axis]));
                         let e = each!(i in [0, 1, 2] => e[i] + (right * a[i] + down * b[i]));
-                        let covered = open & f64::inside_bits(e, least);
+                        let covered = open & f64::inside_bits(e, least_inside);
                         let here = mask64x8::from_bitmask(simd, covered);
                         found = each!(i in [0, 1, 2] => here.select(e[i], found[i]));
                         open &= !covered;

@@ -207,12 +207,12 @@ impl Tile {
                     self.draw_narrow(simd, triangle, start, locations, rules);
                     return;
                 }
-                let least = triangle.least_inside(simd);
+                let least_inside = triangle.least_inside(simd);
                 let x = E::load(simd, &steps.lanes) + steps.column(start);
                 let mut rows = Rows::new(simd, edges, x, top, lattice);
                 for row in top..bottom + 1 {
                     let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (start, row));
-                    let covered = E::inside(e, least);
+                    let covered = E::inside(e, least_inside);
                     if covered.any_true() {
                         self.write(simd, triangle, e, covered, (start, row), rules);
                     }
@@ -232,9 +232,9 @@ impl Tile {
         locations: impl Locations,
         rules: &DepthRules,
     ) {
-        let Setup { edges: edges @ Edges { a, b, c, .. }, rows: [top, bottom], .. } = triangle;
+        let Setup { edges: edges @ Edges { a, b, c }, rows: [top, bottom], .. } = triangle;
         let lattice = locations.lattice();
-        let (steps, least) = (E::steps(lattice), triangle.least_inside(simd));
+        let (steps, least_inside) = (E::steps(lattice), triangle.least_inside(simd));
         let x = E::load(simd, &steps.two_rows[0]) + steps.column(start);
         let y = E::load(simd, &steps.two_rows[1]) + steps.row(*top);
         let mut next = each!(i in [0, 1, 2] => x * a[i] + c[i] + y * b[i]);
@@ -242,7 +242,7 @@ impl Tile {
         let mut row = *top;
         while row <= *bottom {
             let e = locations.displaced_in_two_rows(simd, edges, next, (start, row));
-            let covered = E::inside(e, least);
+            let covered = E::inside(e, least_inside);
             if covered.any_true() {
                 self.write_two(simd, triangle, e, covered, (start, row), rules);
             }
@@ -470,7 +470,7 @@ impl Tile {
         rules: &DepthRules,
     ) {
         let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
-        let (steps, least) = (E::steps(lattice), triangle.least_inside(simd));
+        let (steps, least_inside) = (E::steps(lattice), triangle.least_inside(simd));
         let x = E::load(simd, &steps.lanes) + steps.blocks[bx];
         let touched = rows_in(triangle, by);
         self.counts.visited += (touched.len() * BLOCK) as u64;
@@ -478,7 +478,7 @@ impl Tile {
         let mut written = false;
         for row in touched {
             let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (bx * BLOCK, row));
-            let covered = E::inside(e, least);
+            let covered = E::inside(e, least_inside);
             if covered.any_true() {
                 written |= self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
             }
