@@ -184,7 +184,7 @@ impl Lattice {
     }
 
     /// Farther than any sample of a tile lies from the tile's first pixel along either axis, and any beyond that which eight at a
-    /// time or two rows at a time take in.
+    /// time or two rows at a time take in. Of a lattice that reaches to all samples of its pixels.
     #[inline(always)]
     pub(super) fn farthest(&self) -> f64 {
         let (columns, rows) = (self.doubles.column(TILE + LANES), self.doubles.row(TILE + LANES));
