@@ -52,7 +52,7 @@ pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
 /// The `N` values from place `at` on. Panics if there are fewer.
 #[inline(always)]
 pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
-    values[at..].first_chunk().unwrap_or_else(|| panic!("{N} values from {at} on of {}", values.len()))
+    values.get(at..).and_then(<[T]>::first_chunk).unwrap_or_else(|| panic!("fewer than {N} values are left"))
 }
 
 /// How many pixels of a row lie before the first whose address is a multiple of 32 bytes; all if it has none. Stores that

@@ -3,7 +3,11 @@
 use fearless_simd::Level;
 
 use super::bands;
+#[cfg(target_arch = "x86_64")]
+use super::lanes::pixels_to_alignment;
 use super::lattice::{Lattice, Place};
+#[cfg(target_arch = "x86_64")]
+use super::nearest_avx2::NearestAvx2;
 use super::separable::SCALES;
 use super::{Anchor, Drawn, Light, Offers, Sampling, Tap, Upscaler, Upscaling};
 use crate::image::{Image, Rgba8};
@@ -75,34 +79,43 @@ fn sources(lattice: Lattice, first: u32, samples: u32) -> impl Iterator<Item = u
     lattice.places_from(first).map(move |place| source(lattice, place, samples))
 }
 
-/// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result. Rows that look the same are
-/// copies of the first of them.
+/// Fills a picture; `level` says how wide lanes may be, which changes nothing in the result.
 fn fill(level: Level, lattice: Lattice, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
+    let columns: Vec<_> = sources(lattice, 0, drawn.width()).take(full.width() as usize).collect();
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx2) = level.as_avx2() {
+        let (samples, to_alignment) = (drawn.width() as usize, pixels_to_alignment(full.pixels()));
+        let nearest = NearestAvx2::new(avx2, &columns, samples, to_alignment);
+        return fill_by(|samples, rows| nearest.fill(samples, rows), lattice, drawn, full);
+    }
+    fill_by(|samples, rows| widen(samples, &columns, rows), lattice, drawn, full);
+}
+
+/// Calls `widen` with each row of samples and the rows of pixels that copy it.
+fn fill_by(
+    widen: impl Fn(&[Rgba8], &mut [Rgba8]) + Sync,
+    lattice: Lattice,
+    drawn: &Image<Rgba8>,
+    full: &mut Image<Rgba8>,
+) {
     let width = full.width() as usize;
-    let columns: Vec<_> = sources(lattice, 0, drawn.width()).take(width).collect();
     bands::fill(full, lattice.scale, |first, count, mut band| {
         let rows: Vec<_> = sources(lattice, first, drawn.height()).take(count).collect();
         for same in rows.chunk_by(|a, b| a == b) {
             let (own, rest) = band.split_at_mut(same.len() * width);
-            let (widened, copies) = own.split_at_mut(width);
-            widen(level, drawn.row(same[0]), &columns, widened);
-            for row in copies.chunks_exact_mut(width) {
-                row.copy_from_slice(widened);
-            }
+            widen(drawn.row(same[0]), own);
             band = rest;
         }
     });
 }
 
-/// Fills a row whose pixels copy the samples in these columns.
-fn widen(level: Level, samples: &[Rgba8], columns: &[u32], row: &mut [Rgba8]) {
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx2) = level.as_avx2() {
-        return super::nearest_avx2::widen(avx2, samples, columns, row);
-    }
-    for (pixel, column) in row.iter_mut().zip(columns) {
+/// Fills rows that look the same, whose pixels copy the samples in these columns.
+fn widen(samples: &[Rgba8], columns: &[u32], rows: &mut [Rgba8]) {
+    let (widened, copies) = rows.split_at_mut(columns.len());
+    for (pixel, column) in widened.iter_mut().zip(columns) {
         *pixel = samples[*column as usize];
     }
+    copies.chunks_exact_mut(columns.len()).for_each(|row| row.copy_from_slice(widened));
 }
 
 #[cfg(test)]

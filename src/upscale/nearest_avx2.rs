@@ -1,36 +1,107 @@
 //! [`super::nearest`] on eight pixels at a time: they copy no more than eight neighbouring samples, which one instruction
-//! deals out.
+//! deals out. They are stored to all rows that look the same at once, so that none is read again to be copied.
 
-use std::arch::x86_64::{_mm256_permutevar8x32_epi32, _mm256_set1_epi32, _mm256_sub_epi32};
+use std::arch::x86_64::_mm256_permutevar8x32_epi32;
+use std::array;
 
-use fearless_simd::kernel;
+use fearless_simd::{Avx2, kernel};
 
-use super::lanes::{load_codes, load_words, pixels_to_alignment, store_codes, window};
+use super::lanes::{load_codes, load_words, store_codes, window};
 use crate::image::Rgba8;
 
 /// Pixels of a block, and samples that it may look at.
 const BLOCK: usize = 8;
 
-kernel! {
-    /// Fills a row whose pixels copy the samples in these `columns`, which grow by at most one from pixel to pixel.
-    pub(super) fn widen(avx2: Avx2, samples: &[Rgba8], columns: &[u32], row: &mut [Rgba8]) {
-        let Some(last_start) = samples.len().checked_sub(BLOCK) else {
-            copy(samples, columns, row);
-            return;
+/// Most rows that are filled at once.
+const MAX_ROWS: usize = 4;
+
+/// The whole blocks of a row.
+type Blocks<'a> = &'a mut [[u8; 4 * BLOCK]];
+
+/// How the rows of a picture are filled.
+pub(super) struct NearestAvx2<'a> {
+    avx2: Avx2,
+    /// The samples that pixels before, in and after whole blocks copy.
+    head: &'a [u32],
+    blocks: Vec<Deal>,
+    tail: &'a [u32],
+}
+
+/// Which samples the pixels of a block copy.
+struct Deal {
+    /// The first of eight.
+    start: usize,
+    /// Which of them each pixel copies.
+    places: [u32; BLOCK],
+}
+
+impl<'a> NearestAvx2<'a> {
+    /// For rows whose pixels copy the samples in these `columns`, which grow by at most one from pixel to pixel; of `samples`,
+    /// and with so many pixels before the first at an even address.
+    pub(super) fn new(avx2: Avx2, columns: &'a [u32], samples: usize, pixels_to_alignment: usize) -> Self {
+        let head = if samples < BLOCK { columns.len() } else { pixels_to_alignment.min(columns.len()) };
+        let (head, rest) = columns.split_at(head);
+        let (blocks, tail) = rest.as_chunks();
+        let deal = |columns: &[u32; BLOCK]| {
+            let start = columns[0].min((samples - BLOCK) as u32);
+            Deal { start: start as usize, places: columns.map(|column| column - start) }
         };
-        let (columns_of_head, columns) = columns.split_at(pixels_to_alignment(row));
-        let (head, row) = row.split_at_mut(columns_of_head.len());
-        copy(samples, columns_of_head, head);
-        let (blocks, tail) = row.as_flattened_mut().as_chunks_mut::<{ 4 * BLOCK }>();
-        let (columns, columns_of_tail) = columns.as_chunks::<BLOCK>();
-        let bytes = samples.as_flattened();
-        for (block, columns) in blocks.iter_mut().zip(columns) {
-            let start = (columns[0] as usize).min(last_start);
-            let around = load_codes(avx2, window(bytes, 4 * start));
-            let places = _mm256_sub_epi32(load_words(avx2, columns), _mm256_set1_epi32(start as i32));
-            store_codes(avx2, _mm256_permutevar8x32_epi32(around, places), block);
+        Self { avx2, head, blocks: blocks.iter().map(deal).collect(), tail }
+    }
+
+    /// Fills rows without a gap from one row of samples.
+    pub(super) fn fill(&self, samples: &[Rgba8], rows: &mut [Rgba8]) {
+        let width = self.head.len() + BLOCK * self.blocks.len() + self.tail.len();
+        for rows in rows.chunks_mut(MAX_ROWS * width) {
+            let mut blocks: [Blocks<'_>; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
+            let count = rows.len() / width;
+            for (row, blocks) in rows.chunks_exact_mut(width).zip(&mut blocks) {
+                let (head, row) = row.split_at_mut(self.head.len());
+                let (own, tail) = row.as_flattened_mut().as_chunks_mut();
+                copy(samples, self.head, head);
+                copy(samples, self.tail, tail.as_chunks_mut().0);
+                *blocks = own;
+            }
+            deal(self.avx2, samples, &self.blocks, count, blocks);
         }
-        copy(samples, columns_of_tail, tail.as_chunks_mut().0);
+    }
+}
+
+kernel! {
+    /// Fills the blocks of the first `count` rows.
+    fn deal(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], count: usize, rows: [Blocks<'_>; MAX_ROWS]) {
+        match count {
+            1 => deal_to::<1>(avx2, samples, deals, rows),
+            2 => deal_to::<2>(avx2, samples, deals, rows),
+            3 => deal_to::<3>(avx2, samples, deals, rows),
+            _ => deal_to::<4>(avx2, samples, deals, rows),
+        }
+    }
+}
+
+/// Fills the blocks of `ROWS` rows.
+#[target_feature(enable = "avx2")]
+fn deal_to<const ROWS: usize>(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], rows: [Blocks<'_>; MAX_ROWS]) {
+    let bytes = samples.as_flattened();
+    let [first, second, third, fourth] = rows;
+    // Where all are known to be as long, no place in them is checked.
+    let count = deals.len();
+    let of_row = |row: usize| if row < ROWS { count } else { 0 };
+    let (first, second) = (&mut first[..count], &mut second[..of_row(1)]);
+    let (third, fourth) = (&mut third[..of_row(2)], &mut fourth[..of_row(3)]);
+    for (block, deal) in deals.iter().enumerate() {
+        let around = load_codes(avx2, window(bytes, 4 * deal.start));
+        let pixels = _mm256_permutevar8x32_epi32(around, load_words(avx2, &deal.places));
+        store_codes(avx2, pixels, &mut first[block]);
+        if ROWS > 1 {
+            store_codes(avx2, pixels, &mut second[block]);
+        }
+        if ROWS > 2 {
+            store_codes(avx2, pixels, &mut third[block]);
+        }
+        if ROWS > 3 {
+            store_codes(avx2, pixels, &mut fourth[block]);
+        }
     }
 }
 

@@ -7,8 +7,8 @@
 
 use std::arch::x86_64::{
     __m256i, _mm_cvtsi32_si128, _mm256_add_epi16, _mm256_and_si256, _mm256_maddubs_epi16, _mm256_mulhi_epu16,
-    _mm256_mullo_epi16, _mm256_or_si256, _mm256_set_m128i, _mm256_set1_epi16, _mm256_shuffle_epi8, _mm256_sll_epi16,
-    _mm256_slli_epi16, _mm256_srl_epi16, _mm256_srli_epi16, _mm256_sub_epi16,
+    _mm256_mullo_epi16, _mm256_or_si256, _mm256_permutevar8x32_epi32, _mm256_set1_epi16, _mm256_shuffle_epi8,
+    _mm256_sll_epi16, _mm256_slli_epi16, _mm256_srl_epi16, _mm256_srli_epi16, _mm256_sub_epi16,
 };
 use std::array;
 
@@ -16,7 +16,7 @@ use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
 use crate::image::Rgba8;
-use crate::upscale::lanes::{load, load_bytes, load_codes, store, store_codes, window};
+use crate::upscale::lanes::{load, load_codes, load_words, store, store_codes, window};
 use crate::upscale::lattice::{Lattice, Place};
 
 /// Pixels of a block.
@@ -43,10 +43,12 @@ pub(super) struct ExactAvx2 {
     samples_per_period: usize,
 }
 
-/// How a block is gathered from two runs of four samples.
+/// How a block is gathered from two runs of four samples, of which eight in a row hold both.
 struct Gather {
-    /// The first sample of each, counted from the first that any block looks at.
-    starts: [usize; 2],
+    /// The first of the eight samples, counted from the first that any block looks at.
+    start: usize,
+    /// Which of the eight the two runs are.
+    runs: [u32; 8],
     /// For every value its two bytes: of red and blue, of green and alpha.
     bytes: [[u8; 32]; 2],
     /// Their weights in steps.
@@ -57,8 +59,13 @@ impl Gather {
     /// Of the block of pixels from `first` on, where samples count from `before` samples left of the picture.
     fn new(lattice: Lattice, first: i64, before: usize) -> Self {
         let starts = [first, first + 4].map(|at| lattice.place_beyond(at).cell);
-        let counted = starts.map(|cell| (cell + before as i32) as usize);
-        let mut gather = Self { starts: counted, bytes: [[0; 32]; 2], weights: [0; 32] };
+        let apart = (starts[1] - starts[0]) as u32;
+        let mut gather = Self {
+            start: (starts[0] + before as i32) as usize,
+            runs: [0, 1, 2, 3, apart, apart + 1, apart + 2, apart + 3],
+            bytes: [[0; 32]; 2],
+            weights: [0; 32],
+        };
         for at in 0..8 {
             let Place { cell, phase } = lattice.place_beyond(first + at);
             // A sample beyond the run weighs nothing, so any will do.
@@ -129,23 +136,19 @@ impl Pass for ExactAvx2 {
 kernel! {
     /// Widens a row.
     fn gather(avx2: Avx2, padded: &[Rgba8], pass: &ExactAvx2, wide: &mut [Block]) {
-        let padded = padded.as_flattened();
         let shift = _mm_cvtsi32_si128(pass.shift());
         let blocks = pass.period.len();
         for (index, gather) in pass.period.iter().enumerate() {
-            let [low_start, high_start] = gather.starts;
-            let weights = load_codes(avx2, &gather.weights);
+            let (runs, weights) = (load_words(avx2, &gather.runs), load_codes(avx2, &gather.weights));
             let (even, odd) = (load_codes(avx2, &gather.bytes[0]), load_codes(avx2, &gather.bytes[1]));
-            let mut first = 0;
-            for block in wide[index..].iter_mut().step_by(blocks) {
-                let low = load_bytes(avx2, window(padded, 4 * (first + low_start)));
-                let high = load_bytes(avx2, window(padded, 4 * (first + high_start)));
-                let samples = _mm256_set_m128i(high, low);
-                for (plane, bytes) in block.iter_mut().zip([even, odd]) {
+            let mut rest = padded[gather.start..].as_flattened();
+            for block in wide.chunks_exact_mut(blocks) {
+                let samples = _mm256_permutevar8x32_epi32(load_codes(avx2, window(rest, 0)), runs);
+                for (plane, bytes) in block[index].iter_mut().zip([even, odd]) {
                     let value = _mm256_maddubs_epi16(_mm256_shuffle_epi8(samples, bytes), weights);
                     store(avx2, _mm256_sll_epi16(value, shift), plane);
                 }
-                first += pass.samples_per_period;
+                rest = &rest[4 * pass.samples_per_period..];
             }
         }
     }
@@ -236,7 +239,10 @@ fn sweep<const ROWS: usize, const DIVIDE: bool>(
     /// 2¹⁶ / 9, rounded up: exact for all sums of ninths.
     const NINTH: i16 = 7282;
     let [row_0, row_1, row_2, row_3] = rows;
+    // Where all are known to be as long, no place in them is checked.
     let blocks = row_0.len();
+    let of_row = |row: usize| if row < ROWS { blocks } else { 0 };
+    let (row_1, row_2, row_3) = (&mut row_1[..of_row(1)], &mut row_2[..of_row(2)], &mut row_3[..of_row(3)]);
     let (above, below) = (&above[..blocks], &below[..blocks]);
     let (of_cell, first) = (_mm256_set1_epi16(steps.of_cell as i16), _mm256_set1_epi16(steps.first as i16));
     let (each, ninth) = (_mm256_set1_epi16(steps.each as i16), _mm256_set1_epi16(NINTH));

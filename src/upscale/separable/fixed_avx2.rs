@@ -301,26 +301,32 @@ macro_rules! with_shape {
 #[inline(never)]
 fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool>(
     avx2: Avx2,
-    (low, high): &Rows<'_, H>,
+    (mut low, mut high): Rows<'_, H>,
     weights: &CellWeights<H>,
-    rows: &mut [&mut [[u8; 32]]; MAX_ROWS],
+    [first, second, third, fourth]: [&mut [[u8; 32]]; MAX_ROWS],
 ) {
     let bias = _mm256_set1_epi16(BIAS);
     let count = usize::from(FIRST != First::None as u8) + 2 * PAIRS + usize::from(MIDDLE);
-    let [first, second, third, fourth] = rows;
+    // Where all are known to be as long, no place in them is checked.
     let blocks = first.len();
-    let half = |block: usize, half: usize| {
-        let (mut before, mut after) = ([bias; H], [bias; H]);
-        for k in 0..H {
-            before[k] = load(avx2, &low[k][block][half]);
-            after[k] = load(avx2, &high[k][block][half]);
-        }
-        places::<H, FIRST, PAIRS, MIDDLE>(&Around::new(before, after), weights, bias)
-    };
+    for k in 0..H {
+        (low[k], high[k]) = (&low[k][..blocks], &high[k][..blocks]);
+    }
+    let of_row = |row: usize| if row < count { blocks } else { 0 };
+    let (second, third, fourth) = (&mut second[..of_row(1)], &mut third[..of_row(2)], &mut fourth[..of_row(3)]);
     let codes =
         |a, b| _mm256_packus_epi16(_mm256_srai_epi16::<{ POINT as i32 }>(a), _mm256_srai_epi16::<{ POINT as i32 }>(b));
     for block in 0..blocks {
-        let ([a0, a1, a2, a3], [b0, b1, b2, b3]) = (half(block, 0), half(block, 1));
+        let mut values = [[bias; MAX_ROWS]; 2];
+        for half in 0..2 {
+            let (mut before, mut after) = ([bias; H], [bias; H]);
+            for k in 0..H {
+                before[k] = load(avx2, &low[k][block][half]);
+                after[k] = load(avx2, &high[k][block][half]);
+            }
+            values[half] = places::<H, FIRST, PAIRS, MIDDLE>(&Around::new(before, after), weights, bias);
+        }
+        let [[a0, a1, a2, a3], [b0, b1, b2, b3]] = values;
         store_codes(avx2, codes(a0, b0), &mut first[block]);
         if count > 1 {
             store_codes(avx2, codes(a1, b1), &mut second[block]);
@@ -491,16 +497,16 @@ fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows:
     };
     let mut aside = [[[0; 32]; 1]; MAX_ROWS];
     if head > 0 {
-        with_shape!(shape, sweep::<H>(avx2, &from(0), weights, &mut aside.each_mut().map(<[_; 1]>::as_mut_slice)));
+        with_shape!(shape, sweep::<H>(avx2, from(0), weights, aside.each_mut().map(<[_; 1]>::as_mut_slice)));
         for (row, codes) in heads.into_iter().zip(&aside) {
             let length = 4 * row.len();
             row.as_flattened_mut().copy_from_slice(&codes[0][4 * cell.skipped..][..length]);
         }
     }
-    with_shape!(shape, sweep::<H>(avx2, &from(first_block), weights, &mut middles));
+    with_shape!(shape, sweep::<H>(avx2, from(first_block), weights, middles));
     if !tails[0].is_empty() {
-        let rows = &from(first_block + blocks);
-        with_shape!(shape, sweep::<H>(avx2, rows, weights, &mut aside.each_mut().map(<[_; 1]>::as_mut_slice)));
+        let rows = from(first_block + blocks);
+        with_shape!(shape, sweep::<H>(avx2, rows, weights, aside.each_mut().map(<[_; 1]>::as_mut_slice)));
         for (row, codes) in tails.into_iter().zip(&aside) {
             let length = row.len();
             row.copy_from_slice(&codes[0][..length]);
