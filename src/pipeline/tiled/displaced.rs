@@ -4,7 +4,7 @@
 //! samples on a lattice.
 
 use super::Frame;
-use super::kernel::{Band, Patch, exact_at, one_by_one, shade_rows};
+use super::kernel::{Band, EdgeRows, Patch, exact_at, one_by_one, shade_rows};
 use super::locations::Locations;
 use super::queue::Queue;
 use super::record::{Source as _, Subject};
@@ -24,46 +24,47 @@ pub(super) fn shade_displaced<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let Some(edges) = subject.edges else {
-                return shade_rows(
-                    simd,
-                    frame,
-                    subject,
-                    patch,
-                    (queue, band),
-                    #[inline(always)]
-                    |rows| {
-                        let e = subject.one.edge_values(simd, places(simd, patch, locations, rows));
-                        each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>())
-                    },
-                );
+            let shader = frame.shader(subject.draw);
+            let Some(edges) = subject.edges.filter(|_| !shader.on_lanes) else {
+                let mut edges = PlacedRows { subject, locations, first: (patch.column, patch.first) };
+                return shade_rows(simd, frame, subject, patch, (queue, band), &mut edges);
             };
-            if !frame.shader(subject.draw).on_lanes {
-                let whole = frame.screen_triangle(subject.key, subject.draw);
-                for row in patch.first..patch.end {
-                    let places = locations.places(simd, patch.column, [row; 2]);
+            let whole = frame.screen_triangle(subject.key, subject.draw);
+            for block in patch.blocks() {
+                for row in block.first..block.end {
+                    let places = locations.places(simd, block.column, [row; 2]);
                     let e = edges_of_row(edges, each!(axis in [0, 1] => places[axis].to_array()));
-                    one_by_one(frame, frame.shader(subject.draw), &whole, patch, row, &e, band.row(patch, row));
+                    one_by_one(frame, shader, &whole, &block, row, &e, band.row(&block, row));
                 }
-                return;
             }
-            shade_rows(
-                simd,
-                frame,
-                subject,
-                patch,
-                (queue, band),
-                #[inline(always)]
-                |rows| exact_at(simd, edges, places(simd, patch, locations, rows)),
-            );
         },
     );
 }
 
-/// Where the samples of two rows of a patch lie.
-#[inline(always)]
-fn places<S: Simd>(simd: S, patch: &Patch, locations: impl Locations, rows: [usize; 2]) -> [i32x16<S>; 2] {
-    locations.places(simd, patch.column, each!(row in [rows[0], rows[1]] => patch.first + row))
+/// The edge values of samples by where they lie.
+struct PlacedRows<'a, L> {
+    subject: &'a Subject<'a>,
+    locations: L,
+    /// First column and row of a block.
+    first: (usize, usize),
+}
+
+impl<S: Simd, L: Locations> EdgeRows<S> for PlacedRows<'_, L> {
+    #[inline(always)]
+    fn begin(&mut self, _: S, block: &Patch) {
+        self.first = (block.column, block.first);
+    }
+
+    #[inline(always)]
+    fn at(&self, simd: S, rows: [usize; 2]) -> [f32x16<S>; 3] {
+        let (column, first) = self.first;
+        let places = self.locations.places(simd, column, each!(row in [rows[0], rows[1]] => first + row));
+        if let Some(edges) = self.subject.edges {
+            return exact_at(simd, edges, places);
+        }
+        let e = self.subject.one.edge_values(simd, places);
+        each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>())
+    }
 }
 
 /// The edge values of eight samples, the first of some places.

@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::Frame;
 use super::gather::Taps;
 use super::geometry::lambert_lanes;
-use super::lattice::{Lattice, TILE};
+use super::lattice::{BLOCK, Lattice, TILE};
 use super::locations::Locations;
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
@@ -21,7 +21,7 @@ use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::Sample;
 use crate::pipeline::viewport::ScreenTriangle;
 
-/// Some rows of samples of a block, at most eight wide.
+/// Some rows of samples of a block, or of blocks side by side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
     pub(super) tile: (usize, usize),
@@ -33,8 +33,16 @@ pub(super) struct Patch {
     pub(super) first: usize,
     /// One past the last row.
     pub(super) end: usize,
-    /// A bit for each sample of a row that is shaded.
+    /// A bit for each sample of a block's row that is shaded.
     pub(super) mine: u32,
+}
+
+impl Patch {
+    /// Block by block.
+    pub(super) fn blocks(self) -> impl Iterator<Item = Self> {
+        let columns = (self.column..self.column + self.count).step_by(BLOCK);
+        columns.map(move |column| Self { column, count: (self.column + self.count - column).min(BLOCK), ..self })
+    }
 }
 
 /// Rows of the packed picture that start with the first one of a tile.
@@ -83,83 +91,93 @@ pub(super) fn shade_uniform<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let Subject { one, edges, .. } = *subject;
             let lattice = &frame.lattice;
-            let Some(edges) = edges else {
-                let edges = IntegerRows::new(simd, lattice, one.record, patch);
-                return shade_rows(
-                    simd,
-                    frame,
-                    subject,
-                    patch,
-                    (queue, band),
-                    #[inline(always)]
-                    |rows| edges.at(rows),
-                );
+            let Some(edges) = subject.edges else {
+                let mut edges = IntegerRows::new(simd, lattice, subject.one.record, patch);
+                return shade_rows(simd, frame, subject, patch, (queue, band), &mut edges);
             };
-            let exact = ExactRows::new(simd, lattice, edges, patch);
-            if !frame.shader(subject.draw).on_lanes {
-                let whole = frame.screen_triangle(subject.key, subject.draw);
-                for (i, row) in (patch.first..patch.end).enumerate() {
-                    let e = each!(edge in [0, 1, 2] => (exact.along[edge] + exact.down[edge][i]).to_array());
-                    one_by_one(frame, frame.shader(subject.draw), &whole, patch, row, &e, band.row(patch, row));
-                }
-                return;
+            let mut exact = ExactRows::new(simd, lattice, edges, patch);
+            if frame.shader(subject.draw).on_lanes {
+                return shade_rows(simd, frame, subject, patch, (queue, band), &mut exact);
             }
-            shade_rows(
-                simd,
-                frame,
-                subject,
-                patch,
-                (queue, band),
-                #[inline(always)]
-                |rows| exact.at(rows),
-            );
+            let whole = frame.screen_triangle(subject.key, subject.draw);
+            for block in patch.blocks() {
+                exact.begin(simd, &block);
+                for (i, row) in (block.first..block.end).enumerate() {
+                    let e = each!(edge in [0, 1, 2] => (exact.along[edge] + exact.down[edge][i]).to_array());
+                    one_by_one(frame, frame.shader(subject.draw), &whole, &block, row, &e, band.row(&block, row));
+                }
+            }
         },
     );
 }
 
-/// Rows of samples that belong to one triangle, by its edge values in each pair of rows.
+/// The edge values of a patch's samples.
+pub(super) trait EdgeRows<S: Simd> {
+    /// Goes to one of its blocks.
+    fn begin(&mut self, simd: S, block: &Patch);
+
+    /// Of eight samples of each of two rows of the block, counted from the patch's first.
+    fn at(&self, simd: S, rows: [usize; 2]) -> [f32x16<S>; 3];
+}
+
+/// Rows of samples that belong to one triangle.
 #[inline(always)]
 pub(super) fn shade_rows<S: Simd>(
     simd: S,
     frame: &Frame<'_>,
     subject: &Subject<'_>,
     patch: &Patch,
-    (queue, band): (&mut Queue, &mut Band<'_>),
-    edges: impl Fn([usize; 2]) -> [f32x16<S>; 3],
+    queue_and_band: (&mut Queue, &mut Band<'_>),
+    edges: &mut impl EdgeRows<S>,
 ) {
-    let Subject { one, draw, .. } = *subject;
-    let (shader, rows) = (frame.shader(draw), patch.end - patch.first);
-    let room = make_room(simd, frame, frame.shader_of_draw[draw], rows.div_ceil(2), queue, band.pixels);
-    let starts = (band.start(patch, patch.first), band.width);
-    match shader.plan {
-        Plan::COMMON => interpolate_rows(simd, (shader, Plan::COMMON), one, (patch, starts), room, edges),
-        plan => interpolate_rows(simd, (shader, plan), one, (patch, starts), room, edges),
+    match frame.shader(subject.draw).plan {
+        Plan::COMMON => shade_blocks(simd, frame, (subject, Plan::COMMON), patch, queue_and_band, edges),
+        plan => shade_blocks(simd, frame, (subject, plan), patch, queue_and_band, edges),
     }
 }
 
-/// Everything that is interpolated for the rows of a patch, the first of which is written from a place on and each other one from a
+/// [`shade_rows`] for a plan that is known beforehand.
+#[inline(always)]
+fn shade_blocks<S: Simd>(
+    simd: S,
+    frame: &Frame<'_>,
+    (subject, plan): (&Subject<'_>, Plan),
+    patch: &Patch,
+    (queue, band): (&mut Queue, &mut Band<'_>),
+    edges: &mut impl EdgeRows<S>,
+) {
+    let Subject { one, draw, .. } = *subject;
+    let (shader, number) = (frame.shader(draw), frame.shader_of_draw[draw]);
+    let pairs = (patch.end - patch.first).div_ceil(2);
+    for block in patch.blocks() {
+        edges.begin(simd, &block);
+        let room = make_room(simd, frame, number, pairs, queue, band.pixels);
+        let starts = (band.start(&block, block.first), band.width);
+        interpolate_rows(simd, (shader, plan), one, (&block, starts), room, edges);
+    }
+}
+
+/// Everything that is interpolated for the rows of a block, the first of which is written from a place on and each other one from a
 /// width after.
 #[inline(always)]
 fn interpolate_rows<S: Simd>(
     simd: S,
     (shader, plan): (&DrawShader<'_>, Plan),
     one: One<'_>,
-    (patch, (mut start, width)): (&Patch, (usize, usize)),
+    (patch, (start, width)): (&Patch, (usize, usize)),
     (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
-    edges: impl Fn([usize; 2]) -> [f32x16<S>; 3],
+    edges: &impl EdgeRows<S>,
 ) {
     let (rows, relative_inv_w) = (patch.end - patch.first, one.relative_inv_w(simd));
     let mut coarse = coarse.iter_mut();
+    let mut row = QueuedRow::new(start, patch.count, patch.mine);
     for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate() {
         // A last row that has no other beside it is computed twice, and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
-        let weights = corner_weights(simd, edges([upper, lower]), relative_inv_w);
-        let row = QueuedRow { start, count: patch.count, mine: patch.mine };
-        let below = QueuedRow { start: start + width, ..row };
-        pair.rows = [row, if lower > upper { below } else { QueuedRow::default() }];
-        start += 2 * width;
+        let weights = corner_weights(simd, edges.at(simd, [upper, lower]), relative_inv_w);
+        pair.rows = [row, if lower > upper { row.after(width) } else { row.none() }];
+        row = row.after(2 * width);
         let coarse = if plan.mipmapped { coarse.next() } else { None };
         interpolate_pair(simd, shader, plan, one, weights, (pair, (taps, coarse)));
     }
@@ -167,65 +185,81 @@ fn interpolate_rows<S: Simd>(
 
 /// Edge values of up to eight rows of a triangle for which 32 bits are enough: sums that wrap around, and are right where
 /// the triangle covers the sample.
-struct IntegerRows<S: Simd> {
-    /// Of the eight samples of a row, from its start, twice.
+struct IntegerRows<'a, S: Simd> {
+    lattice: &'a Lattice,
+    /// Growth per grid step to the right.
+    a: [i32; 2],
+    /// Of the eight samples of a block's row, from its start, twice.
     along: [i32x16<S>; 2],
     /// Of the starts of the rows.
     down: [[i32; LANES]; 2],
     doubled_area: i32,
 }
 
-impl<S: Simd> IntegerRows<S> {
+impl<'a, S: Simd> IntegerRows<'a, S> {
     #[inline(always)]
-    fn new(simd: S, lattice: &Lattice, record: &Record, patch: &Patch) -> Self {
-        let columns = lattice.columns_i32(simd, patch.column);
+    fn new(simd: S, lattice: &'a Lattice, record: &Record, patch: &Patch) -> Self {
         let [y, shift] = lattice.rows_i32(simd, patch.first);
         let ([a0, b0, c0], [a1, b1, c1], doubled_area) = record.integer_edges();
         let down = each!((a, b, c) in [(a0, b0, c0), (a1, b1, c1)] => (y * b + shift * a + c).to_array());
-        let along = each!(a in [a0, a1] => {
-            let along = columns * a;
+        Self { lattice, a: [a0, a1], along: [i32x16::splat(simd, 0); 2], down, doubled_area }
+    }
+}
+
+impl<S: Simd> EdgeRows<S> for IntegerRows<'_, S> {
+    #[inline(always)]
+    fn begin(&mut self, simd: S, block: &Patch) {
+        let columns = self.lattice.columns_i32(simd, block.column);
+        self.along = each!(edge in [0, 1] => {
+            let along = columns * self.a[edge];
             along.combine(along)
         });
-        Self { along, down, doubled_area }
     }
 
     #[inline(always)]
-    fn at(&self, [upper, lower]: [usize; 2]) -> [f32x16<S>; 3] {
+    fn at(&self, simd: S, [upper, lower]: [usize; 2]) -> [f32x16<S>; 3] {
         let [first, second] = each!(edge in [0, 1] => {
-            let simd = self.along[edge].simd;
             let down = i32x8::splat(simd, self.down[edge][upper]).combine(i32x8::splat(simd, self.down[edge][lower]));
             self.along[edge] + down
         });
-        let third = i32x16::splat(first.simd, self.doubled_area) - first - second;
+        let third = i32x16::splat(simd, self.doubled_area) - first - second;
         each!(e in [first, second, third] => e.to_float::<f32x16<S>>())
     }
 }
 
 /// Edge values of up to eight rows of any triangle.
-struct ExactRows<S: Simd> {
-    /// Of the eight samples of a row, from its start.
+struct ExactRows<'a, S: Simd> {
+    lattice: &'a Lattice,
+    /// Growth per grid step to the right.
+    a: [f64; 3],
+    /// Of the eight samples of a block's row, from its start.
     along: [F64<S>; 3],
     /// Of the starts of the rows.
     down: [[f64; LANES]; 3],
 }
 
-impl<S: Simd> ExactRows<S> {
+impl<'a, S: Simd> ExactRows<'a, S> {
     #[inline(always)]
-    fn new(simd: S, lattice: &Lattice, edges: &Edges, patch: &Patch) -> Self {
+    fn new(simd: S, lattice: &'a Lattice, edges: &Edges, patch: &Patch) -> Self {
         let Edges { a, b, c } = *edges;
         let steps = &lattice.doubles;
-        let columns = F64::load_array_ref(simd, &steps.lanes) + steps.column(patch.column);
         let y = F64::load_array_ref(simd, &steps.rows) + steps.row(patch.first);
         let shift = F64::load_array_ref(simd, steps.shifts(patch.first));
-        Self {
-            along: each!(i in [0, 1, 2] => columns * a[i]),
-            down: each!(i in [0, 1, 2] => (y * b[i] + shift * a[i] + c[i]).to_array()),
-        }
+        let down = each!(i in [0, 1, 2] => (y * b[i] + shift * a[i] + c[i]).to_array());
+        Self { lattice, a, along: [F64::splat(simd, 0.0); 3], down }
+    }
+}
+
+impl<S: Simd> EdgeRows<S> for ExactRows<'_, S> {
+    #[inline(always)]
+    fn begin(&mut self, simd: S, block: &Patch) {
+        let steps = &self.lattice.doubles;
+        let columns = F64::load_array_ref(simd, &steps.lanes) + steps.column(block.column);
+        self.along = each!(edge in [0, 1, 2] => columns * self.a[edge]);
     }
 
     #[inline(always)]
-    fn at(&self, [upper, lower]: [usize; 2]) -> [f32x16<S>; 3] {
-        let simd = self.along[0].simd;
+    fn at(&self, simd: S, [upper, lower]: [usize; 2]) -> [f32x16<S>; 3] {
         each!(edge in [0, 1, 2] => {
             let [upper, lower] = each!(row in [upper, lower] => narrow(simd, self.along[edge] + self.down[edge][row]));
             upper.combine(lower)
@@ -280,9 +314,8 @@ impl<L: Locations> Spots for RowPair<'_, L> {
     fn rows(self, mine: u32, band: &Band<'_>) -> [QueuedRow; 2] {
         let Self { patch, .. } = self;
         let [mine, below] = [mine & ALL, mine >> LANES];
-        let upper = QueuedRow { start: band.start(patch, patch.first), count: patch.count, mine };
-        let lower = QueuedRow { start: upper.start + band.width, count: patch.count, mine: below };
-        [upper, if below == 0 { QueuedRow::default() } else { lower }]
+        let start = band.start(patch, patch.first);
+        [(start, mine), (start + band.width, below)].map(|(start, mine)| QueuedRow::new(start, patch.count, mine))
     }
 }
 
@@ -303,8 +336,8 @@ impl Spots for Scattered<'_> {
 
     #[inline(always)]
     fn rows(self, mine: u32, _: &Band<'_>) -> [QueuedRow; 2] {
-        let first = QueuedRow { start: self.start, count: LANES, mine: mine & ALL };
-        [first, QueuedRow { start: self.start + LANES, count: LANES, mine: mine >> LANES }]
+        [(self.start, mine & ALL), (self.start + LANES, mine >> LANES)]
+            .map(|(start, mine)| QueuedRow::new(start, LANES, mine))
     }
 }
 

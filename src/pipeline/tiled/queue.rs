@@ -1,5 +1,7 @@
 //! Rows of samples that wait for their texels, and what becomes of them: colour × texture × light, encoded and written.
 
+use std::ops::Range;
+
 use super::Frame;
 use super::gather::Taps;
 use super::kernel::ALL;
@@ -52,18 +54,43 @@ pub(super) struct QueuedPair {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct QueuedRow {
     /// Position of the first sample in the tile's rows of the picture.
-    pub(super) start: usize,
+    start: u32,
     /// Samples that lie within the picture.
-    pub(super) count: usize,
+    count: u16,
     /// A bit for each sample that is written.
-    pub(super) mine: u32,
+    mine: u16,
 }
 
 impl QueuedRow {
+    /// Of `count` samples that lie within the picture, one to eight, those are written that have a bit.
+    #[inline(always)]
+    pub(super) fn new(start: usize, count: usize, mine: u32) -> Self {
+        Self { start: start as u32, count: count as u16, mine: (mine & (ALL >> (LANES - count))) as u16 }
+    }
+
+    /// The same samples of a row that lies farther on by so many pixels.
+    #[inline(always)]
+    pub(super) fn after(self, pixels: usize) -> Self {
+        Self { start: self.start + pixels as u32, ..self }
+    }
+
+    /// None of the samples.
+    #[inline(always)]
+    pub(super) fn none(self) -> Self {
+        Self { mine: 0, ..self }
+    }
+
+    /// Where the samples lie in the tile's rows of the picture.
+    #[inline(always)]
+    fn pixels(&self) -> Range<usize> {
+        let start = self.start as usize;
+        start..start + usize::from(self.count)
+    }
+
     /// Samples that are written.
     #[inline(always)]
     fn written(&self) -> u32 {
-        (self.mine & ((1 << self.count) - 1)).count_ones()
+        self.mine.count_ones()
     }
 }
 
@@ -111,6 +138,8 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
             match shader.plan {
                 Plan::COMMON => {
+                    // A copy, which nothing that is written can be part of: it is read once for all pairs.
+                    let shader = &{ *shader };
                     for (pair, taps) in pairs.iter().zip(taps) {
                         finish_pair(simd, shader, Plan::COMMON, (pair, (taps, None)), pixels);
                     }
@@ -287,16 +316,27 @@ fn over<S: Simd, F: SimdFloat<S, Element = f32>>(simd: S, [r, g, b, alpha]: [F; 
     [red, green, blue, alpha]
 }
 
-/// The codes of eight pixels, as far as they lie within the picture.
+/// The codes of eight pixels, as far as they lie within the picture; of none if none is written.
 fn read_row(row: &QueuedRow, pixels: &[Rgba8], codes: &mut [u32]) {
-    for (code, pixel) in codes.iter_mut().zip(&pixels[row.start..row.start + row.count]) {
+    if row.mine == 0 {
+        return;
+    }
+    for (code, pixel) in codes.iter_mut().zip(&pixels[row.pixels()]) {
         *code = u32::from_le_bytes(*pixel);
     }
 }
 
 #[inline(always)]
 fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [Rgba8]) {
-    let out = &mut pixels[row.start..row.start + row.count];
+    if u32::from(row.mine) == ALL {
+        let bytes = pixels[row.start as usize..][..LANES].as_flattened_mut();
+        codes.bitcast::<u8x32<S>>().store_slice(bytes);
+        return;
+    }
+    if row.mine == 0 {
+        return;
+    }
+    let out = &mut pixels[row.pixels()];
     let Ok(out) = <&mut [Rgba8; LANES]>::try_from(&mut *out) else {
         let codes = codes.to_array();
         for (lane, pixel) in out.iter_mut().enumerate().filter(|(lane, _)| row.mine >> lane & 1 != 0) {
@@ -305,12 +345,8 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
         return;
     };
     let bytes = out.as_flattened_mut();
-    let codes = if row.mine == ALL {
-        codes
-    } else {
-        let there = u8x32::from_slice(simd, bytes).bitcast::<u32x8<S>>();
-        mask32x8::from_bitmask(simd, row.mine.into()).select(codes, there)
-    };
+    let there = u8x32::from_slice(simd, bytes).bitcast::<u32x8<S>>();
+    let codes = mask32x8::from_bitmask(simd, row.mine.into()).select(codes, there);
     codes.bitcast::<u8x32<S>>().store_slice(bytes);
 }
 

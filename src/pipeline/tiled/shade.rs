@@ -59,16 +59,25 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_,
     let band = Band { pixels, width: frame.packed.0 as usize };
     let (columns, height) = band.size(place);
     let mut job = Job::new(frame, locations, (entrants, queue), place, band);
+    let blocks = columns.div_ceil(BLOCK);
     for by in 0..height.div_ceil(BLOCK) {
-        for bx in 0..columns.div_ceil(BLOCK) {
-            let column = bx * BLOCK;
-            let (first, end) = (by * BLOCK, ((by + 1) * BLOCK).min(height));
-            let whole = Patch { tile: place, column, count: (columns - column).min(BLOCK), first, end, mine: ALL };
-            if let Some(slot) = tile.owner(by * BLOCKS + bx) {
-                job.one_triangle(simd, slot, &whole);
-            } else {
-                job.rows(simd, tile, &whole);
+        let (first, end) = (by * BLOCK, ((by + 1) * BLOCK).min(height));
+        let mut bx = 0;
+        while bx < blocks {
+            let owner = tile.owner(by * BLOCKS + bx);
+            let mut next = bx + 1;
+            // Blocks of one triangle side by side have much in common.
+            while owner.is_some() && next < blocks && tile.owner(by * BLOCKS + next) == owner {
+                next += 1;
             }
+            let column = bx * BLOCK;
+            let count = (columns - column).min((next - bx) * BLOCK);
+            let patch = Patch { tile: place, column, count, first, end, mine: ALL };
+            match owner {
+                Some(slot) => job.one_triangle(simd, slot, &patch),
+                None => job.rows(simd, tile, &patch),
+            }
+            bx = next;
         }
     }
     job.finish(simd)
