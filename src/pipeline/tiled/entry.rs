@@ -21,11 +21,15 @@ impl Frame<'_> {
         entrants.clear();
         let mut draw = 0;
         for chunk in self.chunks {
-            for key in chunk.keys(number) {
-                if !self.is_of_draw(*key, draw) {
-                    draw = self.draw_of(*key);
+            let mut keys = chunk.keys(number);
+            while let [first, more @ ..] = keys {
+                if !self.is_of_draw(*first, draw) {
+                    draw = self.draw_of(*first);
                 }
-                entrants.push(*key, draw);
+                let more = more.iter().take_while(|key| self.is_of_draw(**key, draw)).count();
+                let (own, others) = keys.split_at(1 + more);
+                entrants.extend(own, draw);
+                keys = others;
             }
         }
     }
@@ -80,18 +84,26 @@ impl Frame<'_> {
         divides_by_w: &mut u64,
     ) {
         let entrants = entrants.group(group, GROUP);
-        for entrant in entrants {
-            if entrant.key.as_piece().is_none() {
-                self.draws[entrant.draw as usize].prefetch(entrant.key.0);
+        let by_draw = || entrants.chunk_by(|one, next| one.draw == next.draw);
+        for own in by_draw() {
+            let draw = &self.draws[own[0].draw as usize];
+            for entrant in own.iter().filter(|entrant| entrant.key.as_piece().is_none()) {
+                draw.prefetch(entrant.key.0);
             }
         }
-        for (i, (triangle, entrant)) in triangles.iter_mut().zip(entrants).enumerate() {
-            let draw = entrant.draw as usize;
-            *triangle = self.vertices(entrant.key, draw);
-            for vertex in triangle {
-                prefetch(std::slice::from_ref(*vertex), 0);
+        let mut found = 0;
+        for own in by_draw() {
+            let draw = own[0].draw as usize;
+            for (triangle, entrant) in triangles[found..].iter_mut().zip(own) {
+                *triangle = self.vertices(entrant.key, draw);
+                for vertex in triangle {
+                    prefetch(std::slice::from_ref(*vertex), 0);
+                }
             }
-            *divides_by_w |= u64::from(self.shader(draw).divides_by_w) << i;
+            if self.shader(draw).divides_by_w {
+                *divides_by_w |= u64::from(u32::MAX >> (GROUP - own.len())) << found;
+            }
+            found += own.len();
         }
     }
 

@@ -338,10 +338,10 @@ impl Entrants {
             + self.surfaces.capacity() * size_of::<SurfaceRecord>()
     }
 
-    /// Adds one.
+    /// Adds some of one draw.
     #[inline(always)]
-    pub(super) fn push(&mut self, key: Key, draw: usize) {
-        self.list.push(Entrant { key, draw: draw as u32 });
+    pub(super) fn extend(&mut self, keys: &[Key], draw: usize) {
+        self.list.extend(keys.iter().map(|key| Entrant { key: *key, draw: draw as u32 }));
     }
 
     /// How many there are; the next one's slot.
