@@ -1,6 +1,7 @@
 //! Loads and stores of 256 bits, without pointers.
 
 use std::arch::x86_64::{__m128i, __m256i};
+use std::array;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Avx2, i16x16, u8x16, u8x32, u32x8};
@@ -53,6 +54,47 @@ pub(super) fn store_codes(avx2: Avx2, register: __m256i, codes: &mut [u8; 32]) {
 #[inline(always)]
 pub(super) fn window<const N: usize, T>(values: &[T], at: usize) -> &[T; N] {
     values.get(at..).and_then(<[T]>::first_chunk).unwrap_or_else(|| panic!("fewer than {N} values are left"))
+}
+
+/// Most rows that a kernel writes at once.
+pub(super) const MAX_ROWS: usize = 4;
+
+/// Pixels of a row, eight by eight.
+pub(super) type Blocks<'a> = &'a mut [[u8; 32]];
+
+/// Rows of a picture, at most [`MAX_ROWS`]: of each so many pixels at its head, whole blocks, and the bytes of what is left.
+pub(super) struct SplitRows<'a> {
+    pub(super) heads: [&'a mut [Rgba8]; MAX_ROWS],
+    pub(super) blocks: [Blocks<'a>; MAX_ROWS],
+    pub(super) tails: [&'a mut [u8]; MAX_ROWS],
+}
+
+impl<'a> SplitRows<'a> {
+    /// Splits rows of `width` px without a gap between them.
+    pub(super) fn new(rows: &'a mut [Rgba8], width: usize, head: usize) -> Self {
+        let mut split = Self {
+            heads: array::from_fn(|_| [].as_mut_slice()),
+            blocks: array::from_fn(|_| [].as_mut_slice()),
+            tails: array::from_fn(|_| [].as_mut_slice()),
+        };
+        for (index, row) in rows.chunks_exact_mut(width).enumerate() {
+            let (head, rest) = row.split_at_mut(head);
+            split.heads[index] = head;
+            (split.blocks[index], split.tails[index]) = rest.as_flattened_mut().as_chunks_mut();
+        }
+        split
+    }
+}
+
+/// The first `count` of some rows with as many blocks as the first has, the others with none: where that is known, no place in
+/// them is checked.
+#[inline(always)]
+pub(super) fn of_one_length(mut rows: [Blocks<'_>; MAX_ROWS], count: usize) -> [Blocks<'_>; MAX_ROWS] {
+    let blocks = rows[0].len();
+    for (index, row) in rows.iter_mut().enumerate() {
+        *row = &mut std::mem::take(row)[..if index < count { blocks } else { 0 }];
+    }
+    rows
 }
 
 /// How many pixels of a row lie before the first whose address is a multiple of 32 bytes; all if it has none. Stores that

@@ -2,21 +2,14 @@
 //! deals out. They are stored to all rows that look the same at once, so that none is read again to be copied.
 
 use std::arch::x86_64::_mm256_permutevar8x32_epi32;
-use std::array;
 
 use fearless_simd::{Avx2, kernel};
 
-use super::lanes::{load_codes, load_words, store_codes, window};
+use super::lanes::{Blocks, MAX_ROWS, SplitRows, load_codes, load_words, of_one_length, store_codes, window};
 use crate::image::Rgba8;
 
 /// Pixels of a block, and samples that it may look at.
 const BLOCK: usize = 8;
-
-/// Most rows that are filled at once.
-const MAX_ROWS: usize = 4;
-
-/// The whole blocks of a row.
-type Blocks<'a> = &'a mut [[u8; 4 * BLOCK]];
 
 /// How the rows of a picture are filled.
 pub(super) struct NearestAvx2<'a> {
@@ -53,14 +46,11 @@ impl<'a> NearestAvx2<'a> {
     pub(super) fn fill(&self, samples: &[Rgba8], rows: &mut [Rgba8]) {
         let width = self.head.len() + BLOCK * self.blocks.len() + self.tail.len();
         for rows in rows.chunks_mut(MAX_ROWS * width) {
-            let mut blocks: [Blocks<'_>; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
             let count = rows.len() / width;
-            for (row, blocks) in rows.chunks_exact_mut(width).zip(&mut blocks) {
-                let (head, row) = row.split_at_mut(self.head.len());
-                let (own, tail) = row.as_flattened_mut().as_chunks_mut();
+            let SplitRows { heads, blocks, tails } = SplitRows::new(rows, width, self.head.len());
+            for (head, tail) in heads.into_iter().zip(tails) {
                 copy(samples, self.head, head);
                 copy(samples, self.tail, tail.as_chunks_mut().0);
-                *blocks = own;
             }
             deal(self.avx2, samples, &self.blocks, count, blocks);
         }
@@ -83,12 +73,8 @@ kernel! {
 #[target_feature(enable = "avx2")]
 fn deal_to<const ROWS: usize>(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], rows: [Blocks<'_>; MAX_ROWS]) {
     let bytes = samples.as_flattened();
-    let [first, second, third, fourth] = rows;
-    // Where all are known to be as long, no place in them is checked.
-    let count = deals.len();
-    let of_row = |row: usize| if row < ROWS { count } else { 0 };
-    let (first, second) = (&mut first[..count], &mut second[..of_row(1)]);
-    let (third, fourth) = (&mut third[..of_row(2)], &mut fourth[..of_row(3)]);
+    let [first, second, third, fourth] = of_one_length(rows, ROWS);
+    let deals = &deals[..first.len()];
     for (block, deal) in deals.iter().enumerate() {
         let around = load_codes(avx2, window(bytes, 4 * deal.start));
         let pixels = _mm256_permutevar8x32_epi32(around, load_words(avx2, &deal.places));

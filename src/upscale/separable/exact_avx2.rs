@@ -10,20 +10,18 @@ use std::arch::x86_64::{
     _mm256_mullo_epi16, _mm256_or_si256, _mm256_permutevar8x32_epi32, _mm256_set1_epi16, _mm256_shuffle_epi8,
     _mm256_sll_epi16, _mm256_slli_epi16, _mm256_srl_epi16, _mm256_srli_epi16, _mm256_sub_epi16,
 };
-use std::array;
 
 use fearless_simd::{Avx2, kernel};
 
 use super::cells::Pass;
 use crate::image::Rgba8;
-use crate::upscale::lanes::{load, load_codes, load_words, store, store_codes, window};
+use crate::upscale::lanes::{
+    Blocks, MAX_ROWS, SplitRows, load, load_codes, load_words, of_one_length, store, store_codes, window,
+};
 use crate::upscale::lattice::{Lattice, Place};
 
 /// Pixels of a block.
 const BLOCK: usize = 8;
-
-/// Most rows of a cell.
-const MAX_ROWS: usize = 4;
 
 /// Eight pixels: red and blue, green and alpha.
 type Block = [[i16; 16]; 2];
@@ -197,19 +195,10 @@ kernel! {
         let steps = Steps { of_cell: pass.steps, first: phases[0], each };
         let head = ((BLOCK - pass.skipped) % BLOCK).min(pass.width);
         let (first, blocks) = (usize::from(head > 0), (pass.width - head) / BLOCK);
-        let mut rest = rows;
-        let mut heads: [&mut [u8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
-        let mut middles: [&mut [[u8; 32]]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
-        let mut tails: [&mut [u8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
-        for row in 0..count {
-            let (own, others) = rest.split_at_mut(pass.width);
-            let (own_head, own) = own.as_flattened_mut().split_at_mut(4 * head);
-            (middles[row], tails[row]) = own.as_chunks_mut::<32>();
-            heads[row] = own_head;
-            rest = others;
-        }
+        let SplitRows { heads, blocks: middles, tails } = SplitRows::new(rows, pass.width, head);
         let [above, below] = around;
         with_rows!(count, divide, (avx2, &above[first..], &below[first..], steps, rounding, middles));
+        let heads = heads.map(<[Rgba8]>::as_flattened_mut);
         for (block, skipped, ends) in [(0, pass.skipped, heads), (first + blocks, 0, tails)] {
             if ends[0].is_empty() {
                 continue;
@@ -234,15 +223,12 @@ fn sweep<const ROWS: usize, const DIVIDE: bool>(
     below: &[Block],
     steps: Steps,
     rounding: Rounding,
-    rows: [&mut [[u8; 32]]; MAX_ROWS],
+    rows: [Blocks<'_>; MAX_ROWS],
 ) {
     /// 2¹⁶ / 9, rounded up: exact for all sums of ninths.
     const NINTH: i16 = 7282;
-    let [row_0, row_1, row_2, row_3] = rows;
-    // Where all are known to be as long, no place in them is checked.
+    let [row_0, row_1, row_2, row_3] = of_one_length(rows, ROWS);
     let blocks = row_0.len();
-    let of_row = |row: usize| if row < ROWS { blocks } else { 0 };
-    let (row_1, row_2, row_3) = (&mut row_1[..of_row(1)], &mut row_2[..of_row(2)], &mut row_3[..of_row(3)]);
     let (above, below) = (&above[..blocks], &below[..blocks]);
     let (of_cell, first) = (_mm256_set1_epi16(steps.of_cell as i16), _mm256_set1_epi16(steps.first as i16));
     let (each, ninth) = (_mm256_set1_epi16(steps.each as i16), _mm256_set1_epi16(NINTH));

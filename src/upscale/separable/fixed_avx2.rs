@@ -20,7 +20,7 @@ use super::cells::Pass;
 use super::fixed::{BIAS, POINT, Phase, value_of};
 use crate::image::Rgba8;
 use crate::upscale::Upscaling;
-use crate::upscale::lanes::{load, load_bytes, store, store_codes, window};
+use crate::upscale::lanes::{Blocks, MAX_ROWS, SplitRows, load, load_bytes, of_one_length, store, store_codes, window};
 use crate::upscale::lattice::Lattice;
 
 /// Pixels of a block.
@@ -28,9 +28,6 @@ const BLOCK: usize = 8;
 
 /// Samples that are widened at once.
 const GROUP: usize = 4;
-
-/// Most rows of a cell.
-const MAX_ROWS: usize = 4;
 
 /// Most values around a group of samples that are read: six samples each for four neighbours, and the next cell.
 const WINDOW: usize = 4 * (6 + GROUP);
@@ -303,17 +300,15 @@ fn sweep<const H: usize, const FIRST: u8, const PAIRS: usize, const MIDDLE: bool
     avx2: Avx2,
     (mut low, mut high): Rows<'_, H>,
     weights: &CellWeights<H>,
-    [first, second, third, fourth]: [&mut [[u8; 32]]; MAX_ROWS],
+    rows: [Blocks<'_>; MAX_ROWS],
 ) {
     let bias = _mm256_set1_epi16(BIAS);
     let count = usize::from(FIRST != First::None as u8) + 2 * PAIRS + usize::from(MIDDLE);
-    // Where all are known to be as long, no place in them is checked.
+    let [first, second, third, fourth] = of_one_length(rows, count);
     let blocks = first.len();
     for k in 0..H {
         (low[k], high[k]) = (&low[k][..blocks], &high[k][..blocks]);
     }
-    let of_row = |row: usize| if row < count { blocks } else { 0 };
-    let (second, third, fourth) = (&mut second[..of_row(1)], &mut third[..of_row(2)], &mut fourth[..of_row(3)]);
     let codes =
         |a, b| _mm256_packus_epi16(_mm256_srai_epi16::<{ POINT as i32 }>(a), _mm256_srai_epi16::<{ POINT as i32 }>(b));
     for block in 0..blocks {
@@ -477,17 +472,7 @@ fn mix_shape<const H: usize>(avx2: Avx2, cell: &Cell<'_, H>, shape: Shape, rows:
     let head = if cell.skipped == 0 { 0 } else { (BLOCK - cell.skipped).min(width) };
     let blocks = (width - head) / BLOCK;
     let first_block = usize::from(head > 0);
-    let mut rest = rows;
-    let mut middles: [&mut [[u8; 32]]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
-    let mut heads: [&mut [Rgba8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
-    let mut tails: [&mut [u8]; MAX_ROWS] = array::from_fn(|_| [].as_mut_slice());
-    for row in 0..count {
-        let (own, others) = rest.split_at_mut(width);
-        let (own_head, own) = own.split_at_mut(head);
-        (middles[row], tails[row]) = own.as_flattened_mut().as_chunks_mut::<32>();
-        heads[row] = own_head;
-        rest = others;
-    }
+    let SplitRows { heads, blocks: middles, tails } = SplitRows::new(rows, width, head);
     let from = |block: usize| -> Rows<'_, H> {
         let (mut low, mut high) = (cell.low, cell.high);
         for k in 0..H {
