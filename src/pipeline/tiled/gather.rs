@@ -9,14 +9,9 @@ use crate::scene::Column;
 pub(super) struct Taps {
     /// Places of texels; of quads that of the first texel, and for those in linear light of the one below it.
     pub(super) index: [[u32; WIDE]; 4],
-    /// The quads themselves, where they are read ahead, in the order of [`slot_of`].
-    quads: [Quad; WIDE],
     pub(super) right: [f32; WIDE],
     pub(super) down: [f32; WIDE],
 }
-
-/// Two by two texels: the left ones, the right ones.
-type Quad = [Column; 2];
 
 /// The texels at as many places as a register holds.
 ///
@@ -34,52 +29,10 @@ pub(super) fn gather<S: Simd>(simd: S, texels: &[Column], places: &[u32]) -> S::
     S::u32s::from_fn(simd, |lane| texels[places[lane] as usize][0])
 }
 
-/// Where the quad of a lane is kept: of eight lanes the first four are the first halves of registers of eight numbers.
-const fn slot_of(lane: usize) -> usize {
-    lane & 0b1000 | (lane & 0b11) << 1 | (lane & 0b100) >> 2
-}
-
-/// Whether quads are better read by [`read_quads`] before they are asked for: where no instruction gathers them quickly.
+/// The upper left, upper right, lower left and lower right texels of as many samples as a register holds, from `first` on.
 ///
-/// AVX2 has one, but many processors take as long for it as for single reads, and those that had to be kept from leaking what
-/// they gather (CVE-2022-40982) several times as long.
-#[inline(always)]
-pub(super) fn reads_ahead<S: Simd>(simd: S) -> bool {
-    #[cfg(target_arch = "x86_64")]
-    return simd.level().as_avx512().is_none();
-    #[cfg(not(target_arch = "x86_64"))]
-    return true;
-}
-
-/// Reads the quads of many samples and does nothing else, so that as many reads as possible are under way at a time.
-///
-/// # Panics
-/// If one of the places, or the one after it, lies outside of the texels.
-#[inline(always)]
-#[expect(
-    unsafe_code,
-    reason = "one test for all reads: of pairs, a picture that is all texture was drawn an eighth faster than with a test for each"
-)]
-pub(super) fn read_quads<S: Simd>(simd: S, texels: &[Column], all: &mut [Taps]) {
-    let mut farthest = u32x16::splat(simd, 0);
-    for Taps { index: [places, ..], .. } in &*all {
-        farthest = farthest.max(u32x16::load_array_ref(simd, places));
-    }
-    // Lengths are below 2³²: texture sizes are limited.
-    let last = texels.len().saturating_sub(1) as u32;
-    assert!(farthest.simd_lt(last).all_true(), "all texels are within the texture");
-    for Taps { index: [places, ..], quads, .. } in all {
-        for lane in 0..WIDE {
-            let place = places[lane] as usize;
-            // SAFETY: the place is less than the last one, as was just made sure of the farthest of all, so that it and the one
-            // after it lie within the slice; an array asks for no other alignment than its items do.
-            quads[slot_of(lane)] = unsafe { texels.as_ptr().add(place).cast::<Quad>().read() };
-        }
-    }
-}
-
-/// The upper left, upper right, lower left and lower right texels of as many samples as a register holds, from `first` on: by
-/// instructions that gather them, or those that were read ahead.
+/// Where no instruction gathers them quickly they are read one by one: AVX2 has one, but many processors take as long for it as
+/// for single reads, and those that had to be kept from leaking what they gather (CVE-2022-40982) several times as long.
 ///
 /// # Panics
 /// If a quad lies outside of the texels.
@@ -91,16 +44,7 @@ pub(super) fn quads<S: Simd>(simd: S, texels: &[Column], taps: &Taps, first: usi
 
 /// The same, column by column.
 #[inline(always)]
-fn columns<S: Simd>(
-    simd: S,
-    #[cfg_attr(
-        not(target_arch = "x86_64"),
-        expect(unused_variables, reason = "there are no instructions that gather")
-    )]
-    texels: &[Column],
-    taps: &Taps,
-    first: usize,
-) -> [S::u32s; 4] {
+fn columns<S: Simd>(simd: S, texels: &[Column], taps: &Taps, first: usize) -> [S::u32s; 4] {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = simd.level().as_avx512() {
         let gathered = x86::gather_quads(avx512, texels, u32x16::load_array_ref(avx512, &taps.index[0]).into());
@@ -109,10 +53,13 @@ fn columns<S: Simd>(
             S::u32s::from_slice(simd, &texels.to_array())
         });
     }
+    let places = &taps.index[0][first..];
     if S::u32s::LEN == LANES {
-        let quads = taps.quads[first..first + LANES].as_flattened().as_flattened();
-        let rows = each!(row in [0, 1, 2, 3] => {
-            u32x8::from_slice(simd, &quads[row * LANES..][..LANES]).bitcast::<F32<S>>()
+        let rows = each!((low, high) in [(0, 4), (1, 5), (2, 6), (3, 7)] => {
+            let [low, high] = each!(lane in [low, high] => {
+                u32x4::from_slice(simd, quad_at(texels, places[lane]).as_flattened())
+            });
+            low.combine(high).bitcast::<F32<S>>()
         });
         let columns = transpose_halves(rows);
         return each!(column in [0, 1, 2, 3] => {
@@ -121,12 +68,21 @@ fn columns<S: Simd>(
     }
     let mut columns = [[0; WIDE]; 4];
     for lane in 0..S::u32s::LEN {
-        let [[a, b], [c, d]] = taps.quads[slot_of(first + lane)];
+        let [[a, b], [c, d]] = quad_at(texels, places[lane]);
         for (column, texel) in columns.iter_mut().zip([a, b, c, d]) {
             column[lane] = texel;
         }
     }
     each!(column in [0, 1, 2, 3] => S::u32s::from_slice(simd, &columns[column][..S::u32s::LEN]))
+}
+
+/// Two by two texels: the left ones, the right ones. Each place is tested by itself: to test eight of them in a register, and
+/// to take them out of it, takes longer.
+#[inline(always)]
+fn quad_at(texels: &[Column], place: u32) -> [Column; 2] {
+    let place = place as usize;
+    assert!(place + 1 < texels.len(), "all texels are within the texture");
+    [texels[place], texels[place + 1]]
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -187,12 +143,8 @@ mod tests {
     /// The quads at as many places as a register holds, the way these lanes read them.
     #[inline(always)]
     fn quads_at<S: Simd>(simd: S, texels: &[Column], places: &[u32; WIDE]) -> [Vec<u32>; 4] {
-        // Those that are looked at come last.
-        let mut all = [Taps::default(), Taps { index: [*places; 4], ..Taps::default() }];
-        if reads_ahead(simd) {
-            read_quads(simd, texels, &mut all);
-        }
-        quads(simd, texels, &all[1], WIDE - S::u32s::LEN).map(|texels| texels.as_slice().to_vec())
+        let taps = Taps { index: [*places; 4], ..Taps::default() };
+        quads(simd, texels, &taps, WIDE - S::u32s::LEN).map(|texels| texels.as_slice().to_vec())
     }
 
     fn texels() -> Vec<Column> {
@@ -232,7 +184,7 @@ mod tests {
                 let refused = std::panic::catch_unwind(|| {
                     on_lanes!(lanes, simd => {
                         let mut places = [0; WIDE];
-                        places[3] = place;
+                        places[if of_quad { WIDE - 1 } else { 3 }] = place;
                         if of_quad {
                             quads_at(simd, &texels, &places)[0][0]
                         } else {

@@ -429,21 +429,29 @@ pub(super) fn corner_weights<S: Simd>(simd: S, e: [f32x16<S>; 3], relative_inv_w
 
 /// Finds out which texels are read, if any are.
 #[inline(always)]
-pub(super) fn locate_texels<S: Simd>(
+pub(super) fn locate_texels<S: Simd, O: Source>(
     simd: S,
     shader: &DrawShader<'_>,
     plan: Plan,
-    source: impl Source,
+    source: O,
     weights: Weights<S>,
     (taps, coarse): (&mut Taps, Option<&mut CoarseTaps>),
 ) {
     let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) else { return };
     match coarse {
-        Some(coarse) if plan.mipmapped => texture.locate_in_levels(simd, layout, source, weights, (taps, coarse)),
+        Some(coarse) if plan.mipmapped => {
+            texture.locate_in_levels(simd, layout, source, weights, (taps, coarse));
+            if O::SCATTERED {
+                coarse.prefetch(texture);
+            }
+        }
         _ => {
             let [u, v] = source.uv(simd);
             texture.locate(simd, layout, [u.at(weights.of_corners), v.at(weights.of_corners)], taps);
         }
+    }
+    if O::SCATTERED {
+        texture.prefetch(taps);
     }
 }
 
@@ -457,14 +465,13 @@ pub(super) fn interpolate_pair<S: Simd>(
     weights: Weights<S>,
     (pair, taps): (&mut QueuedPair, (&mut Taps, Option<&mut CoarseTaps>)),
 ) {
-    locate_texels(simd, shader, plan, source, weights, taps);
-    let weights = weights.of_corners;
+    let of_corners = weights.of_corners;
     match plan.light {
         Light::None => {}
-        Light::Vertices => source.light(simd).at(weights).store_array(&mut pair.light),
+        Light::Vertices => source.light(simd).at(of_corners).store_array(&mut pair.light),
         Light::Normals => {
             let normal = source.normal(simd);
-            let normal = each!(axis in [0, 1, 2] => normal[axis].at(weights));
+            let normal = each!(axis in [0, 1, 2] => normal[axis].at(of_corners));
             let ambient = shader.shader.settings.light.ambient;
             lambert(simd, normal, shader.shader.light_direction, ambient).store_array(&mut pair.light);
         }
@@ -472,10 +479,12 @@ pub(super) fn interpolate_pair<S: Simd>(
     if plan.colored {
         let (diffuse, color) = (shader.shader.diffuse.to_array(), source.color(simd));
         for channel in 0..3 {
-            let color = f32x16::splat(simd, diffuse[channel]) * color[channel].at(weights);
+            let color = f32x16::splat(simd, diffuse[channel]) * color[channel].at(of_corners);
             color.store_array(&mut pair.color[channel]);
         }
     }
+    // Last, as it needs the most registers.
+    locate_texels(simd, shader, plan, source, weights, taps);
 }
 
 /// Light on normals that are not of unit length; no direct light on those of none.

@@ -32,6 +32,16 @@ struct LevelOfEach<S: Simd> {
     size: [i32x16<S>; 2],
 }
 
+impl CoarseTaps {
+    /// Asks for texels that will be read.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, texture: &TextureReader<'_>) {
+        if self.is_read {
+            texture.prefetch(&self.taps);
+        }
+    }
+}
+
 impl TextureReader<'_> {
     /// Which texels sixteen samples read, as [`TextureReader::locate`], of two levels. Not for inlining: what textures without
     /// levels are read by shall stay small.
@@ -129,16 +139,6 @@ impl TextureReader<'_> {
             let axes = each!(length in [width, height] => Axis::of(simd, length));
             let images = Images { first, stride: width + 1, axes };
             self.locate_eight(simd, layout, &images, uv, taps, lane);
-        }
-    }
-
-    /// Reads ahead for samples that read two levels, as [`TextureReader::read_ahead`] does for those that read one.
-    #[inline(always)]
-    pub(super) fn read_coarse_ahead<S: Simd>(&self, simd: S, layout: Layout, all: &mut [CoarseTaps]) {
-        for coarse in all {
-            if coarse.is_read {
-                self.read_ahead(simd, layout, std::slice::from_mut(&mut coarse.taps));
-            }
         }
     }
 

@@ -8,7 +8,7 @@ use super::kernel::ALL;
 use super::lattice::BLOCK;
 use super::mipmap::CoarseTaps;
 use super::shader::{DrawShader, Light, Plan, TEXELS_AROUND};
-use super::texture;
+use super::texture::{self, TextureReader};
 use crate::image::Rgba8;
 use crate::image::color::Tables;
 use crate::math::lanes::*;
@@ -131,28 +131,26 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             }
             let shader = &frame.shaders[queue.shader];
             let Queue { pairs: all, taps, coarse, coarse_texels, .. } = queue;
-            let (pairs, taps) = (&all[..pairs], &mut taps[..pairs]);
-            if let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) {
-                texture.read_ahead(simd, layout, taps);
-            }
+            let (pairs, taps) = (&all[..pairs], &taps[..pairs]);
             // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
             match shader.plan {
                 Plan::COMMON => {
                     // A copy, which nothing that is written can be part of: it is read once for all pairs.
                     let shader = &{ *shader };
+                    let Some(texture) = &shader.texture else { return };
                     for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, shader, Plan::COMMON, (pair, (taps, None)), pixels);
+                        finish_pair(simd, (shader, Some(texture)), Plan::COMMON, (pair, (taps, None)), pixels);
                     }
                 }
                 plan if plan.mipmapped => {
-                    let coarse = &mut coarse[..pairs.len()];
+                    let coarse = &coarse[..pairs.len()];
                     *coarse_texels += finish_mipmapped(simd, shader, (pairs, taps, coarse), pixels);
                 }
                 plan if plan.blended => finish_blended(simd, shader, (pairs, taps), pixels),
                 plan => {
                     let plan = Plan { mipmapped: false, blended: false, ..plan };
                     for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, shader, plan, (pair, (taps, None)), pixels);
+                        finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, None)), pixels);
                     }
                 }
             }
@@ -173,7 +171,7 @@ fn finish_blended<S: Simd>(
         || {
             let plan = Plan { mipmapped: false, blended: true, ..shader.plan };
             for (pair, taps) in pairs.iter().zip(taps) {
-                finish_pair(simd, shader, plan, (pair, (taps, None)), pixels);
+                finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, None)), pixels);
             }
         },
     );
@@ -184,21 +182,18 @@ fn finish_blended<S: Simd>(
 fn finish_mipmapped<S: Simd>(
     simd: S,
     shader: &DrawShader<'_>,
-    (pairs, taps, coarse): (&[QueuedPair], &[Taps], &mut [CoarseTaps]),
+    (pairs, taps, coarse): (&[QueuedPair], &[Taps], &[CoarseTaps]),
     pixels: &mut [Rgba8],
 ) -> u64 {
     simd.vectorize(
         #[inline(always)]
         || {
-            if let (Some(texture), Some(layout)) = (&shader.texture, shader.plan.texture) {
-                texture.read_coarse_ahead(simd, layout, coarse);
-            }
             let plan = Plan { mipmapped: true, ..shader.plan };
             let mut samples = 0;
             for ((pair, taps), coarse) in pairs.iter().zip(taps).zip(coarse) {
                 let [upper, lower] = &pair.rows;
                 samples += if coarse.is_read { upper.written() + lower.written() } else { 0 };
-                finish_pair(simd, shader, plan, (pair, (taps, Some(coarse))), pixels);
+                finish_pair(simd, (shader, shader.texture.as_ref()), plan, (pair, (taps, Some(coarse))), pixels);
             }
             u64::from(samples) * TEXELS_AROUND
         },
@@ -209,7 +204,7 @@ fn finish_mipmapped<S: Simd>(
 #[inline(always)]
 fn finish_pair<S: Simd>(
     simd: S,
-    shader: &DrawShader<'_>,
+    (shader, texture): (&DrawShader<'_>, Option<&TextureReader<'_>>),
     plan: Plan,
     (pair, (taps, coarse)): (&QueuedPair, (&Taps, Option<&CoarseTaps>)),
     pixels: &mut [Rgba8],
@@ -222,25 +217,32 @@ fn finish_pair<S: Simd>(
     }
     match plan.space {
         ColorSpace::Bytes => {
-            // Register by register: what all sixteen read would not fit where registers are narrower.
-            for first in (0..WIDE).step_by(S::f32s::LEN) {
-                let codes = &mut codes[first..first + S::u32s::LEN];
-                let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
-                if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
-                    color = textured(plan, color, texture.read_levels_bytes(simd, layout, (taps, coarse), first));
+            // Row by row and register by register: what all sixteen read would not fit where registers are narrower.
+            for start in (0..WIDE).step_by(LANES.max(S::f32s::LEN)) {
+                let rows = start..start + LANES.max(S::f32s::LEN);
+                for first in rows.clone().step_by(S::f32s::LEN) {
+                    let codes = &mut codes[first..first + S::u32s::LEN];
+                    let mut color = surface_color::<S, S::f32s>(simd, shader, plan, pair, first);
+                    if let (Some(texture), Some(layout)) = (texture, plan.texture) {
+                        color = textured(plan, color, texture.read_levels_bytes(simd, layout, (taps, coarse), first));
+                    }
+                    color = lit(simd, plan, color, pair, first);
+                    if plan.blended {
+                        let below = texture::codes::<S>(S::u32s::from_slice(simd, codes));
+                        let scale = shader.shader.sampler().scale;
+                        color = over(simd, color, each!(channel in [0, 1, 2] => below[channel] * scale));
+                    }
+                    pack(simd, color).store_slice(codes);
                 }
-                color = lit(simd, plan, color, pair, first);
-                if plan.blended {
-                    let below = texture::codes::<S>(S::u32s::from_slice(simd, codes));
-                    let scale = shader.shader.sampler().scale;
-                    color = over(simd, color, each!(channel in [0, 1, 2] => below[channel] * scale));
+                for first in rows.step_by(LANES) {
+                    let codes = u32x8::from_slice(simd, &codes[first..first + LANES]);
+                    write_row(simd, codes, &pair.rows[first / LANES], pixels);
                 }
-                pack::<S>(color).store_slice(codes);
             }
         }
         ColorSpace::Linear => {
             let mut color = surface_color::<S, f32x16<S>>(simd, shader, plan, pair, 0);
-            if let (Some(texture), Some(layout)) = (&shader.texture, plan.texture) {
+            if let (Some(texture), Some(layout)) = (texture, plan.texture) {
                 color = textured(plan, color, texture.read_levels_linear(simd, layout, (taps, coarse)));
             }
             color = lit(simd, plan, color, pair, 0);
@@ -256,11 +258,11 @@ fn finish_pair<S: Simd>(
                 );
             }
             encode(simd, color).store_array(&mut codes);
+            for (row, codes) in pair.rows.iter().zip(codes.chunks_exact(LANES)) {
+                write_row(simd, u32x8::from_slice(simd, codes), row, pixels);
+            }
         }
     }
-    let (upper, lower) = u32x16::load_array(simd, codes).split();
-    write_row(simd, upper, &pair.rows[0], pixels);
-    write_row(simd, lower, &pair.rows[1], pixels);
 }
 
 /// The surface's own colour at some samples, from `first` on, and how opaque it is, both without the texture.
@@ -350,13 +352,47 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
     codes.bitcast::<u8x32<S>>().store_slice(bytes);
 }
 
-/// Colours in bytes, packed.
+/// [`crate::image::color::quantize`] for the channels of colours, as opaque pixels.
 #[inline(always)]
-fn pack<S: Simd>(color: [S::f32s; 4]) -> S::u32s {
+fn pack<S: Simd>(simd: S, [r, g, b, _]: [S::f32s; 4]) -> S::u32s {
+    let scaled = each!(channel in [r, g, b] => channel * 255.0 + 0.5);
+    #[cfg(target_arch = "x86_64")]
+    if S::f32s::LEN == LANES
+        && let Some(avx2) = simd.level().as_avx2()
+    {
+        let scaled = each!(c in [0, 1, 2] => f32x8::from_slice(avx2, scaled[c].as_slice()).into());
+        let codes: u32x8<_> = x86::opaque(avx2, scaled).simd_into(avx2);
+        return S::u32s::from_slice(simd, codes.as_slice());
+    }
     let [r, g, b] = each!(c in [0, 1, 2] => {
-        (color[c] * 255.0 + 0.5).max(0.0).min(255.0).to_int::<S::i32s>().bitcast::<S::u32s>()
+        scaled[c].max(0.0).min(S::f32s::splat(simd, 255.0)).to_int::<S::i32s>().bitcast::<S::u32s>()
     });
     r | g << 8 | b << 16 | 0xFF00_0000
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use fearless_simd::kernel;
+
+    kernel! {
+        /// Red, green and blue without their broken parts, from 0 to 255, as eight opaque pixels.
+        #[inline]
+        pub(super) fn opaque(avx2: Avx2, channels: [__m256; 3]) -> __m256i {
+            let largest = _mm256_set1_ps(255.0);
+            // In this order NaN stays, which then becomes the least integer, and 0.
+            let [r, g, b] = [
+                _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[0])),
+                _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[1])),
+                _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[2])),
+            ];
+            let (red_green, blue_alpha) =
+                (_mm256_packs_epi32(r, g), _mm256_packs_epi32(b, _mm256_set1_epi32(255)));
+            let in_turn = _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15));
+            _mm256_shuffle_epi8(_mm256_packus_epi16(red_green, blue_alpha), in_turn)
+        }
+    }
 }
 
 /// Colours in linear light, encoded and packed.
@@ -368,4 +404,38 @@ fn encode<S: Simd>(simd: S, color: [f32x16<S>; 4]) -> u32x16<S> {
         tables.encode_lanes(simd, low).combine(tables.encode_lanes(simd, high))
     });
     r | g << 8 | b << 16 | 0xFF00_0000
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::color::quantize;
+
+    #[test]
+    fn colors_are_packed_as_they_are_quantized() {
+        let mut random = fastrand::Rng::with_seed(5);
+        let unusual = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30, -0.0, 1.0, -0.002, 1.002, 0.998];
+        let mut channel = || match random.usize(..3) {
+            0 => unusual[random.usize(..unusual.len())],
+            1 => (f32::from(random.u8(..)) + 0.5) / 255.0,
+            _ => random.f32() * 1.5 - 0.25,
+        };
+        for _ in 0..1000 {
+            let color: [[f32; WIDE]; 4] = std::array::from_fn(|_| std::array::from_fn(|_| channel()));
+            for lanes in Lanes::all() {
+                let codes = on_lanes!(lanes, simd => {
+                    #[inline(always)]
+                    fn packed<S: Simd>(simd: S, color: &[[f32; WIDE]; 4]) -> Vec<u32> {
+                        let first = each!(c in [0, 1, 2, 3] => S::f32s::from_slice(simd, &color[c][..S::f32s::LEN]));
+                        pack(simd, first).as_slice().to_vec()
+                    }
+                    packed(simd, &color)
+                });
+                for (lane, code) in codes.iter().enumerate() {
+                    let expected = [0, 1, 2].map(|c| quantize(color[c][lane]));
+                    assert_eq!(code.to_le_bytes(), [expected[0], expected[1], expected[2], 255], "by {}", lanes.name());
+                }
+            }
+        }
+    }
 }

@@ -159,6 +159,9 @@ impl<S: Simd> Attribute<S> {
 
 /// Where sixteen samples have what is read of their triangles from.
 pub(super) trait Source: Copy {
+    /// Triangles differ: texels that are read may lie far apart.
+    const SCATTERED: bool;
+
     /// Four numbers of the [`Record`] of each sample's triangle.
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
 
@@ -244,6 +247,8 @@ pub(super) struct One<'a> {
 }
 
 impl Source for One<'_> {
+    const SCATTERED: bool = false;
+
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
         each!(i in [0, 1, 2, 3] => f32x16::splat(simd, self.record.quads[quad][i]))
@@ -264,6 +269,8 @@ pub(super) struct Many<'a> {
 }
 
 impl Source for Many<'_> {
+    const SCATTERED: bool = true;
+
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
         transpose_wide(each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {

@@ -150,8 +150,6 @@ pub(super) fn keep_tested<S: Simd>(simd: S, frame: &Frame<'_>, subject: &Subject
             let (mut taps, mut coarse) = (Taps::default(), shader.plan.mipmapped.then(CoarseTaps::default));
             let weights = tested.weights(simd, subject);
             locate_texels(simd, shader, shader.plan, subject.one, weights, (&mut taps, coarse.as_mut()));
-            texture.read_ahead(simd, layout, std::slice::from_mut(&mut taps));
-            texture.read_coarse_ahead(simd, layout, coarse.as_mut_slice());
             let alpha = texture.read_levels_alpha(simd, layout, (&taps, coarse.as_ref())) * shader.shader.opacity();
             let cut_out = alpha.simd_lt(CUT_OUT_BELOW).to_bitmask();
             tested.passed & !cut_out

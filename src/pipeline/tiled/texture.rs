@@ -1,8 +1,9 @@
 //! Texture reads for sixteen samples: [`crate::pipeline::sample::Sampler`] on lanes, bit for bit.
 
 use super::axis::{Axis, below_repeated, bring_into_unit, nearest, neighbours};
-use super::gather::{Taps, gather, quads, read_quads, reads_ahead};
+use super::gather::{Taps, gather, quads};
 use crate::math::lanes::*;
+use crate::math::prefetch::prefetch;
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
 use crate::scene::{Column, Level, Texture};
@@ -181,12 +182,15 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Reads the quads of many samples, if that is quicker than to do so when they are mixed.
+    /// Asks for texels that sixteen samples will read.
     #[inline(always)]
-    pub(super) fn read_ahead<S: Simd>(&self, simd: S, layout: Layout, all: &mut [Taps]) {
-        let are_quads = matches!(layout, Layout::Quads | Layout::PowerOfTwoQuads) && !self.mixes_light();
-        if are_quads && reads_ahead(simd) {
-            read_quads(simd, self.texels, all);
+    pub(super) fn prefetch(&self, taps: &Taps) {
+        for place in taps.index[0] {
+            if self.mixes_light() {
+                prefetch(self.linear, place as usize);
+            } else {
+                prefetch(self.texels, place as usize);
+            }
         }
     }
 
