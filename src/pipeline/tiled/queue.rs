@@ -376,17 +376,15 @@ mod x86 {
 
     use fearless_simd::kernel;
 
+    use crate::math::lanes::each;
+
     kernel! {
         /// Red, green and blue without their broken parts, from 0 to 255, as eight opaque pixels.
         #[inline]
         pub(super) fn opaque(avx2: Avx2, channels: [__m256; 3]) -> __m256i {
             let largest = _mm256_set1_ps(255.0);
             // In this order NaN stays, which then becomes the least integer, and 0.
-            let [r, g, b] = [
-                _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[0])),
-                _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[1])),
-                _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[2])),
-            ];
+            let [r, g, b] = each!(c in [0, 1, 2] => _mm256_cvttps_epi32(_mm256_min_ps(largest, channels[c])));
             let (red_green, blue_alpha) =
                 (_mm256_packs_epi32(r, g), _mm256_packs_epi32(b, _mm256_set1_epi32(255)));
             let in_turn = _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15));
