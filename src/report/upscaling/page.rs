@@ -26,7 +26,7 @@ fn head(report: &Report) -> String {
     let [width, height] = report.size;
     let methods = report.scenes.first().map_or(0, |scene| scene.rows.len());
     let figures = [
-        (report.scenes.len().to_string(), "scenes"),
+        (report.scenes.len().to_string(), if report.scenes.len() == 1 { "scene" } else { "scenes" }),
         (methods.to_string(), "ways to draw each"),
         (format!("{width} × {height}"), "pixels"),
         (report.rounds.to_string(), "interleaved rounds"),
@@ -121,7 +121,7 @@ fn table(rows: &[Row], native: Option<&Row>) -> String {
     format!(
         "<div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>upscaler</th><th>drawn</th><th>median ms</th><th>p10</th>\
          <th>p90</th><th>times native</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP</th><th>PSNR dB</th><th>SSIM</th>\
-         <th>MSE</th><th>max</th><th>differing px</th><th>beaten by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n"
+         <th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">beaten by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n"
     )
 }
 
@@ -148,13 +148,13 @@ fn line(row: &Row, native: Option<&Row>) -> String {
         format!("{:.2}", codes.mse),
         codes.max_abs.to_string(),
         codes.differing_pixels.to_string(),
-        escaped(by),
     ];
     format!(
-        "<tr class=\"{style}\"><td><span class=\"dot m{}\"></span>{}</td>{}</tr>\n",
+        "<tr class=\"{style}\"><td><span class=\"dot m{}\"></span>{}</td>{}<td class=\"words\">{}</td></tr>\n",
         plot::color(row),
         escaped(&row.label),
-        cells.map(|cell| format!("<td>{cell}</td>")).concat()
+        cells.map(|cell| format!("<td>{cell}</td>")).concat(),
+        escaped(by)
     )
 }
 
