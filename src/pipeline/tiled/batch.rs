@@ -35,6 +35,8 @@ pub(super) struct Batch {
     inv_w: [[f64; LANES]; 3],
     columns: [[i32; LANES]; 2],
     rows: [[i32; LANES]; 2],
+    /// A bit for each triangle that covers all samples of the tile.
+    cover_tile: u64,
     /// The least and the greatest coordinate along each axis, in grid steps; only known if pixels have several samples.
     boxes: [[[f32; LANES]; 2]; 2],
 }
@@ -103,6 +105,11 @@ impl Batch {
                     greatest_value = greatest_value.max(doubled_area + steepness * lattice.extent());
                     greatest_in_tile = greatest_in_tile.max(c.abs() + steepness * lattice.farthest());
                 }
+                self.cover_tile = 0;
+                if self.fill_a_box(simd) {
+                    let [meet, cover] = self.doubles.in_tile(simd, lattice);
+                    (alive, self.cover_tile) = (alive & meet, cover);
+                }
                 self.fit = greatest_in_tile.simd_lt(f64::from(i32::MAX)).to_bitmask();
                 let depths = each!(i in [0, 1, 2] => corners[i].1);
                 let least = depths[0].min(depths[1]).min(depths[2]);
@@ -138,6 +145,14 @@ impl Batch {
                 (alive, alive & greatest_value.simd_gt(f64::from(i32::MAX)).to_bitmask())
             },
         )
+    }
+
+    /// Whether the box of one of the triangles is the whole tile.
+    #[inline(always)]
+    fn fill_a_box<S: Simd>(&self, simd: S) -> bool {
+        let [columns, rows] = each!(ranges in [&self.columns, &self.rows] => each!(end in [0, 1] => i32x8::load_array(simd, ranges[end])));
+        let last = columns[1].min(rows[1]);
+        (columns[0].max(rows[0]).simd_eq(0) & last.simd_eq((TILE - 1) as i32)).any_true()
     }
 
     /// The same triangles for the samples of another lattice, that are moved from those of the first one, and bits of those
@@ -176,7 +191,27 @@ impl Triangles for Batch {
             inv_w: of_lane(&self.inv_w, lane),
             columns: range_of(&self.columns, lane),
             rows: range_of(&self.rows, lane),
+            covers_tile: self.cover_tile >> lane & 1 != 0,
         }
+    }
+}
+
+impl EdgeArrays<f64> {
+    /// Bits of the triangles that may have a sample in the tile, and of those that have them all, of those of all pixels.
+    #[inline(always)]
+    fn in_tile<S: Simd>(&self, simd: S, lattice: &Lattice) -> [u64; 2] {
+        let [width, height] = lattice.tile_extent();
+        let (mut meet, mut cover) = (u64::MAX, u64::MAX);
+        for i in 0..3 {
+            let [a, b, c, inside] =
+                each!(of in [&self.a, &self.b, &self.c, &self.inside] => F64::load_array_ref(simd, &of[i]));
+            let beyond = (a.abs() + b.abs()) * lattice.extent();
+            let least = c + a.min(0.0) * width + b.min(0.0) * height - beyond;
+            let greatest = c + a.max(0.0) * width + b.max(0.0) * height + beyond;
+            meet &= greatest.simd_ge(inside).to_bitmask();
+            cover &= least.simd_ge(inside).to_bitmask();
+        }
+        [meet, cover]
     }
 }
 
@@ -301,6 +336,7 @@ fn integer_edges<S: Simd>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::setup::Corner;
     use super::*;
     use crate::pipeline::depth::DepthEncoding;
     use crate::pipeline::grid::SampleGrid;
@@ -384,5 +420,55 @@ mod tests {
             }
         }
         assert!(small > 1000 && large > 500, "{small} triangles fit, {large} do not");
+    }
+
+    #[test]
+    fn triangles_that_miss_or_cover_the_tile_are_told() {
+        let mut random = fastrand::Rng::with_seed(6);
+        let (mut missing, mut covering) = (0, 0);
+        let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Checkerboard];
+        for (grid, lanes) in grids.into_iter().flat_map(|grid| Lanes::all().map(move |lanes| (grid, lanes))) {
+            let offsets = [[-96, 32], [96, -32]];
+            let centres = Lattice::new(grid);
+            for (lattice, offsets) in [(centres, &[[0; 2]][..]), (centres.with_samples(&offsets), &offsets[..])] {
+                let (origin, first) = (lattice.origin((3, 2)), [3.0 * TILE as f32, 2.0 * TILE as f32]);
+                for round in 0..40 {
+                    let size = 1 << (15 + round % 4);
+                    let mut along = |from: f64| (from as i32 + random.i32(-size..size)) as f32;
+                    let mut corner = || Vertex::new(origin.map(&mut along), 0.5, 1.0, 0.0, [0.0; 2]);
+                    let vertices = [(); LANES].map(|()| [(); 3].map(|()| corner()));
+                    let triangles = std::array::from_fn(|lane| vertices[lane].each_ref());
+                    let (mut batch, mut records) = (Batch::default(), [Record::default(); LANES]);
+                    let (rule, scale) = (FillRule::ALL[round % FillRule::ALL.len()], DepthScale::default());
+                    let (alive, _) = on_lanes!(lanes, simd => {
+                        batch.set_up(simd, &triangles, (&mut records, 0), rule, &scale, &lattice, (origin, first))
+                    });
+                    for (lane, vertices) in vertices.iter().enumerate() {
+                        let corners = vertices.each_ref().map(Corner::from);
+                        let boxed = Setup::new(Slot::NONE, &corners, rule, &scale, &lattice, (origin, first));
+                        let Some(triangle) = boxed else {
+                            continue;
+                        };
+                        let covers = |place: [i32; 2]| {
+                            let values = triangle.edges.at(place);
+                            values.iter().zip(triangle.inside).all(|(value, least)| *value >= least)
+                        };
+                        let samples = || {
+                            let all = (0..TILE).flat_map(|row| (0..TILE).map(move |column| (column, row)));
+                            all.map(|place| lattice.place(place))
+                                .flat_map(|[x, y]| offsets.iter().map(move |[right, down]| [x + right, y + down]))
+                        };
+                        let is_alive = alive >> lane & 1 != 0;
+                        assert!(is_alive || !samples().any(covers), "it has a sample in the tile");
+                        missing += usize::from(!is_alive);
+                        if is_alive && batch.triangle::<f64>(lane, Slot::NONE).covers_tile {
+                            covering += 1;
+                            assert!(samples().all(covers), "it has not all samples of the tile");
+                        }
+                    }
+                }
+            }
+        }
+        assert!(missing > 100 && covering > 100, "{missing} miss the tile, {covering} cover it");
     }
 }

@@ -54,13 +54,6 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
     quantize(simd, (rise + *least).min(1.0), rules.encoding)
 }
 
-/// Depth of a triangle's plane at the first sample of the tile, as it would be stored without rounding. Nothing that means
-/// anything if depths are linear in space.
-#[inline(always)]
-pub(super) fn depth_at_first<E: EdgeNumber>(Setup { edges: Edges { c, .. }, rises, least, .. }: &Setup<E>) -> f64 {
-    c[0].double() * rises[0] + c[1].double() * rises[1] + c[2].double() * rises[2] + least
-}
-
 /// [`DepthEncoding::quantize`] for eight depths.
 #[inline(always)]
 fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> {
@@ -73,40 +66,60 @@ fn quantize<S: Simd>(simd: S, depth: F64<S>, encoding: DepthEncoding) -> F32<S> 
     }
 }
 
-/// Rounding errors of a depth relative to the sum of the magnitudes that it is the sum of: some ten operations of 2⁻⁵³ each.
-const ROUNDING: f64 = 1.0 / (1_u64 << 49) as f64;
+/// Rounding errors of a depth and of its bounds, relative to the sum of the magnitudes that they are sums of: some 23 operations
+/// of 2⁻⁵³ each.
+const ROUNDING: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// Bounds of the stored depths of a triangle in eight rectangles, from its edge values at their first samples and the way from
-/// those to their last samples.
-#[inline(always)]
-pub(super) fn depth_bounds<S: Simd, E: EdgeNumber>(
-    simd: S,
-    triangle: &Setup<E>,
-    first: [E::Eight<S>; 3],
-    [width, height]: [f64; 2],
-    rules: &DepthRules,
-) -> [F32<S>; 2] {
-    let Setup { edges, rises, least, greatest, .. } = triangle;
-    let (low, high) = (F64::splat(simd, *least), F64::splat(simd, *greatest));
-    let slack = ROUNDING * greatest;
-    if rules.linear_in_space {
-        return each!(d in [low - slack, high + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding));
+/// Depth of a triangle as a plane over the samples of a tile, without rounding.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DepthPlane {
+    /// At the tile's first sample.
+    at_first: f64,
+    /// What it rises by in a grid step to the right, and in one downwards.
+    rise: [f64; 2],
+    /// How far stored depths may be from it before they are quantised. Infinite if depths are linear in space, and no plane.
+    slack: f64,
+    /// Bounds of the triangle's depths anywhere.
+    least: f64,
+    greatest: f64,
+}
+
+impl DepthPlane {
+    /// Of a triangle in a tile that reaches so far from its first sample.
+    #[inline(always)]
+    pub(super) fn new<E: EdgeNumber>(triangle: &Setup<E>, [width, height]: [f64; 2], rules: &DepthRules) -> Self {
+        let Setup { edges: Edges { a, b, c }, rises, .. } = triangle;
+        let [a, b, c] = each!(of in [a, b, c] => each!(i in [0, 1, 2] => of[i].double() * rises[i]));
+        let [at_first, across, down] = each!(of in [c, a, b] => of[0] + of[1] + of[2]);
+        let magnitudes = each!(i in [0, 1, 2] => c[i].abs() + a[i].abs() * width + b[i].abs() * height);
+        let slack = (magnitudes[0] + magnitudes[1] + magnitudes[2] + triangle.greatest) * ROUNDING;
+        let [least, greatest] = each!(d in [triangle.least - slack, triangle.greatest + slack] => d.clamp(0.0, 1.0));
+        let slack = if rules.linear_in_space { f64::INFINITY } else { slack };
+        Self { at_first: at_first + triangle.least, rise: [across, down], slack, least, greatest }
     }
-    let [a, b] = each!(of in [edges.a, edges.b] => each!(i in [0, 1, 2] => of[i].double()));
-    let across = a[0] * rises[0] + a[1] * rises[1] + a[2] * rises[2];
-    let down = b[0] * rises[0] + b[1] * rises[1] + b[2] * rises[2];
-    let steepest = each!(i in [0, 1, 2] => (a[i].abs() * width + b[i].abs() * height) * rises[i]);
-    let terms = each!(i in [0, 1] => E::doubles(simd, first[i]) * rises[i]);
-    let (mut sum, mut magnitude) = (terms[0] + terms[1], terms[0].abs() + terms[1].abs());
-    if !E::LAST_IS_LEAST {
-        let last = E::doubles(simd, first[2]) * rises[2];
-        (sum, magnitude) = (sum + last, magnitude + last.abs());
+
+    /// Depth at the tile's first sample; nothing that means anything if depths are linear in space.
+    #[inline(always)]
+    pub(super) fn at_first(&self) -> f64 {
+        self.at_first
     }
-    let slack = magnitude * ROUNDING + (slack + (steepest[0] + steepest[1] + steepest[2]) * ROUNDING);
-    let at_first = sum + *least;
-    let nearest = at_first + (across.min(0.0) * width + down.min(0.0) * height);
-    let farthest = at_first + (across.max(0.0) * width + down.max(0.0) * height);
-    each!(d in [nearest.max(low) - slack, farthest.min(high) + slack] => quantize(simd, clamp_f64(d, 0.0, 1.0), rules.encoding))
+
+    /// Bounds of the stored depths in rectangles, from the places of their first samples and the way from those to their last
+    /// samples. Where the triangle covers nothing of a rectangle they may be beyond all depths.
+    #[inline(always)]
+    pub(super) fn bounds<S: Simd>(
+        &self,
+        simd: S,
+        (x, y): (F64<S>, f64),
+        [width, height]: [f64; 2],
+        rules: &DepthRules,
+    ) -> [F32<S>; 2] {
+        let Self { at_first, rise: [across, down], slack, least, greatest } = *self;
+        let nearest = across.min(0.0) * width + down.min(0.0) * height - slack;
+        let farthest = across.max(0.0) * width + down.max(0.0) * height + slack;
+        let at = x * across + (down * y + at_first);
+        each!(depth in [(at + nearest).max(least), (at + farthest).min(greatest)] => quantize(simd, depth, rules.encoding))
+    }
 }
 
 /// Bits of the rectangles in which no depth within some bounds passes against those stored, and of those in which all do.
@@ -131,4 +144,86 @@ pub(super) fn compare_bounds<S: Simd>(
 pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRules) -> [f32; 2] {
     let slack = ROUNDING * triangle.greatest;
     each!(d in [triangle.least - slack, triangle.greatest + slack] => rules.encoding.quantize(d.clamp(0.0, 1.0)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
+    use super::super::record::Slot;
+    use super::super::setup::Corner;
+    use super::*;
+    use crate::pipeline::depth::DepthScale;
+    use crate::pipeline::grid::SampleGrid;
+    use crate::pipeline::settings::FillRule;
+
+    /// Depths at eight samples from a place on, and bits of those that the triangle covers.
+    #[inline(always)]
+    fn depths_at<S: Simd>(
+        simd: S,
+        triangle: &Setup,
+        places: [[i32; 2]; LANES],
+        rules: &DepthRules,
+    ) -> ([f32; LANES], u64) {
+        let values = places.map(|place| triangle.edges.at(place));
+        let e = each!(i in [0, 1, 2] => F64::load_array(simd, std::array::from_fn(|lane| values[lane][i])));
+        (depth(simd, triangle, e, rules).to_array(), f64::inside_bits(e, triangle.least_inside(simd)))
+    }
+
+    #[test]
+    fn bounds_of_depths_hold_and_are_close() {
+        let mut random = fastrand::Rng::with_seed(9);
+        let mut tested = 0;
+        let encodings = [DepthEncoding::F32, DepthEncoding::Unorm16];
+        let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Checkerboard];
+        for (encoding, grid) in encodings.into_iter().flat_map(|encoding| grids.map(|grid| (encoding, grid))) {
+            let rules =
+                DepthRules { comparison: Comparison::Less, encoding, linear_in_space: false, clear: 1.0, stored: true };
+            let lattice = Lattice::new(grid);
+            let (origin, first) = (lattice.origin((1, 2)), [TILE as f32, 2.0 * TILE as f32]);
+            for _ in 0..200 {
+                let thickness = 1 << random.u32(0..20);
+                let corners = [(); 3].map(|()| {
+                    let along = random.f64() * 40_000.0 - 12_000.0;
+                    let place =
+                        origin.map(|from| (from + along + f64::from(random.i32(-thickness..thickness))).round());
+                    Corner { position: place, depth: random.f64(), inv_w: 1.0 }
+                });
+                let set_up = Setup::new(
+                    Slot::NONE,
+                    &corners,
+                    FillRule::TopLeft,
+                    &DepthScale::default(),
+                    &lattice,
+                    (origin, first),
+                );
+                let Some(triangle) = set_up else { continue };
+                let plane = DepthPlane::new(&triangle, lattice.tile_extent(), &rules);
+                for lanes in Lanes::all() {
+                    for by in 0..BLOCKS {
+                        let [low, high] = on_lanes!(lanes, simd => {
+                            let x = F64::load_array(simd, lattice.doubles.blocks);
+                            let places = (x, lattice.doubles.row(by * BLOCK));
+                            plane.bounds(simd, places, lattice.doubles.block, &rules).map(SimdBase::to_array)
+                        });
+                        let [width, height] = lattice.doubles.block;
+                        let range = plane.rise[0].abs() * width + plane.rise[1].abs() * height;
+                        for (column, row) in
+                            (0..BLOCK).flat_map(|row| (0..BLOCKS).map(move |bx| (bx, by * BLOCK + row)))
+                        {
+                            let places = std::array::from_fn(|lane| lattice.place((column * BLOCK + lane, row)));
+                            let (depths, covered) =
+                                on_lanes!(lanes, simd => depths_at(simd, &triangle, places, &rules));
+                            for lane in (0..LANES).filter(|lane| covered >> lane & 1 != 0) {
+                                let [low, high] = [low[column], high[column]];
+                                assert!((low..=high).contains(&depths[lane]), "{} in {low} to {high}", depths[lane]);
+                                assert!(f64::from(high) - f64::from(low) < range + 4e-5, "{low} to {high}, {range}");
+                                tested += 1;
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        assert!(tested > 100_000, "{tested} samples were covered");
+    }
 }

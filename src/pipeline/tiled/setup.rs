@@ -111,6 +111,8 @@ pub(super) struct Setup<E = f64> {
     pub(super) columns: [usize; 2],
     /// First and last row.
     pub(super) rows: [usize; 2],
+    /// Whether it is known to cover all samples of the tile.
+    pub(super) covers_tile: bool,
 }
 
 impl<E: EdgeNumber> Setup<E> {
@@ -155,6 +157,7 @@ impl Setup {
             inv_w: each!(i in [0, 1, 2] => corners[i].inv_w.into()),
             columns: [columns[0] as usize, columns[1] as usize],
             rows: [rows[0] as usize, rows[1] as usize],
+            covers_tile: false,
         })
     }
 }

@@ -8,7 +8,7 @@
 
 use std::ops::{AddAssign, Range};
 
-use super::depths::{DepthRules, compare_bounds, depth, depth_at_first, depth_bounds, passes, whole_depths};
+use super::depths::{DepthPlane, DepthRules, compare_bounds, depth, passes, whole_depths};
 use super::edge_number::EdgeNumber;
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
 use super::locations::{Locations, Rows, edge_values};
@@ -48,7 +48,7 @@ pub(super) struct Tile {
     /// Stored depths.
     depths: Vec<f32>,
     /// The triangle of each plain block.
-    owners: [Slot; BLOCKS * BLOCKS],
+    owners: [u32; BLOCKS * BLOCKS],
     /// Bounds of the stored depths of each block.
     least: [f32; BLOCKS * BLOCKS],
     greatest: [f32; BLOCKS * BLOCKS],
@@ -64,7 +64,7 @@ impl Tile {
         Self {
             ids: vec![Slot::NONE.0; STRIDE * ROWS],
             depths: vec![0.0; STRIDE * ROWS],
-            owners: [Slot::NONE; BLOCKS * BLOCKS],
+            owners: [Slot::NONE.0; BLOCKS * BLOCKS],
             least: [0.0; BLOCKS * BLOCKS],
             greatest: [0.0; BLOCKS * BLOCKS],
             plain: u64::MAX,
@@ -84,7 +84,7 @@ impl Tile {
         self.counts = TileCounts::default();
         if bounded {
             self.plain = u64::MAX;
-            self.owners = [Slot::NONE; BLOCKS * BLOCKS];
+            self.owners = [Slot::NONE.0; BLOCKS * BLOCKS];
             self.least = [rules.clear; BLOCKS * BLOCKS];
             self.greatest = [rules.clear; BLOCKS * BLOCKS];
         } else {
@@ -101,13 +101,13 @@ impl Tile {
     /// The triangle of a plain block.
     #[inline(always)]
     pub(super) fn owner(&self, block: usize) -> Option<Slot> {
-        (self.plain >> block & 1 != 0).then(|| self.owners[block])
+        (self.plain >> block & 1 != 0).then(|| Slot(self.owners[block]))
     }
 
     /// The plain blocks that wait for their samples to be written.
     pub(super) fn plain_blocks(&self) -> impl Iterator<Item = (usize, Slot)> + use<> {
         let (plain, owners) = (self.plain, self.owners);
-        (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, owners[block]))
+        (0..BLOCKS * BLOCKS).filter(move |block| plain >> block & 1 != 0).map(move |block| (block, Slot(owners[block])))
     }
 
     /// The triangles of eight samples of a row; the samples must have been written.
@@ -130,7 +130,7 @@ impl Tile {
         match owner {
             Some(slot) => {
                 self.plain |= 1 << block;
-                self.owners[block] = slot;
+                self.owners[block] = slot.0;
             }
             None => self.plain &= !(1 << block),
         }
@@ -302,7 +302,8 @@ impl Tile {
             #[inline(always)]
             || {
                 let lattice = locations.lattice();
-                if self.hides(simd, triangle, lattice, rules) {
+                let plane = DepthPlane::new(triangle, lattice.tile_extent(), rules);
+                if self.hides(simd, &plane, lattice, rules) {
                     return;
                 }
                 let Setup { edges, columns, rows, .. } = triangle;
@@ -311,18 +312,24 @@ impl Tile {
                 let reach = each!(i in [0, 1, 2] => E::reach(edges.a[i], edges.b[i], across, down));
                 let touched = (u64::MAX >> (63 - columns[1] / BLOCK)) & (u64::MAX << (columns[0] / BLOCK));
                 let blocks = E::load(simd, &steps.blocks);
+                let block_places = F64::load_array_ref(simd, &lattice.doubles.blocks);
                 let along = each!(i in [0, 1, 2] => blocks * edges.a[i] + edges.c[i]);
                 for by in rows[0] / BLOCK..=rows[1] / BLOCK {
-                    let y = steps.row(by * BLOCK);
-                    let first = each!(i in [0, 1, 2] => along[i] + edges.b[i] * y);
-                    let [least, greatest] = each!(end in [0, 1] => each!(i in [0, 1, 2] => first[i] + reach[i][end]));
-                    let mut candidates = touched & E::inside_bits(greatest, least_inside);
-                    let accepted = E::inside_bits(least, least_inside);
-                    if candidates == 0 {
-                        continue;
+                    let (mut candidates, mut accepted) = (0xFF, 0xFF);
+                    if !triangle.covers_tile {
+                        let y = steps.row(by * BLOCK);
+                        let first = each!(i in [0, 1, 2] => along[i] + edges.b[i] * y);
+                        let [least, greatest] =
+                            each!(end in [0, 1] => each!(i in [0, 1, 2] => first[i] + reach[i][end]));
+                        candidates = touched & E::inside_bits(greatest, least_inside);
+                        accepted = E::inside_bits(least, least_inside);
+                        if candidates == 0 {
+                            continue;
+                        }
                     }
                     let here = by * BLOCKS..(by + 1) * BLOCKS;
-                    let [low, high] = depth_bounds(simd, triangle, first, lattice.doubles.block, rules);
+                    let places = (block_places, lattice.doubles.row(by * BLOCK));
+                    let [low, high] = plane.bounds(simd, places, lattice.doubles.block, rules);
                     let stored = [
                         F32::from_slice(simd, &self.least[here.clone()]),
                         F32::from_slice(simd, &self.greatest[here.clone()]),
@@ -334,11 +341,8 @@ impl Tile {
                         let mask = mask32x8::from_bitmask(simd, whole);
                         mask.select(low, stored[0]).store_slice(&mut self.least[here.clone()]);
                         mask.select(high, stored[1]).store_slice(&mut self.greatest[here.clone()]);
-                        for (bx, owner) in self.owners[here].iter_mut().enumerate() {
-                            if whole >> bx & 1 != 0 {
-                                *owner = triangle.slot;
-                            }
-                        }
+                        let (slot, owners) = (u32x8::splat(simd, triangle.slot.0), &mut self.owners[here]);
+                        mask.select(slot, u32x8::from_slice(simd, owners)).store_slice(owners);
                         self.plain |= whole << (by * BLOCKS);
                         self.counts.plain += u64::from(whole.count_ones()) * (BLOCK * BLOCK) as u64;
                     }
@@ -356,25 +360,18 @@ impl Tile {
 
     /// Whether a triangle lies behind all that the tile holds.
     #[inline(always)]
-    fn hides<S: Simd, E: EdgeNumber>(
-        &self,
-        simd: S,
-        triangle: &Setup<E>,
-        lattice: &Lattice,
-        rules: &DepthRules,
-    ) -> bool {
+    fn hides<S: Simd>(&self, simd: S, plane: &DepthPlane, lattice: &Lattice, rules: &DepthRules) -> bool {
         // A triangle that would be in front at the first sample is not behind everywhere: mostly that is enough to know.
-        let first = depth_at_first(triangle);
         let in_front = match rules.comparison {
             Comparison::Always => true,
-            Comparison::Less | Comparison::LessEqual => first < self.greatest[0].into(),
-            Comparison::Greater | Comparison::GreaterEqual => first > self.least[0].into(),
+            Comparison::Less | Comparison::LessEqual => plane.at_first() < self.greatest[0].into(),
+            Comparison::Greater | Comparison::GreaterEqual => plane.at_first() > self.least[0].into(),
         };
         if in_front || !self.bounded || !rules.stored {
             return false;
         }
-        let first = each!(i in [0, 1, 2] => E::repeat(simd, triangle.edges.c[i]));
-        let bounds = depth_bounds(simd, triangle, first, lattice.tile_extent(), rules);
+        let first = (F64::splat(simd, 0.0), 0.0);
+        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
         // Eight columns of blocks.
         let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
         for row in 0..BLOCKS {
@@ -535,7 +532,7 @@ impl Tile {
                 }
                 self.plain &= !(1 << block);
                 let (bx, by) = (block % BLOCKS, block / BLOCKS);
-                let slot = self.owners[block];
+                let slot = Slot(self.owners[block]);
                 let triangle = if slot == Slot::NONE || !rules.stored { None } else { owner(slot) };
                 for row in by * BLOCK..(by + 1) * BLOCK {
                     let at = row * STRIDE + bx * BLOCK;
