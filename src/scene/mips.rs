@@ -16,27 +16,43 @@ pub struct Level {
     pub numbers: [u32; 4],
 }
 
-/// Texels of all levels of a texture side by side: those of the texture itself, then those of each smaller copy, the largest
-/// first. Each row is followed by its first texel once more.
+/// Texels of all levels of a texture in one picture: that of the texture itself, below it its first copy, and beside that the
+/// smaller ones, one below the other. Rows of all levels are as far apart; each is followed by its first texel once more, and
+/// each level by its first row.
 #[derive(Clone, Debug)]
 pub struct Levels<T> {
-    /// The texels.
+    /// The texels, and what lies between the levels.
     pub texels: Box<[T]>,
     /// Where each level lies.
     pub places: Box<[Level]>,
 }
 
-impl<T> Levels<T> {
-    /// Of images, the largest first; for each texel what `value` gives for it and the one below it.
-    pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8, Rgba8) -> T) -> Self {
+impl<T: Copy + Default> Levels<T> {
+    /// Of images, the largest first; for each texel what `value` gives for it.
+    pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8) -> T) -> Self {
         let (mut texels, mut places) = (Vec::new(), Vec::<Level>::new());
-        for image in images {
-            let first = texels.len() as u32;
-            if let Some(Level { numbers: [_, next, ..] }) = places.last_mut() {
-                *next = first;
+        let (mut stride, mut column, mut row) = (0, 0, 0);
+        for (number, image) in images.enumerate() {
+            let [width, height] = [image.width() as usize + 1, image.height() as usize + 1];
+            if number == 0 {
+                stride = width;
+            } else if number == 2 && places[1].numbers[2] as usize + 1 + width <= stride {
+                // There is room beside the first copy.
+                column = stride - width;
+                row -= places[1].numbers[3] as usize + 1;
             }
-            places.push(Level { numbers: [first, first, image.width(), image.height()] });
-            texels.extend(wrapped(image, &value));
+            let first = row * stride + column;
+            if let Some(Level { numbers: [_, next, ..] }) = places.last_mut() {
+                *next = first as u32;
+            }
+            places.push(Level { numbers: [first as u32, first as u32, image.width(), image.height()] });
+            texels.resize(texels.len().max((row + height) * stride), T::default());
+            for (texel, place) in
+                wrapped(image, &value).zip((0..height).flat_map(|y| (0..width).map(move |x| y * stride + x)))
+            {
+                texels[first + place] = texel;
+            }
+            row += height;
         }
         Self { texels: texels.into(), places: places.into() }
     }
@@ -47,12 +63,10 @@ impl<T> Levels<T> {
     }
 }
 
-/// The rows of an image, each followed by its first texel: what `value` gives for each texel and the one below it, which is the
-/// first one of its column for the last.
-pub(super) fn wrapped<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8, Rgba8) -> T) -> impl Iterator<Item = T> {
-    let row = |y: u32| image.row(y).iter().chain(image.row(y).first());
-    let rows = (0..image.height()).flat_map(move |y| row(y).zip(row((y + 1) % image.height())));
-    rows.map(move |(texel, below)| value(*texel, *below))
+/// The rows of an image, each followed by its first texel, and the last by the first row: what `value` gives for each texel.
+pub(super) fn wrapped<T>(image: &Image<Rgba8>, value: impl Fn(Rgba8) -> T) -> impl Iterator<Item = T> {
+    let rows = (0..image.height()).chain([0]).map(|y| image.row(y));
+    rows.flat_map(|row| row.iter().chain(row.first())).map(move |texel| value(*texel))
 }
 
 /// Colour × alpha, and alpha, in [0, 1].

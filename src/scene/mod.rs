@@ -34,7 +34,7 @@ pub use material::{Material, Transparency};
 pub use mesh::{Mesh, MeshData};
 pub use mips::{Level, Levels};
 pub use source::SceneSource;
-pub use texture::{Alpha, Column, Texture};
+pub use texture::{Alpha, Texture};
 
 use glam::{Mat4, Vec3};
 

@@ -28,18 +28,15 @@ impl Alpha {
     }
 }
 
-/// A texel and the one below it, which is the first one of its column for the last, as little-endian numbers.
-pub type Column = [u32; 2];
-
 /// A texture. Never empty.
 #[derive(Clone, Debug)]
 pub struct Texture {
     name: String,
     image: Image<Rgba8>,
     alpha: Alpha,
-    wrapped: OnceLock<Box<[Column]>>,
+    wrapped: OnceLock<Box<[u32]>>,
     wrapped_linear: OnceLock<Box<[[f32; 4]]>>,
-    levels: OnceLock<Levels<Column>>,
+    levels: OnceLock<Levels<u32>>,
     levels_linear: OnceLock<Levels<[f32; 4]>>,
     /// Means of codes, means of linear light.
     smaller: [OnceLock<Vec<Image<Rgba8>>>; 2],
@@ -65,21 +62,21 @@ impl Texture {
         &self.name
     }
 
-    /// Texels, each with the one below it, and each row followed by its first ones: the four around any place of the repeated
-    /// texture are neighbours in memory. Made when first asked for.
-    pub fn wrapped(&self) -> &[Column] {
-        self.wrapped.get_or_init(|| wrapped(&self.image, column).collect())
+    /// Rows of texels as little-endian numbers, each followed by its first one, and the last row by the first: of the four
+    /// texels around any place of the repeated texture two and two are neighbours in memory, a row apart. Made when first asked
+    /// for.
+    pub fn wrapped(&self) -> &[u32] {
+        self.wrapped.get_or_init(|| wrapped(&self.image, u32::from_le_bytes).collect())
     }
 
-    /// Texels in linear light, each row followed by its first one: red, green and blue, and alpha, which is no light, as its
-    /// code. Neighbours along a row of the repeated texture are neighbours in memory.
+    /// The same in linear light: red, green and blue, and alpha, which is no light, as its code.
     pub fn wrapped_linear(&self) -> &[[f32; 4]] {
         self.wrapped_linear.get_or_init(|| wrapped(&self.image, linear).collect())
     }
 
     /// [`Texture::wrapped`] of the texture and of all its smaller copies by means of codes.
-    pub fn levels(&self) -> &Levels<Column> {
-        self.levels.get_or_init(|| Levels::new(self.images(false), column))
+    pub fn levels(&self) -> &Levels<u32> {
+        self.levels.get_or_init(|| Levels::new(self.images(false), u32::from_le_bytes))
     }
 
     /// [`Texture::wrapped_linear`] of the texture and of all its smaller copies by means of linear light.
@@ -120,11 +117,7 @@ impl Texture {
     }
 }
 
-fn column(texel: Rgba8, below: Rgba8) -> Column {
-    [u32::from_le_bytes(texel), u32::from_le_bytes(below)]
-}
-
-fn linear([r, g, b, alpha]: Rgba8, _: Rgba8) -> [f32; 4] {
+fn linear([r, g, b, alpha]: Rgba8) -> [f32; 4] {
     [decode_byte(r), decode_byte(g), decode_byte(b), alpha.into()]
 }
 
@@ -141,26 +134,26 @@ mod tests {
             let (codes, linear) = (texture.levels(), texture.levels_linear());
             assert_eq!(codes.places, linear.places);
             assert_eq!(codes.places.len(), texture.smaller(false).len() + 1);
-            let mut end = 0;
+            let (stride, mut taken) = (width as usize + 1, vec![false; codes.texels.len()]);
             for (level, place) in codes.places.iter().enumerate() {
                 let [first, next, width, height] = place.numbers.map(|number| number as usize);
-                assert_eq!(first, end);
-                end += (width + 1) * height;
-                assert_eq!(next, if level + 1 < codes.places.len() { end } else { first });
-                for (x, y) in (0..height).flat_map(|y| (0..=width).map(move |x| (x, y))) {
-                    let texel = |linear: bool, y: usize| {
+                assert_eq!(next as u32, codes.places.get(level + 1).unwrap_or(place).numbers[0]);
+                assert!(first % stride + width < stride, "its rows do not break");
+                for (x, y) in (0..=height).flat_map(|y| (0..=width).map(move |x| (x, y))) {
+                    let texel = |linear: bool| {
                         let image = level.checked_sub(1).map_or(texture.image(), |copy| &texture.smaller(linear)[copy]);
                         assert_eq!(image.size(), (width as u32, height as u32));
                         image.at((x % width) as u32, (y % height) as u32)
                     };
-                    let place = first + y * (width + 1) + x;
-                    assert_eq!(codes.texels[place], [y, y + 1].map(|y| u32::from_le_bytes(texel(false, y))));
-                    let [r, g, b, alpha] = texel(true, y);
+                    let place = first + y * stride + x;
+                    assert!(!std::mem::replace(&mut taken[place], true), "levels do not overlap");
+                    assert_eq!(codes.texels[place], u32::from_le_bytes(texel(false)));
+                    let [r, g, b, alpha] = texel(true);
                     assert_eq!(linear.texels[place][..3], [r, g, b].map(decode_byte));
                     assert_eq!(linear.texels[place][3], f32::from(alpha));
                 }
             }
-            assert_eq!((codes.texels.len(), linear.texels.len()), (end, end));
+            assert_eq!(codes.texels.len(), linear.texels.len());
         }
     }
 
@@ -169,14 +162,15 @@ mod tests {
         let texture = Texture::new("plain", Image::filled(8, 4, [9; 4])).unwrap();
         assert_eq!(texture.bytes(), 8 * 4 * 4);
         texture.wrapped();
-        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 4 * 8);
+        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 5 * 4);
         texture.wrapped_linear();
-        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 4 * (8 + 16));
+        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 5 * (4 + 16));
         texture.levels();
         // Copies of 4 × 2, 2 × 1 and 1 × 1 texels, and all levels with the places of them.
         let copies = (4 * 2 + 2 + 1) * 4;
-        let levels = (9 * 4 + 5 * 2 + 3 + 2) * 8 + 4 * 16;
-        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 4 * (8 + 16) + copies + levels);
+        // The last of the copies beside the first reaches two rows beyond it.
+        let levels = 9 * (5 + 3 + 1) * 4 + 4 * 16;
+        assert_eq!(texture.bytes(), 8 * 4 * 4 + 9 * 5 * (4 + 16) + copies + levels);
     }
 
     #[test]

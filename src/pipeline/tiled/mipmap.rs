@@ -120,12 +120,8 @@ impl TextureReader<'_> {
                 uv[axis] * level.size[axis].to_float::<f32x16<S>>()
             }))
         {
-            let (x, lowest) = ((x & (width - 1)) + level.first, height - 1);
-            let (stride, y, below) = (width + 1, y & lowest, (y + 1) & lowest);
-            (y * stride + x).bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
-            if self.mixes_light() {
-                (below * stride + x).bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
-            }
+            let place = self.place(x & (width - 1), y & (height - 1)) + level.first;
+            place.bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
             right.store_array(&mut taps.right);
             down.store_array(&mut taps.down);
             return;
@@ -137,7 +133,7 @@ impl TextureReader<'_> {
             [([u0, v0], (first0, width0, height0), 0), ([u1, v1], (first1, width1, height1), LANES)]
         {
             let axes = each!(length in [width, height] => Axis::of(simd, length));
-            let images = Images { first, stride: width + 1, axes };
+            let images = Images { first, axes };
             self.locate_eight(simd, layout, &images, uv, taps, lane);
         }
     }

@@ -6,7 +6,7 @@ use crate::math::lanes::*;
 use crate::math::prefetch::prefetch;
 use crate::pipeline::sample::{ALPHA_SCALE, Sampler};
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
-use crate::scene::{Column, Level, Texture};
+use crate::scene::{Level, Texture};
 
 /// How texels are found in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -25,11 +25,10 @@ pub(super) enum Layout {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TextureReader<'a> {
     pub(super) layout: Layout,
-    /// Rows of texels, each with the one below it, and with one more at the end of each row; of mip-mapped textures those of all
-    /// levels. None if light is what is mixed.
-    texels: &'a [Column],
-    /// Rows of texels in linear light, likewise, if that is what is mixed.
-    pub(super) linear: &'a [[f32; 4]],
+    /// Texels; of mip-mapped textures those of all levels. None if light is what is mixed.
+    texels: Rows<'a, u32>,
+    /// Texels in linear light, likewise, if that is what is mixed.
+    linear: Rows<'a, [f32; 4]>,
     /// Where each level lies among the texels that are mixed; none without mip-mapping.
     pub(super) levels: &'a [Level],
     /// Numbers from one row to the next.
@@ -40,12 +39,24 @@ pub(super) struct TextureReader<'a> {
     pub(super) sampler: Sampler,
 }
 
+/// Rows of texels, each with one more at its end, and one more row after the last.
+#[derive(Clone, Copy, Debug)]
+struct Rows<'a, T> {
+    all: &'a [T],
+    /// From the second one on: the texel below another one has the same place here.
+    below: &'a [T],
+}
+
+impl<'a, T> Rows<'a, T> {
+    fn new(all: &'a [T], stride: usize) -> Self {
+        Self { all, below: all.get(stride..).unwrap_or_default() }
+    }
+}
+
 /// The images that eight samples are read from.
 pub(super) struct Images<S: Simd> {
     /// Position of their first texels.
     pub(super) first: i32x8<S>,
-    /// Numbers from one row to the next.
-    pub(super) stride: i32x8<S>,
     /// Columns and rows.
     pub(super) axes: [Axis<S>; 2],
 }
@@ -72,18 +83,20 @@ impl<'a> TextureReader<'a> {
             (_, ColorSpace::Linear) => (&[], texture.wrapped_linear(), &[]),
         };
         let extent = [width as f32, height as f32];
-        Self { layout, texels, linear, levels, stride: width as i32 + 1, size, extent, sampler }
+        let stride = width as usize + 1;
+        let (texels, linear) = (Rows::new(texels, stride), Rows::new(linear, stride));
+        Self { layout, texels, linear, levels, stride: stride as i32, size, extent, sampler }
     }
 
     /// Tells textures apart.
     pub(super) fn address(&self) -> usize {
-        if self.mixes_light() { self.linear.as_ptr().addr() } else { self.texels.as_ptr().addr() }
+        if self.mixes_light() { self.linear.all.as_ptr().addr() } else { self.texels.all.as_ptr().addr() }
     }
 
     /// Whether texels are mixed in linear light.
     #[inline(always)]
     pub(super) fn mixes_light(&self) -> bool {
-        !self.linear.is_empty()
+        !self.linear.all.is_empty()
     }
 
     /// Which texels sixteen samples read (v down). Told apart from reading them, so that many reads can be under way.
@@ -106,7 +119,6 @@ impl<'a> TextureReader<'a> {
             }
             let images = Images {
                 first: i32x8::splat(simd, 0),
-                stride: i32x8::splat(simd, self.stride),
                 axes: [Axis::splat(simd, self.size.0), Axis::splat(simd, self.size.1)],
             };
             self.locate_eight(simd, layout, &images, uv, taps, first);
@@ -131,15 +143,18 @@ impl<'a> TextureReader<'a> {
             self.locate_unusual(simd, [u, v], taps);
             return;
         };
-        let (x, lowest) = (x & (width as i32 - 1), height as i32 - 1);
-        // Rows are one longer than a power of two: quicker by a shift and a sum than by a product.
-        let (shift, y, below) = (width.trailing_zeros(), y & lowest, (y + 1) & lowest);
-        ((y << shift) + (y + x)).bitcast::<u32x16<S>>().store_array(&mut taps.index[0]);
-        if self.mixes_light() {
-            ((below << shift) + (below + x)).bitcast::<u32x16<S>>().store_array(&mut taps.index[1]);
-        }
+        self.place(x & (width as i32 - 1), y & (height as i32 - 1))
+            .bitcast::<u32x16<S>>()
+            .store_array(&mut taps.index[0]);
         right.store_array(&mut taps.right);
         down.store_array(&mut taps.down);
+    }
+
+    /// Places of texels by column and row, in a texture whose sides are powers of two.
+    #[inline(always)]
+    pub(super) fn place<S: Simd>(&self, x: i32x16<S>, y: i32x16<S>) -> i32x16<S> {
+        // Rows are one longer than a power of two: quicker by a shift and a sum than by a product.
+        (y << self.size.0.trailing_zeros()) + (y + x)
     }
 
     /// The one texel of each of eight of the samples, from `first` on.
@@ -168,17 +183,11 @@ impl<'a> TextureReader<'a> {
         let y = neighbours(simd, bring_into_unit(simd, v, address), images.axes[1], address);
         x.weight.store_slice(&mut taps.right[eight.clone()]);
         y.weight.store_slice(&mut taps.down[eight.clone()]);
-        let [upper, lower] = each!(y in [y.first, y.second] => y * images.stride + images.first);
-        let places = [upper + x.first, lower + x.first];
-        if layout == Layout::Four {
-            let places = [places[0], upper + x.second, places[1], lower + x.second];
-            for (tap, place) in places.into_iter().enumerate() {
-                place.bitcast::<u32x8<S>>().store_slice(&mut taps.index[tap][eight.clone()]);
-            }
-        } else {
-            for (row, place) in places.into_iter().enumerate() {
-                place.bitcast::<u32x8<S>>().store_slice(&mut taps.index[row][eight.clone()]);
-            }
+        let [upper, lower] = each!(y in [y.first, y.second] => y * self.stride + images.first);
+        let all = [upper + x.first, upper + x.second, lower + x.first, lower + x.second];
+        let read = if layout == Layout::Four { all.len() } else { 1 };
+        for (tap, place) in all.into_iter().enumerate().take(read) {
+            place.bitcast::<u32x8<S>>().store_slice(&mut taps.index[tap][eight.clone()]);
         }
     }
 
@@ -186,10 +195,13 @@ impl<'a> TextureReader<'a> {
     #[inline(always)]
     pub(super) fn prefetch(&self, taps: &Taps) {
         for place in taps.index[0] {
+            let place = place as usize;
             if self.mixes_light() {
-                prefetch(self.linear, place as usize);
+                prefetch(self.linear.all, place);
+                prefetch(self.linear.below, place);
             } else {
-                prefetch(self.texels, place as usize);
+                prefetch(self.texels.all, place);
+                prefetch(self.texels.below, place);
             }
         }
     }
@@ -201,11 +213,11 @@ impl<'a> TextureReader<'a> {
         let scales = self.scales();
         let texels = match layout {
             Layout::Single => {
-                let codes = codes::<S>(gather(simd, self.texels, places(0)));
+                let codes = codes::<S>(gather(simd, self.texels.all, places(0)));
                 return each!(channel in [0, 1, 2, 3] => codes[channel] * scales[channel]);
             }
-            Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.texels, places(tap))),
-            Layout::Quads | Layout::PowerOfTwoQuads => quads(simd, self.texels, taps, first),
+            Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.texels.all, places(tap))),
+            Layout::Quads | Layout::PowerOfTwoQuads => quads(simd, [self.texels.all, self.texels.below], places(0)),
         };
         let weights = weights(
             simd,
@@ -229,7 +241,7 @@ impl<'a> TextureReader<'a> {
         if layout == Layout::Single {
             let [low, high] = each!(first in [0, LANES] => {
                 let texels = each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => {
-                    f32x4::load_array_ref(simd, &self.linear[taps.index[0][first + lane] as usize])
+                    f32x4::load_array_ref(simd, &self.linear.all[taps.index[0][first + lane] as usize])
                 });
                 transpose_quads(texels)
             });
@@ -269,16 +281,15 @@ impl<'a> TextureReader<'a> {
             Layout::Single | Layout::Four => each!(lane in [0, 1, 2, 3] => {
                 let [a, b, c, d] = each!(tap in [0, 1, 2, 3] => {
                     let [low, high] = each!(of in [lane, lane + LANES / 2] => {
-                        f32x4::load_array_ref(simd, &self.linear[index[tap][first + of] as usize])
+                        f32x4::load_array_ref(simd, &self.linear.all[index[tap][first + of] as usize])
                     });
                     low.combine(high) * weights[tap][lane]
                 });
                 a + b + c + d
             }),
             Layout::Quads | Layout::PowerOfTwoQuads => {
-                let pairs = each!(row in [0, 1] => {
-                    neighbours_at(simd, self.linear, u32x8::from_slice(simd, &index[row][first..first + LANES]))
-                });
+                let places = u32x8::from_slice(simd, &index[0][first..first + LANES]);
+                let pairs = each!(row in [self.linear.all, self.linear.below] => neighbours_at(simd, row, places));
                 each!(lane in [0, 1, 2, 3] => {
                     let [a, b, c, d] = each!((tap, row, column) in [(0, 0, 0), (1, 0, 1), (2, 1, 0), (3, 1, 1)] => {
                         let [low, high] = each!(of in [lane, lane + LANES / 2] => {
@@ -353,12 +364,8 @@ mod tests {
 
     /// Column and row of the first of the four texels of a sample, and the bits of the weights of the second ones. Of two texels
     /// of which the second one has all the weight, that one is the first.
-    fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32), space: ColorSpace) -> [(u32, u32); 2] {
-        let [(x, y), below] =
-            [0, 1].map(|row| (taps.index[row][lane] % (width + 1), taps.index[row][lane] / (width + 1)));
-        if space == ColorSpace::Linear {
-            assert_eq!(below, (x, (y + 1) % height));
-        }
+    fn first_with_weight(taps: &Taps, lane: usize, (width, height): (u32, u32)) -> [(u32, u32); 2] {
+        let (x, y) = (taps.index[0][lane] % (width + 1), taps.index[0][lane] / (width + 1));
         let along =
             |first, weight: f32, size| if weight == 1.0 { ((first + 1) % size, 0) } else { (first, weight.to_bits()) };
         [along(x, taps.right[lane], width), along(y, taps.down[lane], height)]
@@ -367,12 +374,10 @@ mod tests {
     #[test]
     fn powers_of_two_are_found_as_all_sizes_are() {
         let mut random = fastrand::Rng::with_seed(3);
-        let spaces = [ColorSpace::Bytes, ColorSpace::Linear];
-        let sizes = [(1, 1), (2, 64), (1024, 16), (256, 512)];
-        for (size, space) in sizes.into_iter().flat_map(|size| spaces.map(|space| (size, space))) {
+        for size in [(1, 1), (2, 64), (1024, 16), (256, 512)] {
             let texture = Texture::new("", Image::from_fn(size.0, size.1, |_, _| [0; 4])).expect("it has texels");
-            let sampler = Sampler::new(Filter::Bilinear, Address::Repeat, space);
-            let reader = TextureReader::new(&texture, sampler, space);
+            let sampler = Sampler::new(Filter::Bilinear, Address::Repeat, ColorSpace::Bytes);
+            let reader = TextureReader::new(&texture, sampler, ColorSpace::Bytes);
             assert_eq!(reader.layout, Layout::PowerOfTwoQuads);
             for round in 0..2000 {
                 // Mostly of one kind, so that all ways are gone.
@@ -401,8 +406,7 @@ mod tests {
                         [quick, general]
                     });
                     for lane in 0..WIDE {
-                        let [quick, general] =
-                            [&quick, &general].map(|taps| first_with_weight(taps, lane, size, space));
+                        let [quick, general] = [&quick, &general].map(|taps| first_with_weight(taps, lane, size));
                         assert_eq!(quick, general, "{} {} by {}", u[lane], v[lane], lanes.name());
                     }
                 }
