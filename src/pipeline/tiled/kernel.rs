@@ -150,36 +150,43 @@ fn shade_blocks<S: Simd>(
     let Subject { one, draw, .. } = *subject;
     let (shader, number) = (frame.shader(draw), frame.shader_of_draw[draw]);
     let pairs = (patch.end - patch.first).div_ceil(2);
+    let mut ahead = [StoredWeights::default(); BLOCK / 2];
     for block in patch.blocks() {
         edges.begin(simd, &block);
         let room = make_room(simd, frame, number, pairs, queue, band.pixels);
         let starts = (band.start(&block, block.first), band.width);
-        interpolate_rows(simd, (shader, plan), one, (&block, starts), room, edges);
+        interpolate_rows(simd, (shader, plan), one, (&block, starts), (room, &mut ahead), edges);
     }
 }
 
 /// Everything that is interpolated for the rows of a block, the first of which is written from a place on and each other one from a
-/// width after.
+/// width after. Weights are found for all rows first: each is a chain of steps that wait for one another, a division among them,
+/// and those of other rows fill the time.
 #[inline(always)]
 fn interpolate_rows<S: Simd>(
     simd: S,
     (shader, plan): (&DrawShader<'_>, Plan),
     one: One<'_>,
     (patch, (start, width)): (&Patch, (usize, usize)),
-    (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
+    ((pairs, taps, coarse), ahead): (
+        (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
+        &mut [StoredWeights; BLOCK / 2],
+    ),
     edges: &impl EdgeRows<S>,
 ) {
     let (rows, relative_inv_w) = (patch.end - patch.first, one.relative_inv_w(simd));
-    let mut coarse = coarse.iter_mut();
     let mut row = QueuedRow::new(start, patch.count, patch.mine);
-    for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate() {
+    for (i, (pair, weights)) in pairs.iter_mut().zip(ahead.iter_mut()).enumerate() {
         // A last row that has no other beside it is computed twice, and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
-        let weights = corner_weights(simd, edges.at(simd, [upper, lower]), relative_inv_w);
+        weights.store(plan, corner_weights(simd, edges.at(simd, [upper, lower]), relative_inv_w));
         pair.rows = [row, if lower > upper { row.after(width) } else { row.none() }];
         row = row.after(2 * width);
+    }
+    let mut coarse = coarse.iter_mut();
+    for ((pair, taps), weights) in pairs.iter_mut().zip(taps).zip(ahead.iter()) {
         let coarse = if plan.mipmapped { coarse.next() } else { None };
-        interpolate_pair(simd, shader, plan, one, weights, (pair, (taps, coarse)));
+        interpolate_pair(simd, shader, plan, one, weights.load(simd), (pair, (taps, coarse)));
     }
 }
 
@@ -397,6 +404,32 @@ pub(super) struct Weights<S: Simd> {
     pub(super) of_corners: [f32x16<S>; 2],
     /// 1 over the sum of the edge values, each times the relative 1/w of its corner.
     inverse_sum: f32x16<S>,
+}
+
+/// [`Weights`] in memory.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+struct StoredWeights {
+    of_corners: [[f32; WIDE]; 2],
+    /// Only known if smaller copies of a texture are read.
+    inverse_sum: [f32; WIDE],
+}
+
+impl StoredWeights {
+    #[inline(always)]
+    fn store<S: Simd>(&mut self, plan: Plan, Weights { of_corners: [second, third], inverse_sum }: Weights<S>) {
+        second.store_array(&mut self.of_corners[0]);
+        third.store_array(&mut self.of_corners[1]);
+        if plan.mipmapped {
+            inverse_sum.store_array(&mut self.inverse_sum);
+        }
+    }
+
+    #[inline(always)]
+    fn load<S: Simd>(&self, simd: S) -> Weights<S> {
+        let [second, third, inverse_sum] = each!(of in [&self.of_corners[0], &self.of_corners[1], &self.inverse_sum] => f32x16::load_array_ref(simd, of));
+        Weights { of_corners: [second, third], inverse_sum }
+    }
 }
 
 impl<S: Simd> Weights<S> {
