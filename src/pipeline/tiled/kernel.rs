@@ -155,7 +155,7 @@ fn shade_blocks<S: Simd>(
         edges.begin(simd, &block);
         let room = make_room(simd, frame, number, pairs, queue, band.pixels);
         let starts = (band.start(&block, block.first), band.width);
-        interpolate_rows(simd, (shader, plan), one, (&block, starts), (room, &mut ahead), edges);
+        interpolate_rows(simd, (shader, plan), one, (&block, starts), room, (&*edges, &mut ahead));
     }
 }
 
@@ -168,11 +168,8 @@ fn interpolate_rows<S: Simd>(
     (shader, plan): (&DrawShader<'_>, Plan),
     one: One<'_>,
     (patch, (start, width)): (&Patch, (usize, usize)),
-    ((pairs, taps, coarse), ahead): (
-        (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
-        &mut [StoredWeights; BLOCK / 2],
-    ),
-    edges: &impl EdgeRows<S>,
+    (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
+    (edges, ahead): (&impl EdgeRows<S>, &mut [StoredWeights; BLOCK / 2]),
 ) {
     let (rows, relative_inv_w) = (patch.end - patch.first, one.relative_inv_w(simd));
     let mut row = QueuedRow::new(start, patch.count, patch.mine);
