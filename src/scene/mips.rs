@@ -30,37 +30,50 @@ pub struct Levels<T> {
 impl<T: Copy + Default> Levels<T> {
     /// Of images, the largest first; for each texel what `value` gives for it.
     pub(super) fn new<'a>(images: impl Iterator<Item = &'a Image<Rgba8>>, value: impl Fn(Rgba8) -> T) -> Self {
-        let (mut texels, mut places) = (Vec::new(), Vec::<Level>::new());
-        let (mut stride, mut column, mut row) = (0, 0, 0);
-        for (number, image) in images.enumerate() {
-            let [width, height] = [image.width() as usize + 1, image.height() as usize + 1];
-            if number == 0 {
-                stride = width;
-            } else if number == 2 && places[1].numbers[2] as usize + 1 + width <= stride {
-                // There is room beside the first copy.
-                column = stride - width;
-                row -= places[1].numbers[3] as usize + 1;
+        let images: Vec<_> = images.collect();
+        let sizes: Vec<_> =
+            images.iter().map(|image| [image.width() as usize + 1, image.height() as usize + 1]).collect();
+        let corners = corners(&sizes);
+        let stride = sizes[0][0];
+        let rows = corners.iter().zip(&sizes).map(|([_, row], [_, height])| row + height).max().unwrap_or(0);
+        let mut texels = vec![T::default(); rows * stride].into_boxed_slice();
+        for ((image, [column, row]), [width, height]) in images.iter().zip(&corners).zip(&sizes) {
+            let mut values = wrapped(image, &value);
+            for row in texels.chunks_exact_mut(stride).skip(*row).take(*height) {
+                for (texel, value) in row[*column..column + width].iter_mut().zip(&mut values) {
+                    *texel = value;
+                }
             }
-            let first = row * stride + column;
-            if let Some(Level { numbers: [_, next, ..] }) = places.last_mut() {
-                *next = first as u32;
-            }
-            places.push(Level { numbers: [first as u32, first as u32, image.width(), image.height()] });
-            texels.resize(texels.len().max((row + height) * stride), T::default());
-            for (texel, place) in
-                wrapped(image, &value).zip((0..height).flat_map(|y| (0..width).map(move |x| y * stride + x)))
-            {
-                texels[first + place] = texel;
-            }
-            row += height;
         }
-        Self { texels: texels.into(), places: places.into() }
+        let first = |[column, row]: [usize; 2]| (row * stride + column) as u32;
+        let next = corners.iter().skip(1).chain(corners.last());
+        let places = images
+            .iter()
+            .zip(corners.iter().zip(next))
+            .map(|(image, (own, next))| Level { numbers: [first(*own), first(*next), image.width(), image.height()] });
+        Self { texels, places: places.collect() }
     }
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.texels) + size_of_val(&*self.places)
     }
+}
+
+/// Column and row of the first texel of each level, by their sizes, each with the texels that are repeated.
+fn corners(sizes: &[[usize; 2]]) -> Vec<[usize; 2]> {
+    let [across, first, second] = [0, 1, 2].map(|level| sizes.get(level).map_or(0, |[width, _]| *width));
+    let has_room = first + second <= across;
+    let (mut column, mut row) = (0, 0);
+    let corner = |(level, [width, height]): (usize, &[usize; 2])| {
+        if level == 2 && has_room {
+            (column, row) = (across - width, sizes[0][1]);
+        }
+        let corner = [column, row];
+        row += height;
+        corner
+    };
+    sizes.iter().enumerate().map(corner).collect()
 }
 
 /// The rows of an image, each followed by its first texel, and the last by the first row: what `value` gives for each texel.
