@@ -5,7 +5,9 @@
 
 mod easu;
 mod rcas;
+mod words;
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 
 use super::choice::MOST_SHARPENING;
@@ -107,32 +109,55 @@ impl Upscaler for Fsr1 {
 /// second cache.
 const STRIP: usize = 32;
 
+/// What strips are made in.
+#[derive(Default)]
+struct Scratch {
+    easu: easu::Scratch,
+    /// Rows that are to be sharpened.
+    enlarged: Vec<Rgba8>,
+}
+
+thread_local! {
+    /// Kept from picture to picture: to get it anew from the system each time takes a tenth as long as all else.
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
 fn fill(lanes: Lanes, how: Upscaling, drawn: &Image<Rgba8>, full: &mut Image<Rgba8>) {
     let (width, height) = (full.width() as usize, full.height() as usize);
-    if width == 0 || height == 0 {
+    bands::fill(full, Scale::ONE, |band, _, pixels| {
+        SCRATCH
+            .with_borrow_mut(|scratch| fill_band(lanes, how, drawn, (band as usize, width, height), pixels, scratch));
+    });
+}
+
+/// Fills rows from row `band` on, strip by strip.
+fn fill_band(
+    lanes: Lanes,
+    how: Upscaling,
+    drawn: &Image<Rgba8>,
+    (band, width, height): (usize, usize, usize),
+    pixels: &mut [Rgba8],
+    Scratch { easu, enlarged }: &mut Scratch,
+) {
+    if how.sharpening() == 0 {
+        for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
+            easu::fill(lanes, drawn, how.lattice(), ((band + strip * STRIP) as u32, width), rows, easu);
+        }
         return;
     }
-    bands::fill(full, Scale::ONE, |band, _, pixels| {
-        let mut scratch = easu::Scratch::default();
-        let (mut enlarged, mut spare) = (Image::filled(0, 0, [0; 4]), None);
-        for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
-            let (first, count) = (band as usize + strip * STRIP, rows.len() / width);
-            if how.sharpening() == 0 {
-                easu::fill(lanes, drawn, how.lattice(), (first as u32, width), rows, &mut scratch);
-                continue;
-            }
-            // Sharpening looks at the rows beside these, too; two of them are what the strip before ended with.
-            let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
-            let known = if strip == 0 { 0 } else { above + 1 };
-            let mut next = Image::reusing(spare.take(), width as u32, (above + count + below) as u32, [0; 4]);
-            let (head, rest) = next.pixels_mut().split_at_mut(known * width);
-            head.copy_from_slice(&enlarged.pixels()[enlarged.pixels().len() - head.len()..]);
-            let place = ((first - above + known) as u32, width);
-            easu::fill(lanes, drawn, how.lattice(), place, rest, &mut scratch);
-            spare = Some(std::mem::replace(&mut enlarged, next));
-            rcas::fill(lanes, &enlarged, above as u32, strength(how), rows);
-        }
-    });
+    enlarged.resize(enlarged.len().max((STRIP + 2) * width), [0; 4]);
+    let mut made = 0;
+    for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
+        let (first, count) = (band + strip * STRIP, rows.len() / width);
+        // Sharpening looks at the rows beside these, too; two of them are what the strip before ended with.
+        let (above, below) = (usize::from(first > 0), usize::from(first + count < height));
+        let known = if strip == 0 { 0 } else { above + 1 };
+        enlarged.copy_within((made - known) * width..made * width, 0);
+        made = above + count + below;
+        let place = ((first - above + known) as u32, width);
+        easu::fill(lanes, drawn, how.lattice(), place, &mut enlarged[known * width..made * width], easu);
+        rcas::fill(lanes, (&enlarged[..made * width], width), above, strength(how), rows);
+    }
 }
 
 #[cfg(test)]

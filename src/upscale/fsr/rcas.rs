@@ -2,80 +2,133 @@
 //! channel leaving [0, 1].
 //!
 //! With the least and the greatest of the four around, mn and mx, a channel of the middle e stays within bounds for lobes
-//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4); the weakest of the three channels decides. Alpha stays.
+//! down to −min(mn, e) / (4 mx) and (1 − max(mx, e)) / (4 mn − 4); the weakest of the three channels decides, and −3/16, as ¼
+//! would divide by nothing. Alpha stays.
+//!
+//! Of the lobe l and the sum s of the four, (l s + e) / (4 l + 1) is e + q (4 e − s) with q = −l / (4 l + 1). Quotients are
+//! compared and sums are made in whole numbers, q is a fraction of 2¹⁵ and its product is rounded to a thirty-second of a code:
+//! what rounding does to a colour is less than a twentieth of a code.
 
-use crate::image::{Image, Rgba8};
+use super::words::{self, times};
+use crate::image::Rgba8;
 use crate::math::lanes::*;
 
-/// The most negative weight, relative to the middle: ¼ would divide by nothing.
-const MOST: f32 = -(0.25 - 1.0 / 16.0);
+/// The greatest −4 l.
+const MOST: f32 = 0.75;
 
-/// The weight of the four around relative to the middle's, from codes in the order above, left, middle, right, below.
-fn lobe(cross: [[f32; 3]; 5], strength: f32) -> f32 {
-    let [above, left, middle, right, below] = cross;
-    let mut lobe = MOST;
-    for channel in 0..3 {
-        let (a, b, c, d, e) = (above[channel], left[channel], right[channel], below[channel], middle[channel]);
-        let least = a.min(b).min(c.min(d));
-        let greatest = a.max(b).max(c.max(d));
-        // Where these divide by zero the channel is at its end already, and is not to be sharpened.
-        let to_black = if greatest > 0.0 { least.min(e) / (greatest * -4.0) } else { 0.0 };
-        let to_white = if least < 255.0 { (255.0 - greatest.max(e)) / (least * 4.0 - 1020.0) } else { 0.0 };
-        lobe = lobe.max(to_black.max(to_white));
-    }
-    lobe.min(0.0) * strength
+/// Bits after the point of a sharpened code.
+const POINT: u32 = 5;
+
+/// Half a code.
+const HALF: i16 = 1 << (POINT - 1);
+
+/// A quotient of codes, not divided yet: of those that are compared but one counts.
+#[derive(Clone, Copy)]
+struct Quotient<T> {
+    above: T,
+    below: T,
 }
 
-fn colors([r, g, b, _]: Rgba8) -> [f32; 3] {
-    [r, g, b].map(f32::from)
+impl Quotient<u16> {
+    /// The smaller one; the first of equal ones.
+    fn min(self, other: Self) -> Self {
+        if self.above * other.below <= other.above * self.below { self } else { other }
+    }
+
+    /// The smaller one of −4 l for both ends of the scale. Where there is nothing below, there is nothing above, and one in its
+    /// place makes it nothing.
+    fn of_channel(above: u8, left: u8, own: u8, right: u8, below: u8) -> Self {
+        let least = above.min(left).min(right.min(below));
+        let greatest = above.max(left).max(right.max(below));
+        let quotient = |above: u8, below: u8| Self { above: above.into(), below: below.max(1).into() };
+        quotient(least.min(own), greatest).min(quotient(!greatest.max(own), !least))
+    }
+
+    /// q for a strength, in 2⁻¹⁵.
+    fn weight(self, strength: f32) -> i16 {
+        let [above, below] = [self.above, self.below].map(f32::from);
+        let above = above.min(below * MOST) * strength;
+        (above * 8192.0 / (below - above) + 0.5) as i16
+    }
+}
+
+/// q, from above, left, the pixel itself, right and below.
+fn weight([above, left, own, right, below]: [Rgba8; 5], strength: f32) -> i16 {
+    let [red, green, blue] = [0, 1, 2].map(|channel| {
+        Quotient::of_channel(above[channel], left[channel], own[channel], right[channel], below[channel])
+    });
+    red.min(green).min(blue).weight(strength)
 }
 
 /// One pixel, from above, left, itself, right and below.
 pub(super) fn pixel(cross: [Rgba8; 5], strength: f32) -> Rgba8 {
-    let values = cross.map(colors);
-    let lobe = lobe(values, strength);
-    let share = 1.0 / (lobe * 4.0 + 1.0);
+    let weight = weight(cross, strength);
     let mut sharpened = cross[2];
     for (channel, code) in sharpened.iter_mut().enumerate().take(3) {
-        let around = (values[0][channel] + values[1][channel]) + (values[3][channel] + values[4][channel]);
-        let value = (lobe * around + values[2][channel]) * share;
-        *code = (value.clamp(0.0, 255.0) + 0.5) as u8;
+        let [above, left, own, right, below] = cross.map(|color| i16::from(color[channel]));
+        let apart = own * 4 - ((above + left) + (right + below));
+        let more = (words::times_one(weight, apart << POINT) + HALF) >> POINT;
+        *code = (own + more).clamp(0, 255) as u8;
     }
     sharpened
 }
 
 /// What the five count for in the result; they sum to one.
 pub(super) fn shares(cross: [Rgba8; 5], strength: f32) -> [f32; 5] {
-    let lobe = lobe(cross.map(colors), strength);
-    let total = lobe * 4.0 + 1.0;
-    [lobe / total, lobe / total, 1.0 / total, lobe / total, lobe / total]
+    let weight = f32::from(weight(cross, strength)) / 32768.0;
+    [-weight, -weight, 1.0 + 4.0 * weight, -weight, -weight]
 }
 
-/// Sharpens the rows of a picture from row `above` on into others; where the picture ends its outermost pixels repeat.
-pub(super) fn fill(lanes: Lanes, picture: &Image<Rgba8>, above: u32, strength: f32, sharpened: &mut [Rgba8]) {
-    let last = picture.height() - 1;
-    for (row, y) in sharpened.chunks_exact_mut(picture.width() as usize).zip(above..) {
-        let around = [y.saturating_sub(1), y, (y + 1).min(last)].map(|y| picture.row(y));
+/// Sharpens rows of `width` px from row `above` on into others. Where there is none above or below the outermost repeats.
+pub(super) fn fill(
+    lanes: Lanes,
+    (rows, width): (&[Rgba8], usize),
+    above: usize,
+    strength: f32,
+    sharpened: &mut [Rgba8],
+) {
+    let last = rows.len() / width - 1;
+    for (row, y) in sharpened.chunks_exact_mut(width).zip(above..) {
+        let around = [y.saturating_sub(1), y, (y + 1).min(last)].map(|y| &rows[y * width..][..width]);
         on_lanes!(lanes, simd => fill_row(simd, around, strength, row));
     }
 }
 
+/// Runs of sixteen pixels whose weights are found before any of them is used: finding one is a chain of products and a quotient, each of
+/// which waits for the one before, and those of the next runs fill the time.
+const RUNS: usize = 8;
+
 /// Sixteen pixels at a time where all around them lie within the row, the others one by one. The last sixteen may overlap those
 /// before.
 #[inline(always)]
-fn fill_row<S: Simd>(simd: S, [above, own, below]: [&[Rgba8]; 3], strength: f32, row: &mut [Rgba8]) {
+fn fill_row<S: Simd>(simd: S, rows: [&[Rgba8]; 3], strength: f32, row: &mut [Rgba8]) {
     let last = row.len() - 1;
     let inner = if last > WIDE { 1..last } else { 1..1 };
-    for x in inner.clone().step_by(WIDE) {
-        let x = x.min(last - WIDE);
-        let around = [run(simd, above, x), run(simd, own, x - 1), run(simd, own, x + 1), run(simd, below, x)];
-        let codes = lanes(simd, run(simd, own, x), around, strength).bitcast::<u8x64<S>>();
-        codes.store_slice(row[x..x + WIDE].as_flattened_mut());
+    for first in inner.clone().step_by(RUNS * WIDE) {
+        let places = (first..inner.end.min(first + RUNS * WIDE)).step_by(WIDE);
+        let mut weights = [[0; WIDE]; RUNS];
+        for (weights, x) in weights.iter_mut().zip(places.clone()) {
+            let (own, around) = cross(simd, rows, x.min(last - WIDE));
+            wide_weight(simd, own, around, strength).store_array(weights);
+        }
+        for (weights, x) in weights.iter().zip(places) {
+            let x = x.min(last - WIDE);
+            let (own, around) = cross(simd, rows, x);
+            let codes = wide_pixels(own, around, u32x16::load_array_ref(simd, weights));
+            codes.store_slice(row[x..x + WIDE].as_flattened_mut());
+        }
     }
+    let [above, own, below] = rows;
     for x in (0..1).chain(inner.end..last + 1) {
         let (left, right) = (own[x.saturating_sub(1)], own[(x + 1).min(last)]);
         row[x] = pixel([above[x], left, own[x], right, below[x]], strength);
     }
+}
+
+/// Sixteen pixels from place `at` on, and those above, left, right and below them.
+#[inline(always)]
+fn cross<S: Simd>(simd: S, [above, own, below]: [&[Rgba8]; 3], at: usize) -> (u8x64<S>, [u8x64<S>; 4]) {
+    (run(simd, own, at), [run(simd, above, at), run(simd, own, at - 1), run(simd, own, at + 1), run(simd, below, at)])
 }
 
 /// Sixteen pixels from place `at` on.
@@ -84,62 +137,74 @@ fn run<S: Simd>(simd: S, of: &[Rgba8], at: usize) -> u8x64<S> {
     u8x64::from_slice(simd, of[at..at + WIDE].as_flattened())
 }
 
-/// A channel of sixteen pixels.
+/// Red and blue of sixteen pixels, in sixteen bits each.
 #[inline(always)]
-fn channel<S: Simd>(of: u8x64<S>, channel: u32) -> f32x16<S> {
-    float_of((of.bitcast::<u32x16<S>>() >> (8 * channel)) & 255)
+fn even<S: Simd>(of: u8x64<S>) -> u16x32<S> {
+    of.bitcast::<u16x32<S>>() & 255
 }
 
-/// Quotients, not divided yet: of those that are compared but one counts.
-#[derive(Clone, Copy)]
-struct Quotient<S: Simd> {
-    above: f32x16<S>,
-    below: f32x16<S>,
+/// Green and alpha.
+#[inline(always)]
+fn odd<S: Simd>(of: u8x64<S>) -> u16x32<S> {
+    of.bitcast::<u16x32<S>>() >> 8
 }
 
-impl<S: Simd> Quotient<S> {
-    /// The smaller ones. The products are of codes, so they are exact, and rounding keeps the order of quotients: the smallest
-    /// one divided is the smallest of all divided.
+impl<S: Simd> Quotient<u16x32<S>> {
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        let less = (other.above * self.below).simd_lt(self.above * other.below);
-        Self { above: less.select(other.above, self.above), below: less.select(other.below, self.below) }
+        let keep = (self.above * other.below).simd_le(other.above * self.below);
+        Self { above: keep.select(self.above, other.above), below: keep.select(self.below, other.below) }
     }
 }
 
-/// The steps of [`pixel`] in lanes: the same divisions, of those that decide, and the same sums.
+/// [`weight`] in lanes: the same quotient.
 #[inline(always)]
-fn lanes<S: Simd>(simd: S, own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4], strength: f32) -> u32x16<S> {
-    let (zero, full) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 255.0));
+fn wide_weight<S: Simd>(
+    simd: S,
+    own: u8x64<S>,
+    [above, left, right, below]: [u8x64<S>; 4],
+    strength: f32,
+) -> u32x16<S> {
     let least = above.min(left).min(right.min(below));
     let greatest = above.max(left).max(right.max(below));
-    // How far the middle may sink and how far it may rise, over four times the greatest and four times what the least lacks.
-    // Where that is nothing the other is, too, and one in its place makes the quotient nothing.
-    let one = u8x64::splat(simd, 1);
-    let (black, white) = (least.min(own), !greatest.max(own));
+    // Alpha, whose quotient is to be no smaller than others, is one at least with all above.
+    let (one, alpha) = (u8x64::splat(simd, 1), u32x16::splat(simd, 0xff00_0000).bitcast::<u8x64<S>>());
+    let (black, white) = (least.min(own) | alpha, !greatest.max(own) | alpha);
     let (of_black, of_white) = (greatest.max(one), (!least).max(one));
-    let [red, green, blue] = each!(index in [0, 1, 2] => {
-        let black = Quotient { above: channel(black, index), below: channel(of_black, index) };
-        black.min(Quotient { above: channel(white, index), below: channel(of_white, index) })
-    });
-    let limit = red.min(green).min(blue);
-    let lobe = f32x16::splat(simd, MOST).max(limit.above / (limit.below * -4.0));
-    let lobe = lobe.min(zero) * strength;
-    let share = f32x16::splat(simd, 1.0) / (lobe * 4.0 + 1.0);
-    let mut codes = own.bitcast::<u32x16<S>>() & 0xff00_0000;
-    // Sums of codes are exact in any order: two channels at a time.
-    let even = (pairs(above, 0) + pairs(left, 0)) + (pairs(right, 0) + pairs(below, 0));
-    let odd = (pairs(above, 8) + pairs(left, 8)) + (pairs(right, 8) + pairs(below, 8));
-    let sums = [even & 0xffff, odd & 0xffff, even >> 16];
-    for (index, around) in (0..3).zip(sums) {
-        let value = (lobe * float_of(around) + channel(own, index)) * share;
-        codes |= whole_part(value.max(zero).min(full) + 0.5) << (8 * index);
-    }
-    codes
+    let red_blue = Quotient { above: even(black), below: even(of_black) }
+        .min(Quotient { above: even(white), below: even(of_white) });
+    let green =
+        Quotient { above: odd(black), below: odd(of_black) }.min(Quotient { above: odd(white), below: odd(of_white) });
+    let one = red_blue.min(green);
+    let other = Quotient {
+        above: (one.above.bitcast::<u32x16<S>>() >> 16).bitcast(),
+        below: (one.below.bitcast::<u32x16<S>>() >> 16).bitcast(),
+    };
+    let limit = one.min(other);
+    let [numerator, denominator] =
+        each!(of in [limit.above, limit.below] => float_of(of.bitcast::<u32x16<S>>() & 0xffff));
+    let numerator = numerator.min(denominator * MOST) * strength;
+    whole_part(numerator * 8192.0 / (denominator - numerator) + 0.5)
 }
 
-/// Every other channel of sixteen pixels, in sixteen bits each: from bit `first` on.
+/// [`pixel`] in lanes, from its weight: the same sums.
 #[inline(always)]
-fn pairs<S: Simd>(of: u8x64<S>, first: u32) -> u32x16<S> {
-    (of.bitcast::<u32x16<S>>() >> first) & 0x00ff_00ff
+fn wide_pixels<S: Simd>(own: u8x64<S>, [above, left, right, below]: [u8x64<S>; 4], weight: u32x16<S>) -> u8x64<S> {
+    let red_blue = sharpened(
+        even(own),
+        (even(above) + even(left)) + (even(right) + even(below)),
+        (weight | weight << 16).bitcast(),
+    );
+    let green = sharpened(odd(own), (odd(above) + odd(left)) + (odd(right) + odd(below)), weight.bitcast());
+    (red_blue | green << 8).bitcast()
+}
+
+/// Codes from those of the middle, the sums of those around, and q.
+#[inline(always)]
+fn sharpened<S: Simd>(own: u16x32<S>, around: u16x32<S>, weight: i16x32<S>) -> u16x32<S> {
+    let (own, around) = (own.bitcast::<i16x32<S>>(), around.bitcast::<i16x32<S>>());
+    let (low, high) = ((own * 4 - around) << POINT).split();
+    let (low_weight, high_weight) = weight.split();
+    let more = (times(low, low_weight).combine(times(high, high_weight)) + HALF) >> POINT;
+    (own + more).max(0).min(255).bitcast()
 }

@@ -16,14 +16,17 @@ pub(super) const TILE: usize = 4 * AHEAD;
 /// lines of the cache.
 pub(super) const MARGIN: usize = WIDE;
 
-/// What is known about a sample: four channels, slope across and down, straightness, luma.
-const PLANES: usize = 8;
+/// Channels, each with the next sample's: [`pair`].
+const CHANNELS: usize = 4;
+
+/// What else is known about a sample: slope across and down, straightness, luma.
+const PLANES: usize = 4;
 
 /// Where slope across, slope down and straightness stand among the planes.
-const SLOPES: Range<usize> = 4..7;
+const SLOPES: Range<usize> = 0..3;
 
 /// Where luma does.
-const LUMA: usize = 7;
+const LUMA: usize = 3;
 
 /// Two lines of the cache. Planes of a row lie an odd number of such pairs apart, and so not at the same places of their pages, whose
 /// lines drive each other out of the nearest cache.
@@ -36,29 +39,28 @@ fn stride_of(samples: usize) -> usize {
 
 /// Values from the start of a line of the cache on, in memory that is used again.
 #[derive(Default)]
-struct Values {
-    memory: Vec<f32>,
+struct Values<T> {
+    memory: Vec<T>,
     start: usize,
 }
 
-impl Values {
+impl<T: Copy + Default> Values<T> {
     /// At least so many.
     fn reserve(&mut self, count: usize) {
-        /// As many values as a line of the cache has.
-        const LINE: usize = 64 / size_of::<f32>();
-        if self.memory.len() < count + LINE {
-            self.memory = vec![0.0; count + LINE];
-            self.start = self.memory.as_ptr().align_offset(64).min(LINE);
+        let line = 64 / size_of::<T>();
+        if self.memory.len() < count + line {
+            self.memory = vec![T::default(); count + line];
+            self.start = self.memory.as_ptr().align_offset(64).min(line);
         }
     }
 
     #[inline(always)]
-    fn row(&self, row: usize, stride: usize) -> &[f32] {
+    fn row(&self, row: usize, stride: usize) -> &[T] {
         &self.memory[self.start + row * stride..][..stride]
     }
 
     #[inline(always)]
-    fn row_mut(&mut self, row: usize, stride: usize) -> &mut [f32] {
+    fn row_mut(&mut self, row: usize, stride: usize) -> &mut [T] {
         &mut self.memory[self.start + row * stride..][..stride]
     }
 }
@@ -70,8 +72,10 @@ pub(super) struct Source {
     stride: usize,
     /// The sample row that the planes begin with; rows beyond the picture repeat its outermost.
     first_row: i32,
+    /// Row after row of all channels.
+    channels: Values<u32>,
     /// Row after row of all planes.
-    planes: Values,
+    planes: Values<f32>,
     /// Whether alpha is full everywhere, so that nobody need weigh it.
     pub(super) opaque: bool,
 }
@@ -82,13 +86,13 @@ impl Source {
     pub(super) fn read(&mut self, lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) {
         self.stride = stride_of(drawn.width() as usize);
         self.first_row = rows.start;
+        self.channels.reserve(self.stride * CHANNELS * rows.len());
         self.planes.reserve(self.stride * PLANES * rows.len());
         self.opaque = true;
         let last = drawn.height() as i32 - 1;
         for (at, row) in rows.clone().enumerate() {
             let samples = drawn.row(row.clamp(0, last) as u32);
-            self.opaque &= samples.iter().fold(255, |least, sample| least & sample[3]) == 255;
-            on_lanes!(lanes, simd => self.spread(simd, samples, at));
+            self.opaque &= on_lanes!(lanes, simd => self.spread(simd, samples, at));
         }
         let width = drawn.width() as usize;
         for row in 1..rows.len() - 1 {
@@ -106,38 +110,54 @@ impl Source {
         self.planes.row_mut(row * PLANES + plane, self.stride)
     }
 
-    /// Puts a row of samples into the planes.
     #[inline(always)]
-    fn spread<S: Simd>(&mut self, simd: S, samples: &[Rgba8], row: usize) {
+    fn channel_mut(&mut self, row: usize, channel: usize) -> &mut [u32] {
+        self.channels.row_mut(row * CHANNELS + channel, self.stride)
+    }
+
+    /// Puts a row of samples into the channels and the planes, and says whether all are opaque.
+    #[inline(always)]
+    fn spread<S: Simd>(&mut self, simd: S, samples: &[Rgba8], row: usize) -> bool {
         let end = MARGIN + samples.len();
         // Beyond this nobody looks.
         let last = end + AHEAD + WIDE;
         let luma = |[r, g, b, _]: Rgba8| 0.5 * (f32::from(r) + f32::from(b)) + f32::from(g);
         let (left, right) = (samples[0], samples[samples.len() - 1]);
-        for plane in [0, 1, 2, 3, LUMA] {
-            let value = |sample: Rgba8| if plane == LUMA { luma(sample) } else { f32::from(sample[plane]) };
-            let values = self.plane_mut(row, plane);
-            values[..MARGIN].fill(value(left));
-            values[end..last].fill(value(right));
+        for channel in 0..CHANNELS {
+            let values = self.channel_mut(row, channel);
+            values[..MARGIN].fill(pair(left[channel], left[channel]));
+            values[end - 1..last].fill(pair(right[channel], right[channel]));
         }
-        let (runs, rest) = samples.as_chunks::<WIDE>();
-        let mut at = MARGIN;
-        for run in runs {
-            let words = words(simd, run);
-            let [red, green, blue, alpha] = each!(channel in [0, 8, 16, 24] => float_of((words >> channel) & 255));
+        let lumas = self.plane_mut(row, LUMA);
+        lumas[..MARGIN].fill(luma(left));
+        lumas[end..last].fill(luma(right));
+        let (mut at, mut rest) = (MARGIN, samples);
+        let mut opaque = u32x16::splat(simd, u32::MAX);
+        while let [run @ .., _] = rest
+            && let Some(run) = run.first_chunk()
+            && let Some(next) = rest[1..].first_chunk()
+        {
+            let (own, next) = (words(simd, run), words(simd, next));
+            opaque &= own;
+            let [red, green, blue, _] = each!(channel in [0, 1, 2, 3] => {
+                let code = (own >> (8 * channel)) & 255;
+                let pairs = code | ((next >> (8 * channel)) & 255) << 16;
+                pairs.store_slice(&mut self.channel_mut(row, channel as usize)[at..at + WIDE]);
+                float_of(code)
+            });
             let luma = (red + blue) * 0.5 + green;
-            for (plane, values) in [(0, red), (1, green), (2, blue), (3, alpha), (LUMA, luma)] {
-                values.store_slice(&mut self.plane_mut(row, plane)[at..at + WIDE]);
-            }
-            at += WIDE;
+            luma.store_slice(&mut self.plane_mut(row, LUMA)[at..at + WIDE]);
+            (at, rest) = (at + WIDE, &rest[WIDE..]);
         }
-        for sample in rest {
-            for (channel, code) in sample.iter().enumerate() {
-                self.plane_mut(row, channel)[at] = f32::from(*code);
+        for (index, sample) in rest.iter().enumerate() {
+            let next = rest.get(index + 1).unwrap_or(sample);
+            for channel in 0..CHANNELS {
+                self.channel_mut(row, channel)[at + index] = pair(sample[channel], next[channel]);
             }
-            self.plane_mut(row, LUMA)[at] = luma(*sample);
-            at += 1;
+            self.plane_mut(row, LUMA)[at + index] = luma(*sample);
         }
+        let full = u32x16::splat(simd, u32::MAX << 24);
+        (opaque & full).simd_eq(full).all_true() && rest.iter().all(|sample| sample[3] == 255)
     }
 
     /// Finds the slopes of a row of the planes that has one above and one below, at so many samples and those beside them.
@@ -154,12 +174,24 @@ impl Source {
         }
     }
 
-    /// Four rows of a channel, from the one before a cell's own on.
+    /// Four rows of a channel, from the one before a cell's own on: a sample and the next, as [`pair`] has them.
     #[inline(always)]
-    pub(super) fn channel(&self, channel: usize, cell: i32) -> [&[f32]; 4] {
+    pub(super) fn channel(&self, channel: usize, cell: i32) -> [&[u32]; 4] {
         let first = (cell - 1 - self.first_row) as usize;
-        each!(below in [0, 1, 2, 3] => self.plane(first + below, channel))
+        each!(below in [0, 1, 2, 3] => self.channels.row((first + below) * CHANNELS + channel, self.stride))
     }
+
+    /// Slopes, or how straight they run, in a cell's own row and the one below.
+    #[inline(always)]
+    fn slopes(&self, which: usize, cell: i32) -> [&[f32]; 2] {
+        let first = (cell - self.first_row) as usize;
+        each!(below in [0, 1] => self.plane(first + below, SLOPES.start + which))
+    }
+}
+
+/// A sample's code and the next one's, as a product with two weights needs them.
+fn pair(own: u8, next: u8) -> u32 {
+    u32::from(own) | u32::from(next) << 16
 }
 
 /// Sixteen samples, each as its four codes, the first in the lowest byte.
@@ -192,7 +224,7 @@ pub(super) struct RowOfCells {
     cell: Option<i32>,
     /// Of each channel the least and the greatest of the four samples at the corners of a cell, by its first sample; then slope
     /// across, slope down and straightness in this row of pixels, above and below each other mixed.
-    rows: Values,
+    rows: Values<f32>,
 }
 
 /// Where the greatest and the slopes stand among the rows, after the least.
@@ -230,7 +262,7 @@ impl RowOfCells {
         let range = range.start..range.end.min(source.stride - WIDE);
         let below = place.phase as f32 / lattice.phases() as f32;
         for which in 0..SLOPES.len() {
-            let [_, upper, lower, _] = source.channel(SLOPES.start + which, place.cell);
+            let [upper, lower] = source.slopes(which, place.cell);
             let mixed = self.rows.row_mut(MIXED + which, source.stride);
             for at in range.clone().step_by(WIDE) {
                 let (upper, lower) = (values(simd, upper, at), values(simd, lower, at));
@@ -245,9 +277,11 @@ impl RowOfCells {
         for channel in 0..channels {
             let [_, upper, lower, _] = source.channel(channel, place.cell);
             for at in range.clone().step_by(WIDE) {
-                let (f, g) = (values(simd, upper, at), values(simd, upper, at + 1));
-                let (j, k) = (values(simd, lower, at), values(simd, lower, at + 1));
-                let (least, greatest) = (f.min(g).min(j.min(k)), f.max(g).max(j.max(k)));
+                let [upper, lower] = each!(row in [upper, lower] => u32x16::from_slice(simd, &row[at..at + WIDE]));
+                let (upper, lower) = (upper.bitcast::<u16x32<S>>(), lower.bitcast::<u16x32<S>>());
+                let [least, greatest]: [u32x16<S>; 2] = [upper.min(lower).bitcast(), upper.max(lower).bitcast()];
+                let least = float_of((least & 0xffff).min(least >> 16));
+                let greatest = float_of((greatest & 0xffff).max(greatest >> 16));
                 least.store_slice(&mut self.rows.row_mut(channel, source.stride)[at..at + WIDE]);
                 greatest.store_slice(&mut self.rows.row_mut(GREATEST + channel, source.stride)[at..at + WIDE]);
             }

@@ -4,17 +4,17 @@
 //! Written without closures: those that the standard library calls would be compiled without the wide lanes' features.
 
 use super::source::{AHEAD, MARGIN, RowOfCells, Source, TILE, values};
-use super::{LEAST_SLOPE, LOBE_OF_EDGE, Spot, WHOLE};
+use super::{Distances, FACTOR, LEAST_SLOPE, LOBE_OF_EDGE, ONE, ONE_DOUBLED, ONE_SQUARED, Spot, WHOLE};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
+use crate::upscale::fsr::words::{pairs, times, words};
 use crate::upscale::lanes::window;
 use crate::upscale::lattice::{Lattice, Place};
 
 /// Samples across that a run of [`WIDE`] pixels of one phase looks at.
 const RUN: usize = WIDE + 3;
 
-/// Runs whose kernels are found before any of them is used. One kernel is a chain of divisions and a root, each of which waits for
-/// the one before: those of neighbouring runs fill the time.
+/// Runs that are made side by side.
 const RUNS: usize = AHEAD / WIDE;
 
 /// Samples across that so many runs look at.
@@ -31,22 +31,56 @@ pub(in super::super) fn fill(
 ) {
     let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
     let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
-    let Scratch { source, row_of_cells } = scratch;
+    let Scratch { source, row_of_cells, runs } = scratch;
     source.read(lanes, drawn, top.cell - 1..bottom.cell + 4);
-    let (pixels, samples) = lattice.scale.ratio();
-    let cells = width.div_ceil(pixels as usize) * samples as usize;
+    let phases = Phases::new(lattice);
+    let cells = width.div_ceil(phases.pixels) * phases.samples;
     row_of_cells.prepare(source);
     let mut codes = [[0; TILE]; 3];
     for from in (0..cells).step_by(TILE) {
         row_of_cells.begin(from);
-        for (row, place) in rows.chunks_exact_mut(width).zip(&places) {
+        for ((row, place), y) in rows.chunks_exact_mut(width).zip(&places).zip(first..) {
             on_lanes!(lanes, simd => {
                 row_of_cells.find(simd, source, lattice, *place);
                 let of = Row::new(source, row_of_cells, *place);
-                let row = &mut row[from / samples as usize * pixels as usize..];
-                fill_tile(simd, &of, (lattice, *place), (from, cells.min(from + TILE)), &mut codes, row);
+                let row = &mut row[from / phases.samples * phases.pixels..];
+                fill_tile(simd, &of, (&phases, y), (from, cells.min(from + TILE)), (runs, &mut codes), row);
             });
         }
+    }
+}
+
+/// What the pixels of a phase have in common.
+struct Phase {
+    /// Where the first of them stands.
+    cell: i32,
+    spot: Spot,
+    distances: WideDistances,
+}
+
+/// All phases: so many pixels stand for so many samples.
+struct Phases {
+    pixels: usize,
+    samples: usize,
+    /// Row by row.
+    all: Vec<Phase>,
+}
+
+impl Phases {
+    fn new(lattice: Lattice) -> Self {
+        let (pixels, samples) = lattice.scale.ratio();
+        let phase = |(row, column): (u32, u32)| {
+            let (column, row) = (lattice.place(column), lattice.place(row));
+            let spot = Spot::new(lattice, column.phase, row.phase);
+            Phase { cell: column.cell, spot, distances: WideDistances::new(Distances::new(spot)) }
+        };
+        let all = (0..pixels).flat_map(|row| (0..pixels).map(move |column| (row, column))).map(phase).collect();
+        Self { pixels: pixels as usize, samples: samples as usize, all }
+    }
+
+    /// Those of a row of pixels.
+    fn of_row(&self, row: u32) -> &[Phase] {
+        &self.all[row as usize % self.pixels * self.pixels..][..self.pixels]
     }
 }
 
@@ -55,12 +89,24 @@ pub(in super::super) fn fill(
 pub(in super::super) struct Scratch {
     source: Source,
     row_of_cells: RowOfCells,
+    runs: [Run; RUNS],
+}
+
+/// What is found about a run of pixels before it has colours.
+#[derive(Default)]
+struct Run {
+    /// See [`Part::is_plain`].
+    is_plain: bool,
+    /// [`Direction`].
+    direction: [[f32; WIDE]; 4],
+    /// [`Shape`], rounded.
+    shape: [[i16; WIDE]; 5],
 }
 
 /// What a row of pixels is made of.
 struct Row<'a> {
     /// Of each channel four rows of samples, from the one before the cells' own on.
-    samples: [[&'a [f32]; 4]; 4],
+    samples: [[&'a [u32]; 4]; 4],
     of_cells: &'a RowOfCells,
     opaque: bool,
 }
@@ -121,11 +167,23 @@ impl Part<'_> {
         };
         red | green << 8 | blue << 16 | alpha << 24
     }
+
+    /// The pixels of another run, from its weights.
+    #[inline(always)]
+    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &Weights<S>) -> u32x16<S> {
+        let [red, green, blue] = each!(channel in [0, 1, 2] => self.colors[channel].codes(simd, at, weights));
+        // What stands above the last byte of the first is overwritten, that of the others is shifted out or overwritten.
+        let color = red | green << 8 | blue << 16;
+        match &self.alpha {
+            None => color | 0xff00_0000,
+            Some(alpha) => (color & 0x00ff_ffff) | alpha.codes(simd, at, weights) << 24,
+        }
+    }
 }
 
-/// Codes of one channel: from the sample before the first cell on, and what bounds them in each cell.
+/// Codes of one channel: of each sample from the one before the first cell on, and of the next, and what bounds them in each cell.
 struct Channel<'a> {
-    samples: [&'a [f32; SPAN]; 4],
+    samples: [&'a [u32; SPAN]; 4],
     least: &'a [f32; AHEAD],
     greatest: &'a [f32; AHEAD],
 }
@@ -136,20 +194,17 @@ struct Channel<'a> {
 fn fill_tile<S: Simd>(
     simd: S,
     of: &Row<'_>,
-    (lattice, place): (Lattice, Place),
+    (phases, y): (&Phases, u32),
     (from, end): (usize, usize),
-    codes: &mut [[u32; TILE]; 3],
+    (work, codes): (&mut [Run; RUNS], &mut [[u32; TILE]; 3]),
     row: &mut [Rgba8],
 ) {
-    let (pixels, samples) = lattice.scale.ratio();
-    let (pixels, samples) = (pixels as usize, samples as usize);
     let parts = (end - from).div_ceil(AHEAD);
-    for (first, codes) in codes.iter_mut().enumerate().take(pixels) {
-        let column = lattice.place(first as u32);
-        let spot = Spot::new(lattice, column.phase, place.phase);
-        let mut at = from + (column.cell + MARGIN as i32) as usize;
+    let (pixels, samples) = (phases.pixels, phases.samples);
+    for (phase, codes) in phases.of_row(y).iter().zip(codes.iter_mut()) {
+        let mut at = from + (phase.cell + MARGIN as i32) as usize;
         for codes in codes.as_chunks_mut::<AHEAD>().0.iter_mut().take(parts) {
-            runs(simd, &of.part(at), spot, codes);
+            fill_runs(simd, &of.part(at), phase, work, codes);
             at += AHEAD;
         }
     }
@@ -173,35 +228,30 @@ fn fill_tile<S: Simd>(
     }
 }
 
-/// Makes the pixels of a part of a row.
+/// Makes the pixels of a part of a row, each step for all runs before the next: a step is a chain of sums, a division or a root, each
+/// of which waits for the one before, and those of other runs fill the time if they are close enough.
 #[inline(always)]
-fn runs<S: Simd>(simd: S, of: &Part<'_>, spot: Spot, codes: &mut [u32; AHEAD]) {
-    let mut shapes = [[[0.0; WIDE]; 5]; RUNS];
-    let mut plain = [false; RUNS];
-    for run in 0..RUNS {
-        if of.is_plain(simd, run * WIDE) {
-            plain[run] = true;
-            continue;
+fn fill_runs<S: Simd>(simd: S, of: &Part<'_>, phase: &Phase, runs: &mut [Run; RUNS], codes: &mut [u32; AHEAD]) {
+    for (index, run) in runs.iter_mut().enumerate() {
+        run.is_plain = of.is_plain(simd, index * WIDE);
+        if !run.is_plain {
+            let [across, down, straightness] =
+                each!(slopes in [0, 1, 2] => mixed(simd, of.slopes[slopes], index * WIDE, phase.spot));
+            Direction::new(simd, across, down, straightness).store(&mut run.direction);
         }
-        let [across, down, straightness] =
-            each!(slopes in [0, 1, 2] => mixed(simd, of.slopes[slopes], run * WIDE, spot));
-        Shape::new(simd, across, down, straightness).store(&mut shapes[run]);
     }
-    for run in 0..RUNS {
-        if plain[run] {
-            of.plain(simd, run * WIDE).store_slice(&mut codes[run * WIDE..][..WIDE]);
-            continue;
+    for run in runs.iter_mut() {
+        if !run.is_plain {
+            Shape::new(simd, Direction::load(simd, &run.direction)).store(&mut run.shape);
         }
-        let (weights, share) = Shape::load(simd, &shapes[run]).weights(simd, spot);
-        let [red, green, blue] =
-            each!(channel in [0, 1, 2] => of.colors[channel].codes(simd, run * WIDE, &weights, share));
-        // What stands above the last byte of the first is overwritten, that of the others is shifted out or overwritten.
-        let color = red | green << 8 | blue << 16;
-        let color = match &of.alpha {
-            None => color | 0xff00_0000,
-            Some(alpha) => (color & 0x00ff_ffff) | alpha.codes(simd, run * WIDE, &weights, share) << 24,
+    }
+    for (index, run) in runs.iter().enumerate() {
+        let color = if run.is_plain {
+            of.plain(simd, index * WIDE)
+        } else {
+            of.codes(simd, index * WIDE, &Weights::new(simd, &run.shape, &phase.distances))
         };
-        color.store_slice(&mut codes[run * WIDE..][..WIDE]);
+        color.store_slice(&mut codes[index * WIDE..][..WIDE]);
     }
 }
 
@@ -219,23 +269,56 @@ impl Channel<'_> {
 
     /// [`super::code`]: floats whose last bytes are the codes, as their bits.
     #[inline(always)]
-    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &[f32x16<S>; 12], share: f32x16<S>) -> u32x16<S> {
-        let [above, upper, lower, below]: [&[f32; RUN]; 4] =
+    fn codes<S: Simd>(&self, simd: S, at: usize, weights: &Weights<S>) -> u32x16<S> {
+        let [above, upper, lower, below]: [&[u32; RUN]; 4] =
             each!(row in [0, 1, 2, 3] => window(self.samples[row], at));
-        let [b, c, e, f, g, h, i, j, k, l, n, o] = *weights;
-        let above = b * values(simd, above, 1) + c * values(simd, above, 2);
-        let upper = e * values(simd, upper, 0)
-            + f * values(simd, upper, 1)
-            + g * values(simd, upper, 2)
-            + h * values(simd, upper, 3);
-        let lower = i * values(simd, lower, 0)
-            + j * values(simd, lower, 1)
-            + k * values(simd, lower, 2)
-            + l * values(simd, lower, 3);
-        let below = n * values(simd, below, 1) + o * values(simd, below, 2);
-        let value = ((above + upper) + (lower + below)) * share;
+        let [low, high] = each!((half, pixels) in [(0, 0), (1, LANES)] => {
+            let [bc, ef, gh, ij, kl, no] = each!(
+                (pair, row, column) in [(0, above, 1), (1, upper, 0), (2, upper, 2), (3, lower, 0), (4, lower, 2), (5, below, 1)] => {
+                    let samples = u32x8::from_slice(simd, &row[column + pixels..column + pixels + LANES]);
+                    weights.pairs[pair][half].pairwise_dot_product(samples.bitcast::<i16x16<S>>())
+                }
+            );
+            ((bc + no) + (ef + gh)) + (ij + kl)
+        });
+        let value = low.combine(high).to_float::<f32x16<S>>() * weights.share;
         let value = value.max(values(simd, self.least, at)).min(values(simd, self.greatest, at));
         (value + WHOLE).bitcast()
+    }
+}
+
+/// The first half of [`super::Shape`], up to its division.
+struct Direction<S: Simd> {
+    across: f32x16<S>,
+    down: f32x16<S>,
+    inverse: f32x16<S>,
+    edge: f32x16<S>,
+}
+
+impl<S: Simd> Direction<S> {
+    #[inline(always)]
+    fn new(simd: S, across: f32x16<S>, down: f32x16<S>, straightness: f32x16<S>) -> Self {
+        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+        let flat = (across * across + down * down).simd_lt(f32x16::splat(simd, LEAST_SLOPE));
+        let (across, down) = (flat.select(one, across), flat.select(zero, down));
+        let (xx, yy) = (across * across, down * down);
+        let half = straightness * 0.5;
+        Self { across, down, inverse: one / ((xx + yy) * xx.max(yy)), edge: half * half }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut [[f32; WIDE]; 4]) {
+        let [across, down, inverse, edge] = to;
+        self.across.store_array(across);
+        self.down.store_array(down);
+        self.inverse.store_array(inverse);
+        self.edge.store_array(edge);
+    }
+
+    #[inline(always)]
+    fn load(simd: S, from: &[[f32; WIDE]; 4]) -> Self {
+        let [across, down, inverse, edge] = each!(of in [0, 1, 2, 3] => f32x16::load_array_ref(simd, &from[of]));
+        Self { across, down, inverse, edge }
     }
 }
 
@@ -249,70 +332,89 @@ struct Shape<S: Simd> {
 }
 
 impl<S: Simd> Shape<S> {
+    /// The second half.
     #[inline(always)]
-    fn new(simd: S, across: f32x16<S>, down: f32x16<S>, straightness: f32x16<S>) -> Self {
-        let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let flat = (across * across + down * down).simd_lt(f32x16::splat(simd, LEAST_SLOPE));
-        let (across, down) = (flat.select(one, across), flat.select(zero, down));
+    fn new(simd: S, Direction { across, down, inverse, edge }: Direction<S>) -> Self {
+        let one = f32x16::splat(simd, 1.0);
         let (xx, yy) = (across * across, down * down);
         let (squared, most) = (xx + yy, xx.max(yy));
-        let inverse = one / (squared * most);
         let stretch = ((squared * squared) * inverse).sqrt();
         let inverse = most * inverse;
         let (xx, xy, yy) = (xx * inverse, (across * down) * inverse, yy * inverse);
-        let half = straightness * 0.5;
-        let edge = half * half;
         let (along, across) = ((stretch - 1.0) * edge + 1.0, one - edge * 0.5);
         let (along, across) = (along * along, across * across);
         let lobe = edge * LOBE_OF_EDGE + 0.5;
-        let (blob, turned) = (across * lobe, (along - across) * lobe);
+        let factor = lobe * FACTOR;
+        let (blob, turned) = (across * factor, (along - across) * factor);
         Self {
             xx: blob + turned * xx,
             xy: (turned + turned) * xy,
             yy: blob + turned * yy,
-            slope: f32x16::splat(simd, 2.0) - lobe * 5.0,
-            rest: (one - lobe) * (one - lobe * 4.0),
+            slope: f32x16::splat(simd, 2.0 * ONE_DOUBLED) - lobe * (5.0 * ONE_DOUBLED),
+            rest: (f32x16::splat(simd, ONE_SQUARED) - lobe * ONE_SQUARED) * (one - lobe * 4.0),
         }
     }
 
+    /// Rounds and stores the factors in their order.
     #[inline(always)]
-    fn store(self, to: &mut [[f32; WIDE]; 5]) {
+    fn store(self, to: &mut [[i16; WIDE]; 5]) {
         let [xx, xy, yy, slope, rest] = to;
-        self.xx.store_array(xx);
-        self.xy.store_array(xy);
-        self.yy.store_array(yy);
-        self.slope.store_array(slope);
-        self.rest.store_array(rest);
+        words(self.xx).store_array(xx);
+        words(self.xy).store_array(xy);
+        words(self.yy).store_array(yy);
+        words(self.slope).store_array(slope);
+        words(self.rest).store_array(rest);
     }
+}
 
-    #[inline(always)]
-    fn load(simd: S, from: &[[f32; WIDE]; 5]) -> Self {
-        let [xx, xy, yy, slope, rest] = each!(of in [0, 1, 2, 3, 4] => f32x16::load_array_ref(simd, &from[of]));
-        Self { xx, xy, yy, slope, rest }
+/// [`Distances`], each once for each of sixteen pixels.
+struct WideDistances {
+    xx: [[i16; WIDE]; 4],
+    yy: [[i16; WIDE]; 4],
+    xy: [[i16; WIDE]; 12],
+}
+
+impl WideDistances {
+    fn new(Distances { xx, yy, xy }: Distances) -> Self {
+        Self { xx: xx.map(|of| [of; WIDE]), yy: yy.map(|of| [of; WIDE]), xy: xy.map(|of| [of; WIDE]) }
     }
+}
 
-    /// Weights of the twelve samples, but for a factor that all have, and the share of a weight of one.
+/// Weights of the twelve samples but for a factor that all have, two side by side as the samples stand, and the share of a
+/// weight of one.
+struct Weights<S: Simd> {
+    pairs: [[i16x16<S>; 2]; 6],
+    share: f32x16<S>,
+}
+
+impl<S: Simd> Weights<S> {
+    /// From a [`Shape`] that was stored.
     #[inline(always)]
-    fn weights(&self, simd: S, Spot { x, y }: Spot) -> ([f32x16<S>; 12], f32x16<S>) {
-        let columns = each!(column in [-1.0, 0.0, 1.0, 2.0] => {
-            let dx: f32 = column - x;
-            self.xx * (dx * dx) - 1.0
+    fn new(simd: S, shape: &[[i16; WIDE]; 5], distances: &WideDistances) -> Self {
+        let [xx, xy, yy, slope, rest] = each!(of in [0, 1, 2, 3, 4] => i16x16::load_array_ref(simd, &shape[of]));
+        let one = i16x16::splat(simd, ONE);
+        let columns = each!(column in [0, 1, 2, 3] => {
+            one - times(xx, i16x16::load_array_ref(simd, &distances.xx[column]))
         });
-        let [[_, b, c, _], [e, f, g, h], [i, j, k, l], [_, n, o, _]] = each!(row in [-1.0, 0.0, 1.0, 2.0] => {
-            let dy: f32 = row - y;
-            let step = self.xy * dy;
-            let own = self.yy * (dy * dy) - step * x;
-            let places = [own - step, own, own + step, (own + step) + step];
-            each!(column in [0, 1, 2, 3] => self.weight(simd, columns[column] + places[column]))
+        let rows = each!(row in [0, 1, 2, 3] => times(yy, i16x16::load_array_ref(simd, &distances.yy[row])));
+        let [b, c, e, f, g, h, i, j, k, l, n, o] = each!((place, column, row) in [
+            (0, 1, 0), (1, 2, 0), (2, 0, 1), (3, 1, 1), (4, 2, 1), (5, 3, 1),
+            (6, 0, 2), (7, 1, 2), (8, 2, 2), (9, 3, 2), (10, 1, 3), (11, 2, 3),
+        ] => {
+            let turned = times(xy, i16x16::load_array_ref(simd, &distances.xy[place]));
+            let w = ((columns[column] - rows[row]) - turned).max(0);
+            let w = w + w;
+            let squared = times(w, w);
+            times(squared, squared + (rest - times(w, slope)))
         });
-        let total = ((b + c) + (e + f + g + h)) + ((i + j + k + l) + (n + o));
-        ([b, c, e, f, g, h, i, j, k, l, n, o], f32x16::splat(simd, 1.0) / total)
-    }
-
-    #[inline(always)]
-    fn weight(&self, simd: S, w: f32x16<S>) -> f32x16<S> {
-        let w = w.min(f32x16::splat(simd, 0.0));
-        let squared = w * w;
-        squared * ((squared + w * self.slope) + self.rest)
+        let total = ((b + c) + (n + o)) + ((e + f) + (g + h)) + ((i + j) + (k + l));
+        let [low, high]: [i32x8<S>; 2] = {
+            let total = pairs(total, i16x16::splat(simd, 0));
+            each!(half in [0, 1] => total[half].bitcast())
+        };
+        Self {
+            pairs: [pairs(b, c), pairs(e, f), pairs(g, h), pairs(i, j), pairs(k, l), pairs(n, o)],
+            share: f32x16::splat(simd, 1.0) / low.combine(high).to_float::<f32x16<S>>(),
+        }
     }
 }
