@@ -145,7 +145,9 @@ fn fill_band(
         }
         return;
     }
-    enlarged.resize(enlarged.len().max((STRIP + 2) * width), [0; 4]);
+    if enlarged.len() < (STRIP + 2) * width {
+        enlarged.resize((STRIP + 2) * width, [0; 4]);
+    }
     let mut made = 0;
     for (strip, rows) in pixels.chunks_mut(STRIP * width).enumerate() {
         let (first, count) = (band + strip * STRIP, rows.len() / width);

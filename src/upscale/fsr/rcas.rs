@@ -167,7 +167,7 @@ fn wide_weight<S: Simd>(
 ) -> u32x16<S> {
     let least = above.min(left).min(right.min(below));
     let greatest = above.max(left).max(right.max(below));
-    // Alpha, whose quotient is to be no smaller than others, is one at least with all above.
+    // The numerator of alpha is 255, so its quotient is one at least, no smaller than those of colours, and never chosen.
     let (one, alpha) = (u8x64::splat(simd, 1), u32x16::splat(simd, 0xff00_0000).bitcast::<u8x64<S>>());
     let (black, white) = (least.min(own) | alpha, !greatest.max(own) | alpha);
     let (of_black, of_white) = (greatest.max(one), (!least).max(one));

@@ -154,6 +154,31 @@ fn sharpened_pictures_are_those_of_their_pixels_whatever_strips_and_lanes_they_a
     }
 }
 
+/// Noise between rows and columns of one colour.
+fn partly_plain(width: u32, height: u32) -> Image<Rgba8> {
+    let noise = noise(width, height);
+    Image::from_fn(width, height, |x, y| if x % 90 < 40 || y % 7 < 3 { [30, 200, 90, 255] } else { noise.at(x, y) })
+}
+
+#[test]
+fn rows_of_many_tiles_and_what_a_wider_picture_left_behind_are_those_of_single_pixels() {
+    // The first is wider than a tile, and leaves memory that is longer than the second needs.
+    for (drawn, rows) in [(partly_plain(300, 12), 9..14), (noise(20, 12), 0..24), (noise(300, 12), 23..24)] {
+        for (scale, sharpening) in [(Scale::TWO, 80), (Scale::TWO, 0), (Scale::ONE_AND_A_HALF, 0)] {
+            let how = how(scale, Anchor::Centre, sharpening);
+            let [width, height] = [drawn.width(), drawn.height()].map(|side| (f64::from(side) * scale.value()) as u32);
+            let rows = rows.start.min(height - 1)..rows.end.min(height);
+            for lanes in Lanes::all() {
+                let full = filled(lanes, how, &drawn, (width, height));
+                for (x, y) in rows.clone().flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    let alone = FSR1.pixel(how, &Drawn::from(&drawn), (width, height), (x, y));
+                    assert_eq!(full.at(x, y), alone, "{} ({x}, {y}) {}", how.label(), lanes.name());
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn sharpening_makes_no_new_extremes_of_the_scale_and_keeps_plain_colours() {
     // At the ends of the scale the limits of the lobe divide by zero.

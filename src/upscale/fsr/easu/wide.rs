@@ -1,5 +1,6 @@
 //! The arithmetic of [`super`] for sixteen pixels at a time: those of one phase in neighbouring cells, which look at
-//! neighbouring samples. The same sums in the same order, so the same bits.
+//! neighbouring samples. Floats are added in the same order, and sums of whole
+//! numbers are exact, so it gives the same bits.
 //!
 //! Written without closures: those that the standard library calls would be compiled without the wide lanes' features.
 
@@ -99,7 +100,7 @@ struct Run {
     is_plain: bool,
     /// [`Direction`].
     direction: [[f32; WIDE]; 4],
-    /// [`Shape`], rounded.
+    /// [`Shape`], rounded: factor by factor, in the order of pixels that [`words`] leaves.
     shape: [[i16; WIDE]; 5],
 }
 
@@ -355,7 +356,7 @@ impl<S: Simd> Shape<S> {
         }
     }
 
-    /// Rounds and stores the factors in their order.
+    /// Rounds and stores the factors, one after the other.
     #[inline(always)]
     fn store(self, to: &mut [[i16; WIDE]; 5]) {
         let [xx, xy, yy, slope, rest] = to;
