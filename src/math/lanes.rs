@@ -279,7 +279,7 @@ mod x86 {
     }
 }
 
-/// The larger of two floats and the smaller, as `f32::clamp` and `f64::clamp` choose for numbers: NaN does not occur.
+/// Doubles held between two bounds, as `f64::clamp` holds a number; NaN does not occur.
 #[inline(always)]
 pub fn clamp_f64<S: Simd>(x: F64<S>, least: f64, greatest: f64) -> F64<S> {
     x.max(least).min(greatest)

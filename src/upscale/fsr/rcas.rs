@@ -25,30 +25,33 @@ const HALF: i16 = 1 << (POINT - 1);
 /// A quotient of codes, not divided yet: of those that are compared but one counts.
 #[derive(Clone, Copy)]
 struct Quotient<T> {
-    above: T,
-    below: T,
+    numerator: T,
+    denominator: T,
 }
 
 impl Quotient<u16> {
     /// The smaller one; the first of equal ones.
     fn min(self, other: Self) -> Self {
-        if self.above * other.below <= other.above * self.below { self } else { other }
+        if self.numerator * other.denominator <= other.numerator * self.denominator { self } else { other }
     }
 
-    /// The smaller one of −4 l for both ends of the scale. Where there is nothing below, there is nothing above, and one in its
-    /// place makes it nothing.
+    /// The smaller one of −4 l for both ends of the scale. Where a denominator is nothing, so is the numerator, and one in its
+    /// place makes the quotient nothing.
     fn of_channel(above: u8, left: u8, own: u8, right: u8, below: u8) -> Self {
         let least = above.min(left).min(right.min(below));
         let greatest = above.max(left).max(right.max(below));
-        let quotient = |above: u8, below: u8| Self { above: above.into(), below: below.max(1).into() };
+        let quotient = |numerator: u8, denominator: u8| Self {
+            numerator: numerator.into(),
+            denominator: denominator.max(1).into(),
+        };
         quotient(least.min(own), greatest).min(quotient(!greatest.max(own), !least))
     }
 
     /// q for a strength, in 2⁻¹⁵.
     fn weight(self, strength: f32) -> i16 {
-        let [above, below] = [self.above, self.below].map(f32::from);
-        let above = above.min(below * MOST) * strength;
-        (above * 8192.0 / (below - above) + 0.5) as i16
+        let [numerator, denominator] = [self.numerator, self.denominator].map(f32::from);
+        let numerator = numerator.min(denominator * MOST) * strength;
+        (numerator * 8192.0 / (denominator - numerator) + 0.5) as i16
     }
 }
 
@@ -152,8 +155,11 @@ fn odd<S: Simd>(of: u8x64<S>) -> u16x32<S> {
 impl<S: Simd> Quotient<u16x32<S>> {
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        let keep = (self.above * other.below).simd_le(other.above * self.below);
-        Self { above: keep.select(self.above, other.above), below: keep.select(self.below, other.below) }
+        let keep = (self.numerator * other.denominator).simd_le(other.numerator * self.denominator);
+        Self {
+            numerator: keep.select(self.numerator, other.numerator),
+            denominator: keep.select(self.denominator, other.denominator),
+        }
     }
 }
 
@@ -171,18 +177,19 @@ fn wide_weight<S: Simd>(
     let (one, alpha) = (u8x64::splat(simd, 1), u32x16::splat(simd, 0xff00_0000).bitcast::<u8x64<S>>());
     let (black, white) = (least.min(own) | alpha, !greatest.max(own) | alpha);
     let (of_black, of_white) = (greatest.max(one), (!least).max(one));
-    let red_blue = Quotient { above: even(black), below: even(of_black) }
-        .min(Quotient { above: even(white), below: even(of_white) });
-    let green =
-        Quotient { above: odd(black), below: odd(of_black) }.min(Quotient { above: odd(white), below: odd(of_white) });
-    let one = red_blue.min(green);
-    let other = Quotient {
-        above: (one.above.bitcast::<u32x16<S>>() >> 16).bitcast(),
-        below: (one.below.bitcast::<u32x16<S>>() >> 16).bitcast(),
+    let red_blue = Quotient { numerator: even(black), denominator: even(of_black) }
+        .min(Quotient { numerator: even(white), denominator: even(of_white) });
+    let green = Quotient { numerator: odd(black), denominator: odd(of_black) }
+        .min(Quotient { numerator: odd(white), denominator: odd(of_white) });
+    // Green was moved to the places of red, so that what is left in the others is blue.
+    let red_or_green = red_blue.min(green);
+    let blue = Quotient {
+        numerator: (red_or_green.numerator.bitcast::<u32x16<S>>() >> 16).bitcast(),
+        denominator: (red_or_green.denominator.bitcast::<u32x16<S>>() >> 16).bitcast(),
     };
-    let limit = one.min(other);
+    let limit = red_or_green.min(blue);
     let [numerator, denominator] =
-        each!(of in [limit.above, limit.below] => float_of(of.bitcast::<u32x16<S>>() & 0xffff));
+        each!(of in [limit.numerator, limit.denominator] => float_of(of.bitcast::<u32x16<S>>() & 0xffff));
     let numerator = numerator.min(denominator * MOST) * strength;
     whole_part(numerator * 8192.0 / (denominator - numerator) + 0.5)
 }

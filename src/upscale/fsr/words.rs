@@ -1,4 +1,4 @@
-//! Numbers of sixteen bits, sixteen of them at a time. What [`words`] narrows stands in whatever order the processor narrows
+//! Numbers of sixteen bits, sixteen of them at a time. What [`rounded`] narrows stands in whatever order the processor narrows
 //! and interleaves it fastest; [`pairs`] brings it into order again.
 
 use crate::math::lanes::*;
@@ -10,13 +10,13 @@ pub(super) fn times_one(a: i16, b: i16) -> i16 {
 
 /// Floats rounded to whole numbers, halves to even ones; within the range of sixteen bits.
 #[inline(always)]
-pub(super) fn words<S: Simd>(numbers: f32x16<S>) -> i16x16<S> {
+pub(super) fn rounded<S: Simd>(numbers: f32x16<S>) -> i16x16<S> {
     let simd = numbers.simd;
     let (low, high) = numbers.split();
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = simd.level().as_avx2() {
         let [low, high] = each!(half in [low, high] => f32x8::load_array(avx2, half.to_array()).into());
-        let words: i16x16<_> = x86::words(avx2, low, high).simd_into(avx2);
+        let words: i16x16<_> = x86::rounded(avx2, low, high).simd_into(avx2);
         return i16x16::load_array(simd, words.to_array());
     }
     let [low, high]: [i32x8<S>; 2] = each!(half in [low, high] => half.round_ties_even().to_int());
@@ -63,7 +63,7 @@ mod x86 {
 
     kernel! {
         #[inline]
-        pub(super) fn words(avx2: Avx2, low: __m256, high: __m256) -> __m256i {
+        pub(super) fn rounded(avx2: Avx2, low: __m256, high: __m256) -> __m256i {
             _mm256_packs_epi32(_mm256_cvtps_epi32(low), _mm256_cvtps_epi32(high))
         }
     }

@@ -30,11 +30,11 @@ const LUMA: usize = 3;
 
 /// Two lines of the cache. Planes of a row lie an odd number of such pairs apart, and so not at the same places of their pages, whose
 /// lines drive each other out of the nearest cache.
-const PAIR: usize = 2 * WIDE;
+const TWO_LINES: usize = 2 * WIDE;
 
 /// Values of a plane of a row of so many samples.
 fn stride_of(samples: usize) -> usize {
-    ((samples + 2 * MARGIN + AHEAD + WIDE).div_ceil(PAIR) | 1) * PAIR
+    ((samples + 2 * MARGIN + AHEAD + WIDE).div_ceil(TWO_LINES) | 1) * TWO_LINES
 }
 
 /// Values from the start of a line of the cache on, in memory that is used again.
@@ -81,7 +81,7 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// These rows of samples, of a picture of at least one: from the one before the first cells to the third after the last, as
+    /// These rows of samples, of a picture of at least one: from the one before the first cells to the second after the last, as
     /// four are looked at. Slopes are found in all of them but the first and the last.
     pub(super) fn read(&mut self, lanes: Lanes, drawn: &Image<Rgba8>, rows: Range<i32>) {
         self.stride = stride_of(drawn.width() as usize);
@@ -137,7 +137,7 @@ impl Source {
             && let Some(run) = run.first_chunk()
             && let Some(next) = rest[1..].first_chunk()
         {
-            let (own, next) = (words(simd, run), words(simd, next));
+            let (own, next) = (packed(simd, run), packed(simd, next));
             opaque &= own;
             let [red, green, blue, _] = each!(channel in [0, 1, 2, 3] => {
                 let code = (own >> (8 * channel)) & 255;
@@ -196,7 +196,7 @@ fn pair(own: u8, next: u8) -> u32 {
 
 /// Sixteen samples, each as its four codes, the first in the lowest byte.
 #[inline(always)]
-pub(super) fn words<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
+fn packed<S: Simd>(simd: S, samples: &[Rgba8; WIDE]) -> u32x16<S> {
     let mut words = [0; WIDE];
     for index in 0..WIDE {
         words[index] = u32::from_le_bytes(samples[index]);

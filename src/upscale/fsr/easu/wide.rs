@@ -1,6 +1,6 @@
 //! The arithmetic of [`super`] for sixteen pixels at a time: those of one phase in neighbouring cells, which look at
-//! neighbouring samples. Floats are added in the same order, and sums of whole
-//! numbers are exact, so it gives the same bits.
+//! neighbouring samples. Floats are added in the same order, and sums of whole numbers are exact, so it gives the same
+//! bits.
 //!
 //! Written without closures: those that the standard library calls would be compiled without the wide lanes' features.
 
@@ -8,7 +8,7 @@ use super::source::{AHEAD, MARGIN, RowOfCells, Source, TILE, values};
 use super::{Distances, FACTOR, LEAST_SLOPE, LOBE_OF_EDGE, ONE, ONE_DOUBLED, ONE_SQUARED, Spot, WHOLE};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
-use crate::upscale::fsr::words::{pairs, times, words};
+use crate::upscale::fsr::words::{pairs, rounded, times};
 use crate::upscale::lanes::window;
 use crate::upscale::lattice::{Lattice, Place};
 
@@ -33,7 +33,7 @@ pub(in super::super) fn fill(
     let places: Vec<_> = lattice.places_from(first).take(rows.len() / width).collect();
     let [Some(top), Some(bottom)] = [places.first(), places.last()] else { return };
     let Scratch { source, row_of_cells, runs } = scratch;
-    source.read(lanes, drawn, top.cell - 1..bottom.cell + 4);
+    source.read(lanes, drawn, top.cell - 1..bottom.cell + 3);
     let phases = Phases::new(lattice);
     let cells = width.div_ceil(phases.pixels) * phases.samples;
     row_of_cells.prepare(source);
@@ -100,7 +100,7 @@ struct Run {
     is_plain: bool,
     /// [`Direction`].
     direction: [[f32; WIDE]; 4],
-    /// [`Shape`], rounded: factor by factor, in the order of pixels that [`words`] leaves.
+    /// [`Shape`], rounded: factor by factor, in the order of pixels that [`rounded`] leaves.
     shape: [[i16; WIDE]; 5],
 }
 
@@ -360,11 +360,11 @@ impl<S: Simd> Shape<S> {
     #[inline(always)]
     fn store(self, to: &mut [[i16; WIDE]; 5]) {
         let [xx, xy, yy, slope, rest] = to;
-        words(self.xx).store_array(xx);
-        words(self.xy).store_array(xy);
-        words(self.yy).store_array(yy);
-        words(self.slope).store_array(slope);
-        words(self.rest).store_array(rest);
+        rounded(self.xx).store_array(xx);
+        rounded(self.xy).store_array(xy);
+        rounded(self.yy).store_array(yy);
+        rounded(self.slope).store_array(slope);
+        rounded(self.rest).store_array(rest);
     }
 }
 
