@@ -4,11 +4,12 @@
 //! samples on a lattice.
 
 use super::Frame;
-use super::kernel::{Band, EdgeRows, Patch, exact_at, one_by_one, shade_rows};
+use super::kernel::{EdgeRows, Patch, exact_at, one_by_one, shade_rows};
 use super::locations::Locations;
 use super::queue::Queue;
 use super::record::{Source as _, Subject};
 use super::setup::Edges;
+use super::target::Picture;
 use crate::math::lanes::*;
 
 /// Shades some rows of samples.
@@ -19,7 +20,7 @@ pub(super) fn shade_displaced<S: Simd>(
     subject: &Subject<'_>,
     (patch, locations): (&Patch, impl Locations),
     queue: &mut Queue,
-    band: &mut Band<'_>,
+    picture: &mut Picture<'_>,
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -27,14 +28,14 @@ pub(super) fn shade_displaced<S: Simd>(
             let shader = frame.shader(subject.draw);
             let Some(edges) = subject.edges.filter(|_| !shader.on_lanes) else {
                 let mut edges = PlacedRows { subject, locations, first: (patch.column, patch.first) };
-                return shade_rows(simd, frame, subject, patch, (queue, band), &mut edges);
+                return shade_rows(simd, frame, subject, patch, (queue, picture), &mut edges);
             };
             let whole = frame.screen_triangle(subject.key, subject.draw);
             for block in patch.blocks() {
                 for row in block.first..block.end {
                     let places = locations.places(simd, block.column, [row; 2]);
                     let e = edges_of_row(edges, each!(axis in [0, 1] => places[axis].to_array()));
-                    one_by_one(frame, shader, &whole, &block, row, &e, band.row(&block, row));
+                    one_by_one(frame, shader, &whole, &block, row, &e, picture.row(&block, row));
                 }
             }
         },

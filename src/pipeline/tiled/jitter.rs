@@ -7,7 +7,6 @@
 use std::time::{Duration, Instant};
 
 use super::batch::Batch;
-use super::kernel::Band;
 use super::lattice::{Lattice, TILE};
 use super::locations::{Displaced, Locations, Offsets};
 use super::record::{Entrants, Slot};
@@ -140,11 +139,10 @@ impl Frame<'_> {
         let Workspace { tile, entrants, queue, seen_through, jitter, .. } = workspace;
         let JitterMemory { groups, offsets, sums } = jitter;
         let SeenThrough { blended, .. } = seen_through;
-        let (place, width) = (target.place, self.packed.0 as usize);
+        let place = target.place;
         self.let_enter(target.number, entrants);
         if entrants.len() == 0 {
-            target.depth_rows(width).for_each(|row| row.fill(self.rules.clear));
-            return;
+            return target.clear_depths(self.rules.clear);
         }
         groups.resize_with(entrants.len().div_ceil(GROUP), Group::default);
         for (number, Group { batches, alive, large }) in groups.iter_mut().enumerate() {
@@ -157,7 +155,7 @@ impl Frame<'_> {
             self.write_depths(simd, tile, entrants, &mut target);
             counts += tile.counts;
         }
-        let mut picture = Band { pixels: target.colors, width };
+        let mut picture = target.picture;
         sums.clear();
         sums.resize(TILE * SUMS_PER_ROW, [[0.0; WIDE]; 3]);
         for (number, JitteredSample { lattice, .. }) in jittered.samples.iter().enumerate() {
@@ -166,12 +164,12 @@ impl Frame<'_> {
             self.draw_groups(simd, (tile, locations), groups, (entrants, place), blended);
             counts += tile.counts;
             let rasterized = Instant::now();
-            let canvas = Canvas { tile, locations, entrants, queue, place, pixels: picture.pixels };
+            let canvas = Canvas { tile, locations, entrants, queue, place, picture: picture.reborrow() };
             shaded += shade_tile(simd, self, canvas);
             if !blended.is_empty() {
-                shaded += self.blend(simd, (tile, locations), (entrants, blended), place, queue, picture.pixels);
+                shaded += self.blend(simd, (tile, locations), (entrants, blended), place, queue, &mut picture);
             }
-            for (row, sums) in picture.rows(place).zip(sums.chunks_exact_mut(SUMS_PER_ROW)) {
+            for (row, sums) in picture.rows().zip(sums.chunks_exact_mut(SUMS_PER_ROW)) {
                 (jittered.jittering.sum.add)(row, sums);
                 row.fill(self.background);
             }
@@ -180,7 +178,7 @@ impl Frame<'_> {
             times[1] += finished - rasterized;
             start = finished;
         }
-        for (row, sums) in picture.rows(place).zip(sums.chunks_exact(SUMS_PER_ROW)) {
+        for (row, sums) in picture.rows().zip(sums.chunks_exact(SUMS_PER_ROW)) {
             (jittered.jittering.sum.mean)(sums, row);
         }
         times[1] += start.elapsed();

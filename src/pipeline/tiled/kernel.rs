@@ -15,6 +15,7 @@ use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
 use super::record::{Entrants, One, Record, Source, Subject};
 use super::setup::Edges;
 use super::shader::{DrawShader, Light, Plan};
+use super::target::Picture;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::interpolate::interpolate;
@@ -45,36 +46,6 @@ impl Patch {
     }
 }
 
-/// Rows of the packed picture that start with the first one of a tile.
-pub(super) struct Band<'a> {
-    pub(super) pixels: &'a mut [Rgba8],
-    pub(super) width: usize,
-}
-
-impl Band<'_> {
-    /// Columns and rows of a tile that lie within the picture.
-    pub(super) fn size(&self, tile: (usize, usize)) -> (usize, usize) {
-        ((self.width - tile.0 * TILE).min(TILE), self.pixels.len() / self.width)
-    }
-
-    /// The part of each row that lies in a tile.
-    pub(super) fn rows(&mut self, tile: (usize, usize)) -> impl Iterator<Item = &mut [Rgba8]> {
-        let columns = tile.0 * TILE..((tile.0 + 1) * TILE).min(self.width);
-        self.pixels.chunks_mut(self.width).map(move |row| &mut row[columns.clone()])
-    }
-
-    #[inline(always)]
-    fn start(&self, patch: &Patch, row: usize) -> usize {
-        row * self.width + patch.tile.0 * TILE + patch.column
-    }
-
-    #[inline(always)]
-    pub(super) fn row(&mut self, patch: &Patch, row: usize) -> &mut [Rgba8] {
-        let start = self.start(patch, row);
-        &mut self.pixels[start..start + patch.count]
-    }
-}
-
 /// All samples of a row.
 pub(super) const ALL: u32 = (1 << LANES) - 1;
 
@@ -86,7 +57,7 @@ pub(super) fn shade_uniform<S: Simd>(
     subject: &Subject<'_>,
     patch: &Patch,
     queue: &mut Queue,
-    band: &mut Band<'_>,
+    picture: &mut Picture<'_>,
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -94,18 +65,18 @@ pub(super) fn shade_uniform<S: Simd>(
             let lattice = &frame.lattice;
             let Some(edges) = subject.edges else {
                 let mut edges = IntegerRows::new(simd, lattice, subject.one.record, patch);
-                return shade_rows(simd, frame, subject, patch, (queue, band), &mut edges);
+                return shade_rows(simd, frame, subject, patch, (queue, picture), &mut edges);
             };
             let mut exact = ExactRows::new(simd, lattice, edges, patch);
             if frame.shader(subject.draw).on_lanes {
-                return shade_rows(simd, frame, subject, patch, (queue, band), &mut exact);
+                return shade_rows(simd, frame, subject, patch, (queue, picture), &mut exact);
             }
             let whole = frame.screen_triangle(subject.key, subject.draw);
             for block in patch.blocks() {
                 exact.begin(simd, &block);
                 for (i, row) in (block.first..block.end).enumerate() {
                     let e = each!(edge in [0, 1, 2] => (exact.along[edge] + exact.down[edge][i]).to_array());
-                    one_by_one(frame, frame.shader(subject.draw), &whole, &block, row, &e, band.row(&block, row));
+                    one_by_one(frame, frame.shader(subject.draw), &whole, &block, row, &e, picture.row(&block, row));
                 }
             }
         },
@@ -128,12 +99,12 @@ pub(super) fn shade_rows<S: Simd>(
     frame: &Frame<'_>,
     subject: &Subject<'_>,
     patch: &Patch,
-    queue_and_band: (&mut Queue, &mut Band<'_>),
+    queue_and_picture: (&mut Queue, &mut Picture<'_>),
     edges: &mut impl EdgeRows<S>,
 ) {
     match frame.shader(subject.draw).plan {
-        Plan::COMMON => shade_blocks(simd, frame, (subject, Plan::COMMON), patch, queue_and_band, edges),
-        plan => shade_blocks(simd, frame, (subject, plan), patch, queue_and_band, edges),
+        Plan::COMMON => shade_blocks(simd, frame, (subject, Plan::COMMON), patch, queue_and_picture, edges),
+        plan => shade_blocks(simd, frame, (subject, plan), patch, queue_and_picture, edges),
     }
 }
 
@@ -144,7 +115,7 @@ fn shade_blocks<S: Simd>(
     frame: &Frame<'_>,
     (subject, plan): (&Subject<'_>, Plan),
     patch: &Patch,
-    (queue, band): (&mut Queue, &mut Band<'_>),
+    (queue, picture): (&mut Queue, &mut Picture<'_>),
     edges: &mut impl EdgeRows<S>,
 ) {
     let Subject { one, draw, .. } = *subject;
@@ -153,8 +124,8 @@ fn shade_blocks<S: Simd>(
     let mut ahead = [StoredWeights::default(); BLOCK / 2];
     for block in patch.blocks() {
         edges.begin(simd, &block);
-        let room = make_room(simd, frame, number, pairs, queue, band.pixels);
-        let starts = (band.start(&block, block.first), band.width);
+        let room = make_room(simd, frame, number, pairs, queue, picture.values);
+        let starts = (picture.start(&block, block.first), picture.stride);
         interpolate_rows(simd, (shader, plan), one, (&block, starts), room, (&*edges, &mut ahead));
     }
 }
@@ -297,7 +268,7 @@ pub(super) trait Spots: Copy {
     fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
 
     /// Of the samples that have a bit, eight by eight.
-    fn rows(self, mine: u32, band: &Band<'_>) -> [QueuedRow; 2];
+    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2];
 }
 
 /// Eight samples of the first row of a patch, and eight of the row below it.
@@ -315,11 +286,11 @@ impl<L: Locations> Spots for RowPair<'_, L> {
     }
 
     #[inline(always)]
-    fn rows(self, mine: u32, band: &Band<'_>) -> [QueuedRow; 2] {
+    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2] {
         let Self { patch, .. } = self;
         let [mine, below] = [mine & ALL, mine >> LANES];
-        let start = band.start(patch, patch.first);
-        [(start, mine), (start + band.width, below)].map(|(start, mine)| QueuedRow::new(start, patch.count, mine))
+        let start = picture.start(patch, patch.first);
+        [(start, mine), (start + picture.stride, below)].map(|(start, mine)| QueuedRow::new(start, patch.count, mine))
     }
 }
 
@@ -339,7 +310,7 @@ impl Spots for Scattered<'_> {
     }
 
     #[inline(always)]
-    fn rows(self, mine: u32, _: &Band<'_>) -> [QueuedRow; 2] {
+    fn rows(self, mine: u32, _: &Picture<'_>) -> [QueuedRow; 2] {
         [(self.start, mine & ALL), (self.start + LANES, mine >> LANES)]
             .map(|(start, mine)| QueuedRow::new(start, LANES, mine))
     }
@@ -355,12 +326,12 @@ pub(super) fn shade_gathered<S: Simd>(
     (entrants, slots, large): (&Entrants, &[u32; WIDE], &[(u32, Edges)]),
     (spots, mine): (impl Spots, u32),
     queue: &mut Queue,
-    band: &mut Band<'_>,
+    picture: &mut Picture<'_>,
 ) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band.pixels) else { return };
+            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, picture.values) else { return };
             let taps = (taps, coarse.first_mut());
             let places = spots.places(simd);
             let many = entrants.many(slots);
@@ -372,7 +343,7 @@ pub(super) fn shade_gathered<S: Simd>(
             }
             let weights = corner_weights(simd, e, many.relative_inv_w(simd));
             let weights = weights.of_some(simd, mine);
-            pair.rows = spots.rows(mine, band);
+            pair.rows = spots.rows(mine, picture);
             let shader = &frame.shaders[shader];
             match shader.plan {
                 Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, many, weights, (pair, taps)),

@@ -5,13 +5,14 @@
 //! pixels they are of.
 
 use super::Frame;
-use super::kernel::{ALL, Band, Scattered};
+use super::kernel::{ALL, Scattered};
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
 use super::multisample::{Picks, Planes};
 use super::queue::Queue;
 use super::record::{Entrant, Entrants, Many, Slot, Source as _};
 use super::setup::least_inside;
 use super::shade::{Job, Shaded};
+use super::target::{Picture, TileRows};
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
@@ -144,7 +145,8 @@ impl MixedPixels {
         let Self { places, picks, fragments, colors, means, .. } = self;
         colors.clear();
         colors.resize(FIRST + fragments.list.len() * WIDE, frame.background);
-        let mut job = Job::new(frame, &frame.lattice, (entrants, queue), tile, Band { pixels: colors, width: 0 });
+        let picture = TileRows { values: colors, stride: 0, left: 0, size: (0, 0) };
+        let mut job = Job::new(frame, &frame.lattice, (entrants, queue), tile, picture);
         for (number, sixteen) in fragments.list.iter().enumerate() {
             let count = (fragments.len - number * WIDE).min(WIDE);
             let open = u32::MAX >> (u32::BITS as usize - count);
@@ -169,9 +171,9 @@ impl MixedPixels {
     }
 
     /// Writes the colours of the pixels.
-    pub(super) fn write(&self, picture: &mut Band<'_>, tile: (usize, usize)) {
+    pub(super) fn write(&self, picture: &mut Picture<'_>) {
         for ((column, row), color) in self.places.iter().zip(&self.means) {
-            picture.pixels[row * picture.width + tile.0 * TILE + column] = *color;
+            picture.values[row * picture.stride + picture.left + column] = *color;
         }
     }
 }
@@ -250,7 +252,7 @@ impl Job<'_, &Lattice> {
                 open &= open - 1;
                 let (column, row) = fragments.pixels[lane];
                 let color = self.by_itself(Slot(slots[lane]), (column.into(), row.into()), [x[lane], y[lane]]);
-                self.band.pixels[start + lane] = color;
+                self.picture.values[start + lane] = color;
             }
         }
     }

@@ -37,18 +37,19 @@ mod pixel_samples;
 mod queue;
 mod record;
 mod report;
+mod runs;
 mod see_through;
 mod see_through_samples;
 mod setup;
 mod shade;
 mod shader;
+mod target;
 mod tested;
 mod texture;
 mod tile;
 
-use std::cmp::Reverse;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use batch::{Batch, Triangles};
@@ -68,10 +69,12 @@ use pixel_samples::Samples;
 use queue::Queue;
 use record::{Entrants, Slot};
 pub use report::{TiledCounts, TiledReport, TiledTimes};
+use runs::runs;
 use see_through_samples::SeenThrough;
 use setup::{Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
 use shader::{DrawShader, Light};
+use target::{Target, TileMemory, TileRows, lock, picture_rows};
 use tile::{Tile, TileCounts};
 
 use super::clip::guard_band_widening;
@@ -123,6 +126,8 @@ impl Memory {
 #[derive(Clone, Debug)]
 struct Workspace {
     tile: Tile,
+    /// For pictures that threads share tile by tile.
+    memory: Option<Box<TileMemory>>,
     /// Of multisampled frames one tile for each sample of the pixels.
     planes: Vec<Tile>,
     mixed: MixedPixels,
@@ -137,6 +142,7 @@ impl Workspace {
     fn new() -> Self {
         Self {
             tile: Tile::new(),
+            memory: None,
             planes: Vec::new(),
             mixed: MixedPixels::default(),
             seen_through: SeenThrough::default(),
@@ -149,6 +155,7 @@ impl Workspace {
 
     fn bytes(&self) -> usize {
         self.tile.bytes()
+            + self.memory.as_ref().map_or(0, |_| size_of::<TileMemory>())
             + self.planes.iter().map(Tile::bytes).sum::<usize>()
             + self.mixed.bytes()
             + self.seen_through.bytes()
@@ -164,7 +171,6 @@ struct Frame<'a> {
     settings: &'a Settings,
     grid: SampleGrid,
     lattice: Lattice,
-    packed: (u32, u32),
     scale: DepthScale,
     rules: DepthRules,
     background: Rgba8,
@@ -219,7 +225,6 @@ pub fn draw(
         settings,
         grid: *grid,
         lattice,
-        packed,
         scale,
         rules: DepthRules {
             comparison,
@@ -240,53 +245,48 @@ pub fn draw(
         samples,
     };
     let work = Work::default();
-    let band = packed.0 as usize * TILE;
-    let depth_bands: Vec<Option<&mut [f32]>> = match depth {
-        Some(depth) => depth.pixels_mut().chunks_mut(band.max(1)).map(Some).collect(),
-        None => (0..tile_counts.1).map(|_| None).collect(),
+    let threads = rayon::current_num_threads();
+    let (runs, rows) = (runs(chunks, tile_counts, threads), picture_rows(color, depth.as_mut()));
+    let next_run = AtomicUsize::new(0);
+    let draw = |workspace: &mut Workspace, target: Target<'_>| match &job.samples {
+        Samples::Centre => on_lanes!(lanes, simd => job.draw_tile(simd, workspace, target, &work)),
+        Samples::Multisampled(planes) => {
+            on_lanes!(lanes, simd => job.draw_samples(simd, planes, workspace, target, &work));
+        }
+        Samples::Jittered(samples) => {
+            on_lanes!(lanes, simd => job.draw_jittered(simd, samples, workspace, target, &work));
+        }
     };
-    let mut rows: Vec<_> = color.pixels_mut().chunks_mut(band.max(1)).zip(depth_bands).enumerate().collect();
-    // The most work first, so that no thread begins with it when the others are done.
-    let load = |row: usize| -> usize {
-        let tiles = row * tile_counts.0..(row + 1) * tile_counts.0;
-        tiles.map(|number| chunks.iter().map(|chunk| chunk.keys(number).len()).sum::<usize>()).sum()
-    };
-    rows.sort_by_cached_key(|(row, _)| Reverse(load(*row)));
-    let rows = Mutex::new(rows.into_iter());
-    let next = || rows.lock().ok().and_then(|mut rows| rows.next());
-    let draw_rows = || {
+    let draw_runs = || {
         let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
         let mut workspace = taken.unwrap_or_else(Workspace::new);
-        while let Some((row, (colors, mut depths))) = next() {
-            // All at once, so that what samples are written over is near by then.
-            on_lanes!(lanes, simd => fill(simd, colors, job.background));
-            if load(row) == 0 {
-                if let Some(depths) = &mut depths {
-                    depths.fill(job.rules.clear);
+        let mut memory = workspace.memory.take();
+        while let Some(run) = runs.get(next_run.fetch_add(1, Ordering::Relaxed)) {
+            let rows = &rows[run.row];
+            let tiles = run.columns.clone().map(|column| ((column, run.row), run.row * tile_counts.0 + column));
+            if run.load == 0 {
+                let nothing = (job.background, job.rules.clear);
+                on_lanes!(lanes, simd => lock(rows).clear(simd, &run.columns, nothing));
+            } else if run.columns.len() == tile_counts.0 {
+                let mut rows = lock(rows);
+                on_lanes!(lanes, simd => rows.fill(simd, job.background));
+                for (place, number) in tiles {
+                    draw(&mut workspace, rows.target(place, number));
                 }
-                continue;
-            }
-            for column in 0..tile_counts.0 {
-                let number = row * tile_counts.0 + column;
-                let target = Target { place: (column, row), number, colors, depths: depths.as_deref_mut() };
-                match &job.samples {
-                    Samples::Centre => on_lanes!(lanes, simd => job.draw_tile(simd, &mut workspace, target, &work)),
-                    Samples::Multisampled(planes) => {
-                        on_lanes!(lanes, simd => job.draw_samples(simd, planes, &mut workspace, target, &work));
-                    }
-                    Samples::Jittered(samples) => {
-                        on_lanes!(lanes, simd => job.draw_jittered(simd, samples, &mut workspace, target, &work));
-                    }
+            } else {
+                let memory = memory.get_or_insert_with(TileMemory::new);
+                for tile in tiles {
+                    memory.draw(lanes, tile, rows, job.background, |target| draw(&mut workspace, target));
                 }
             }
         }
         if let Ok(mut all) = workspaces.lock() {
-            all.push(workspace);
+            all.push(Workspace { memory, ..workspace });
         }
     };
     rayon::scope(|scope| {
-        for _ in 0..rayon::current_num_threads() {
-            scope.spawn(|_| draw_rows());
+        for _ in 0..threads {
+            scope.spawn(|_| draw_runs());
         }
     });
     let tiles_time = binned.elapsed();
@@ -339,20 +339,6 @@ pub fn tile_loads(
         let number = row as usize * tiles.0 + column as usize;
         chunks.iter().map(|chunk| chunk.keys(number).len() as u32).sum()
     })
-}
-
-/// Fills pixels with one colour: whole cache lines, which are written without being read.
-#[inline(always)]
-fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
-    let line = u32x16::splat(simd, u32::from_le_bytes(color));
-    let before = pixels.as_ptr().align_offset(size_of_val(&line)).min(pixels.len());
-    let (before, pixels) = pixels.split_at_mut(before);
-    let (lines, after) = pixels.as_chunks_mut::<WIDE>();
-    for pixels in lines {
-        line.bitcast::<u8x64<S>>().store_slice(pixels.as_flattened_mut());
-    }
-    before.fill(color);
-    after.fill(color);
 }
 
 /// What all threads add to.
@@ -444,26 +430,6 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
 /// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
 const CROWDED: usize = 192;
 
-/// A tile of the picture that is drawn.
-struct Target<'a> {
-    /// Column and row among the tiles.
-    place: (usize, usize),
-    number: usize,
-    /// The rows of the packed picture that start with the tile's first one.
-    colors: &'a mut [Rgba8],
-    /// The same of its depths, if they are kept.
-    depths: Option<&'a mut [f32]>,
-}
-
-impl Target<'_> {
-    /// The part of each row of depths that lies in the tile.
-    fn depth_rows(&mut self, width: usize) -> impl Iterator<Item = &mut [f32]> {
-        let columns = self.place.0 * TILE..((self.place.0 + 1) * TILE).min(width);
-        let rows = self.depths.iter_mut().flat_map(move |depths| depths.chunks_mut(width));
-        rows.map(move |row| &mut row[columns.clone()])
-    }
-}
-
 impl Frame<'_> {
     #[inline(always)]
     fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &Work) {
@@ -471,8 +437,7 @@ impl Frame<'_> {
         let Workspace { tile, entrants, batches, queue, seen_through: SeenThrough { blended, .. }, .. } = workspace;
         self.let_enter(target.number, entrants);
         if entrants.len() == 0 {
-            target.depth_rows(self.packed.0 as usize).for_each(|row| row.fill(self.rules.clear));
-            return;
+            return target.clear_depths(self.rules.clear);
         }
         tile.clear(&self.rules, entrants.len() < CROWDED);
         let place = target.place;
@@ -496,11 +461,11 @@ impl Frame<'_> {
             self.write_depths(simd, tile, entrants, &mut target);
         }
         let rasterized = Instant::now();
-        let Target { colors, .. } = target;
-        let mut shaded =
-            shade_tile(simd, self, Canvas { tile, locations: &self.lattice, entrants, queue, place, pixels: colors });
+        let mut picture = target.picture;
+        let canvas = Canvas { tile, locations: &self.lattice, entrants, queue, place, picture: picture.reborrow() };
+        let mut shaded = shade_tile(simd, self, canvas);
         if !blended.is_empty() {
-            shaded += self.blend(simd, (tile, &self.lattice), (entrants, blended), place, queue, colors);
+            shaded += self.blend(simd, (tile, &self.lattice), (entrants, blended), place, queue, &mut picture);
         }
         work.add((rasterized - start, rasterized.elapsed()), [tile.counts], shaded);
     }
@@ -567,7 +532,7 @@ impl Frame<'_> {
         for (block, _) in tile.plain_blocks() {
             tile.write_out(simd, block, &self.lattice, &self.rules, &owner);
         }
-        for (row, out) in target.depth_rows(self.packed.0 as usize).enumerate() {
+        for (row, out) in target.depths.iter_mut().flat_map(TileRows::rows).enumerate() {
             out.copy_from_slice(&tile.depths(row)[..out.len()]);
         }
     }

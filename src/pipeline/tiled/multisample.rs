@@ -8,7 +8,6 @@
 use std::time::Instant;
 
 use super::batch::{Batch, Triangles as _};
-use super::kernel::Band;
 use super::lattice::Lattice;
 use super::record::{Entrants, Slot};
 use super::shade::{Canvas, shade_tile};
@@ -71,11 +70,10 @@ impl Frame<'_> {
     ) {
         let start = Instant::now();
         let Workspace { tile, planes: tiles, mixed, seen_through, entrants, batches, queue, .. } = workspace;
-        let (place, width) = (target.place, self.packed.0 as usize);
+        let place = target.place;
         self.let_enter(target.number, entrants);
         if entrants.len() == 0 {
-            target.depth_rows(width).for_each(|row| row.fill(self.rules.clear));
-            return;
+            return target.clear_depths(self.rules.clear);
         }
         tiles.resize_with(planes.lattices.len(), Tile::new);
         self.draw_planes(simd, (planes, tiles), (entrants, batches), place, &mut seen_through.blended);
@@ -84,16 +82,15 @@ impl Frame<'_> {
             self.write_depths(simd, centres, entrants, &mut target);
         }
         let rasterized = Instant::now();
-        let Target { colors, .. } = target;
-        let mut picture = Band { pixels: colors, width };
-        mixed.find(simd, &self.lattice, samples, tile, picture.size(place));
+        let mut picture = target.picture;
+        mixed.find(simd, &self.lattice, samples, tile, picture.size);
         let mut shaded = shade_tile(
             simd,
             self,
-            Canvas { tile, locations: &self.lattice, entrants, queue, place, pixels: picture.pixels },
+            Canvas { tile, locations: &self.lattice, entrants, queue, place, picture: picture.reborrow() },
         );
         shaded += mixed.shade(simd, self, planes, (entrants, queue), place);
-        mixed.write(&mut picture, place);
+        mixed.write(&mut picture);
         if !seen_through.blended.is_empty() {
             let (seen, memory) = ((&*entrants, place), (seen_through, queue));
             shaded += self.blend_samples(simd, (planes, samples), seen, mixed, memory, &mut picture);

@@ -5,7 +5,6 @@
 //! shading, else sample by sample by the classic way's own functions.
 
 use super::Frame;
-use super::kernel::Band;
 use super::lattice::TILE;
 use super::locations::Locations;
 use super::queue::{Queue, flush};
@@ -13,9 +12,9 @@ use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Setup;
 use super::shade::Shaded;
 use super::shader::DrawShader;
+use super::target::Picture;
 use super::tested::{TestedRows, TestedSample, keep_tested, shade_tested};
 use super::tile::Tile;
-use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::interpolate::{Fragment, interpolate};
 use crate::pipeline::mean_distance;
@@ -82,8 +81,8 @@ impl Frame<'_> {
         sorted.into_iter().map(|(_, slot, triangle)| (slot, triangle)).collect()
     }
 
-    /// Blends some triangles of a tile, given in the order in which they were submitted, over its colours: the rows of the
-    /// packed picture that start with the tile's first one. Says how much that was.
+    /// Blends some triangles of a tile, given in the order in which they were submitted, over its picture. Says how much
+    /// that was.
     pub(super) fn blend<S: Simd>(
         &self,
         simd: S,
@@ -91,11 +90,9 @@ impl Frame<'_> {
         (entrants, blended): (&Entrants, &[Slot]),
         place: (usize, usize),
         queue: &mut Queue,
-        colors: &mut [Rgba8],
+        picture: &mut Picture<'_>,
     ) -> Shaded {
         let owner = self.owner(entrants, locations.lattice(), place);
-        let mut band = Band { pixels: colors, width: self.packed.0 as usize };
-        let size = band.size(place);
         let mut shaded = Shaded::default();
         for (slot, triangle) in self.by_distance(entrants, blended) {
             let Some(setup) = owner(slot) else { continue };
@@ -105,19 +102,18 @@ impl Frame<'_> {
             // What is blended hides nothing: none is kept.
             if shader.on_lanes {
                 tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
-                    samples += shade_tested(simd, self, &subject, (place, tested), queue, &mut band);
+                    samples += shade_tested(simd, self, &subject, (place, tested), queue, picture);
                     0
                 });
                 // The next triangle may lie over this one.
-                flush(simd, self, queue, band.pixels);
+                flush(simd, self, queue, picture.values);
                 shaded.add(shader, samples);
                 shaded.texels += std::mem::take(&mut queue.coarse_texels);
                 continue;
             }
             tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
-                let tested = TestedRows { passed: tested.within(size), ..*tested };
-                let mut below = Band { pixels: &mut band.pixels[place.0 * TILE..], width: band.width };
-                samples += self.blend_one_by_one((&triangle, subject.draw), (place, &tested), &mut below);
+                let tested = TestedRows { passed: tested.within(picture.size), ..*tested };
+                samples += self.blend_one_by_one((&triangle, subject.draw), (place, &tested), picture);
                 0
             });
             shaded.add(shader, samples);
@@ -125,17 +121,16 @@ impl Frame<'_> {
         shaded
     }
 
-    /// Blends samples that passed over their colours, which begin with that of the tile's first sample, by the classic way's own
-    /// functions; how many.
+    /// Blends samples that passed over their colours by the classic way's own functions; how many.
     pub(super) fn blend_one_by_one(
         &self,
         (triangle, draw): (&ScreenTriangle, usize),
         (place, tested): ((usize, usize), &TestedRows),
-        below: &mut Band<'_>,
+        below: &mut Picture<'_>,
     ) -> usize {
         let shader = &self.shader(draw).shader;
         for TestedSample { place: at @ (column, row), edges, .. } in tested.samples() {
-            let pixel = &mut below.pixels[row * below.width + column];
+            let pixel = &mut below.values[row * below.stride + below.left + column];
             *pixel = shader.blend(&self.fragment(triangle, draw, place, at, edges), triangle, *pixel);
         }
         tested.passed.count_ones() as usize

@@ -5,7 +5,6 @@
 //! them. A fragment is computed anew for each sample that it shows in: sixteen at a time that takes less than to look for it.
 
 use super::Frame;
-use super::kernel::Band;
 use super::lattice::{Lattice, TILE, TILE_SAMPLES};
 use super::mixed::MixedPixels;
 use super::multisample::{MeanOfSamples, Picks, Planes};
@@ -13,6 +12,7 @@ use super::queue::{Queue, flush};
 use super::record::{Entrants, Slot};
 use super::setup::Setup;
 use super::shade::Shaded;
+use super::target::{Picture, TileRows};
 use super::tested::shade_tested;
 use super::tile::Tile;
 use crate::image::Rgba8;
@@ -38,9 +38,9 @@ impl SeenThrough {
     }
 
     /// Writes the colours of all pixels of a tile.
-    fn resolve(&mut self, mean: MeanOfSamples<'_>, picture: &mut Band<'_>, tile: (usize, usize)) {
+    fn resolve(&mut self, mean: MeanOfSamples<'_>, picture: &mut Picture<'_>) {
         let Self { colors, picks, .. } = self;
-        for (row, pixels) in picture.rows(tile).enumerate() {
+        for (row, pixels) in picture.rows().enumerate() {
             for (sixteen, out) in pixels.chunks_mut(WIDE).enumerate() {
                 let first = row * TILE + sixteen * WIDE;
                 let of_sample = |sample| std::array::from_fn(|lane| (sample * TILE_SAMPLES + first + lane) as u32);
@@ -78,13 +78,13 @@ impl Frame<'_> {
         (entrants, place): (&Entrants, (usize, usize)),
         mixed: &MixedPixels,
         (memory, queue): (&mut SeenThrough, &mut Queue),
-        picture: &mut Band<'_>,
+        picture: &mut Picture<'_>,
     ) -> Shaded {
         let SeenThrough { blended, colors, .. } = memory;
-        let size = picture.size(place);
+        let size = picture.size;
         colors.resize(planes.samples.offsets.len() * TILE_SAMPLES, self.background);
         for sample in colors.chunks_exact_mut(TILE_SAMPLES) {
-            for (row, below) in sample.chunks_exact_mut(TILE).zip(picture.rows(place)) {
+            for (row, below) in sample.chunks_exact_mut(TILE).zip(picture.rows()) {
                 row[..below.len()].copy_from_slice(below);
             }
         }
@@ -101,12 +101,14 @@ impl Frame<'_> {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     tested.passed = tested.within(size);
                     samples += if shader.on_lanes {
-                        // In one band, so that the queue need not be empty before the next sample.
+                        // In one picture, so that the queue need not be empty before the next sample.
                         tested.place.1 += number * TILE;
-                        let mut band = Band { pixels: colors, width: TILE };
-                        shade_tested(simd, self, &subject, ((0, 0), &tested), queue, &mut band)
+                        let size = (TILE, colors.len() / TILE);
+                        let mut picture = TileRows { values: colors, stride: TILE, left: 0, size };
+                        shade_tested(simd, self, &subject, (place, &tested), queue, &mut picture)
                     } else {
-                        let mut below = Band { pixels: &mut colors[number * TILE_SAMPLES..], width: TILE };
+                        let values = &mut colors[number * TILE_SAMPLES..];
+                        let mut below = TileRows { values, stride: TILE, left: 0, size };
                         self.blend_one_by_one((&triangle, subject.draw), (place, &tested), &mut below)
                     };
                     // What is blended hides nothing.
@@ -118,7 +120,7 @@ impl Frame<'_> {
             shaded.add(shader, samples);
             shaded.texels += std::mem::take(&mut queue.coarse_texels);
         }
-        memory.resolve(planes.samples.mean, picture, place);
+        memory.resolve(planes.samples.mean, picture);
         shaded
     }
 }

@@ -7,13 +7,14 @@ use std::ops::AddAssign;
 
 use super::Frame;
 use super::displaced::shade_displaced;
-use super::kernel::{ALL, Band, Patch, RowPair, Spots, shade_gathered, shade_uniform};
+use super::kernel::{ALL, Patch, RowPair, Spots, shade_gathered, shade_uniform};
 use super::lattice::{BLOCK, BLOCKS};
 use super::locations::Locations;
 use super::queue::{Queue, flush};
 use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Edges;
 use super::shader::DrawShader;
+use super::target::Picture;
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
@@ -48,17 +49,15 @@ pub(super) struct Canvas<'a, L> {
     pub(super) queue: &'a mut Queue,
     /// Column and row among the tiles.
     pub(super) place: (usize, usize),
-    /// The rows of the packed picture that start with the tile's first one.
-    pub(super) pixels: &'a mut [Rgba8],
+    pub(super) picture: Picture<'a>,
 }
 
 /// Shades the samples of a tile.
 #[inline(always)]
 pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_, impl Locations>) -> Shaded {
-    let Canvas { tile, locations, entrants, queue, place, pixels } = canvas;
-    let band = Band { pixels, width: frame.packed.0 as usize };
-    let (columns, height) = band.size(place);
-    let mut job = Job::new(frame, locations, (entrants, queue), place, band);
+    let Canvas { tile, locations, entrants, queue, place, picture } = canvas;
+    let (columns, height) = picture.size;
+    let mut job = Job::new(frame, locations, (entrants, queue), place, picture);
     let blocks = columns.div_ceil(BLOCK);
     for by in 0..height.div_ceil(BLOCK) {
         let (first, end) = (by * BLOCK, ((by + 1) * BLOCK).min(height));
@@ -105,7 +104,7 @@ pub(super) struct Job<'a, L> {
     exact: Vec<(Slot, Edges)>,
     /// Of the samples that are shaded together those of such triangles: a bit for each, and the edges.
     pub(super) large: Vec<(u32, Edges)>,
-    pub(super) band: Band<'a>,
+    pub(super) picture: Picture<'a>,
     pub(super) shaded: Shaded,
 }
 
@@ -115,7 +114,7 @@ impl<'a, L: Locations> Job<'a, L> {
         locations: L,
         (entrants, queue): (&'a Entrants, &'a mut Queue),
         tile: (usize, usize),
-        band: Band<'a>,
+        picture: Picture<'a>,
     ) -> Self {
         Self {
             frame,
@@ -126,7 +125,7 @@ impl<'a, L: Locations> Job<'a, L> {
             alike: frame.are_all_alike(),
             exact: Vec::new(),
             large: Vec::new(),
-            band,
+            picture,
             shaded: Shaded::default(),
         }
     }
@@ -134,7 +133,7 @@ impl<'a, L: Locations> Job<'a, L> {
     /// Writes what still waits for its texels.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(mut self, simd: S) -> Shaded {
-        flush(simd, self.frame, self.queue, self.band.pixels);
+        flush(simd, self.frame, self.queue, self.picture.values);
         self.shaded.texels += std::mem::take(&mut self.queue.coarse_texels);
         self.shaded
     }
@@ -178,9 +177,9 @@ impl<'a, L: Locations> Job<'a, L> {
         let edges = (!shader.on_lanes || slot.is_large()).then(|| self.exact_edges(slot)).flatten();
         let subject = Subject { one, key, draw, edges: edges.as_ref() };
         if L::ON_LATTICE {
-            shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.band);
+            shade_uniform(simd, self.frame, &subject, patch, self.queue, &mut self.picture);
         } else {
-            shade_displaced(simd, self.frame, &subject, (patch, self.locations), self.queue, &mut self.band);
+            shade_displaced(simd, self.frame, &subject, (patch, self.locations), self.queue, &mut self.picture);
         }
     }
 
@@ -199,7 +198,7 @@ impl<'a, L: Locations> Job<'a, L> {
     /// One colour for the samples of some rows that are shaded.
     fn fill(&mut self, patch: &Patch, color: Rgba8) {
         for row in patch.first..patch.end {
-            let row = self.band.row(patch, row);
+            let row = self.picture.row(patch, row);
             if patch.mine == ALL {
                 row.fill(color);
                 continue;
@@ -260,7 +259,7 @@ impl<'a, L: Locations> Job<'a, L> {
         self.shaded.add(&self.frame.shaders[shader], mine.count_ones() as usize);
         self.find_large(simd, mine, slots);
         let samples = (self.entrants, slots, self.large.as_slice());
-        shade_gathered(simd, self.frame, shader, samples, (spots, mine), self.queue, &mut self.band);
+        shade_gathered(simd, self.frame, shader, samples, (spots, mine), self.queue, &mut self.picture);
     }
 
     /// Those of some samples that a shader is for.

@@ -4,11 +4,12 @@
 use super::Frame;
 use super::edge_number::EdgeNumber as _;
 use super::gather::Taps;
-use super::kernel::{ALL, Band, Patch, RowPair, Spots as _, Weights, corner_weights, interpolate_pair, locate_texels};
+use super::kernel::{ALL, Patch, RowPair, Spots as _, Weights, corner_weights, interpolate_pair, locate_texels};
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, make_room};
 use super::record::{Source as _, Subject};
 use super::setup::{Edges, Setup};
+use super::target::Picture;
 use crate::math::lanes::*;
 use crate::scene::material::CUT_OUT_BELOW;
 
@@ -117,12 +118,12 @@ pub(super) fn shade_tested<S: Simd>(
     subject: &Subject<'_>,
     (tile, tested): ((usize, usize), &TestedRows),
     queue: &mut Queue,
-    band: &mut Band<'_>,
+    picture: &mut Picture<'_>,
 ) -> usize {
     simd.vectorize(
         #[inline(always)]
         || {
-            let (size, (column, first)) = (band.size(tile), tested.place);
+            let (size, (column, first)) = (picture.size, tested.place);
             let mine = tested.within(size) as u32;
             if mine == 0 {
                 return 0;
@@ -130,8 +131,8 @@ pub(super) fn shade_tested<S: Simd>(
             let count = (size.0 - column).min(LANES);
             let patch = Patch { tile, column, count, first, end: first + 2, mine };
             let shader = frame.shader_of_draw[subject.draw];
-            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, band.pixels) else { return 0 };
-            pair.rows = RowPair { patch: &patch, locations: &frame.lattice }.rows(mine, band);
+            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, picture.values) else { return 0 };
+            pair.rows = RowPair { patch: &patch, locations: &frame.lattice }.rows(mine, picture);
             let (shader, weights) = (&frame.shaders[shader], tested.weights(simd, subject));
             interpolate_pair(simd, shader, shader.plan, subject.one, weights, (pair, (taps, coarse.first_mut())));
             mine.count_ones() as usize

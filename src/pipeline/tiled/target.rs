@@ -1,0 +1,266 @@
+//! Where the colours and depths of a tile go: straight into rows of the picture, or into memory of its own that is copied.
+
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::kernel::Patch;
+use super::lattice::{TILE, TILE_SAMPLES};
+use crate::image::{Image, Rgba8};
+use crate::math::lanes::*;
+
+/// Rows that a tile is drawn into: its own, or those of the picture that it is among.
+pub(super) struct TileRows<'a, T> {
+    pub(super) values: &'a mut [T],
+    /// From one row to the next.
+    pub(super) stride: usize,
+    /// Where in the first row the tile begins.
+    pub(super) left: usize,
+    /// Columns and rows of the tile that lie within the picture.
+    pub(super) size: (usize, usize),
+}
+
+/// Colours.
+pub(super) type Picture<'a> = TileRows<'a, Rgba8>;
+
+impl<T> TileRows<'_, T> {
+    /// The same for a while.
+    #[inline(always)]
+    pub(super) fn reborrow(&mut self) -> TileRows<'_, T> {
+        TileRows { values: self.values, ..*self }
+    }
+
+    /// Where a row of a patch begins.
+    #[inline(always)]
+    pub(super) fn start(&self, patch: &Patch, row: usize) -> usize {
+        row * self.stride + self.left + patch.column
+    }
+
+    /// The samples of a row of a patch.
+    #[inline(always)]
+    pub(super) fn row(&mut self, patch: &Patch, row: usize) -> &mut [T] {
+        let start = self.start(patch, row);
+        &mut self.values[start..start + patch.count]
+    }
+
+    /// The part of each row that lies in the tile.
+    pub(super) fn rows(&mut self) -> impl Iterator<Item = &mut [T]> {
+        let (left, (columns, rows)) = (self.left, self.size);
+        self.values.chunks_mut(self.stride).take(rows).map(move |row| &mut row[left..left + columns])
+    }
+}
+
+/// A tile of the picture that is drawn.
+pub(super) struct Target<'a> {
+    /// Column and row among the tiles.
+    pub(super) place: (usize, usize),
+    pub(super) number: usize,
+    /// Filled with the background.
+    pub(super) picture: Picture<'a>,
+    /// Stored depths, if they are kept.
+    pub(super) depths: Option<TileRows<'a, f32>>,
+}
+
+impl Target<'_> {
+    /// Depths where nothing is.
+    pub(super) fn clear_depths(&mut self, clear: f32) {
+        self.depths.iter_mut().flat_map(TileRows::rows).for_each(|row| row.fill(clear));
+    }
+}
+
+/// As many rows of the packed picture as a tile has, or what is left of them at the bottom.
+pub(super) struct PictureRows<'p> {
+    width: usize,
+    colors: &'p mut [Rgba8],
+    depths: Option<&'p mut [f32]>,
+}
+
+/// A picture, and its depths if they are kept, as rows of tiles.
+pub(super) fn picture_rows<'p>(
+    colors: &'p mut Image<Rgba8>,
+    depths: Option<&'p mut Image<f32>>,
+) -> Vec<Mutex<PictureRows<'p>>> {
+    let width = colors.width() as usize;
+    let band = (width * TILE).max(1);
+    let mut depths = depths.map(|depths| depths.pixels_mut().chunks_mut(band));
+    let bands = colors.pixels_mut().chunks_mut(band);
+    bands
+        .map(|colors| PictureRows { width, colors, depths: depths.as_mut().and_then(Iterator::next) })
+        .map(Mutex::new)
+        .collect()
+}
+
+/// Rows that no other thread has.
+pub(super) fn lock<'a, 'p>(rows: &'a Mutex<PictureRows<'p>>) -> MutexGuard<'a, PictureRows<'p>> {
+    rows.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl PictureRows<'_> {
+    /// Fills all colours at once, so that what samples are written over is near by then.
+    #[inline(always)]
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, background: Rgba8) {
+        fill(simd, self.colors, background);
+    }
+
+    /// The background and the depth where nothing is, in some columns of tiles.
+    #[inline(always)]
+    pub(super) fn clear<S: Simd>(&mut self, simd: S, columns: &Range<usize>, (background, depth): (Rgba8, f32)) {
+        let part = columns.start * TILE..self.width.min(columns.end * TILE);
+        if part.len() == self.width {
+            fill(simd, self.colors, background);
+        } else {
+            for row in self.colors.chunks_exact_mut(self.width) {
+                fill(simd, &mut row[part.clone()], background);
+            }
+        }
+        for row in self.depths.iter_mut().flat_map(|depths| depths.chunks_exact_mut(self.width)) {
+            row[part.clone()].fill(depth);
+        }
+    }
+
+    /// Where one of the tiles is.
+    pub(super) fn target(&mut self, place: (usize, usize), number: usize) -> Target<'_> {
+        let (stride, left, size) = (self.width, place.0 * TILE, self.size(place.0));
+        let depths = self.depths.as_deref_mut().map(|values| TileRows { values, stride, left, size });
+        Target { place, number, picture: TileRows { values: self.colors, stride, left, size }, depths }
+    }
+
+    /// Columns and rows of a tile that lie within the picture.
+    fn size(&self, column: usize) -> (usize, usize) {
+        ((self.width - column * TILE).min(TILE), self.colors.len() / self.width)
+    }
+
+    /// Copies what was drawn elsewhere to where it belongs.
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, simd: S, column: usize, memory: &TileMemory) {
+        let ((columns, _), left) = (self.size(column), column * TILE);
+        for (row, from) in self.colors.chunks_exact_mut(self.width).zip(memory.colors.as_chunks::<TILE>().0) {
+            let row = &mut row[left..left + columns];
+            if columns < TILE {
+                row.copy_from_slice(&from[..columns]);
+                continue;
+            }
+            for (to, from) in row.as_chunks_mut::<WIDE>().0.iter_mut().zip(from.as_chunks::<WIDE>().0) {
+                u8x64::from_slice(simd, from.as_flattened()).store_slice(to.as_flattened_mut());
+            }
+        }
+        let Some(depths) = &mut self.depths else { return };
+        for (row, from) in depths.chunks_exact_mut(self.width).zip(memory.depths.as_chunks::<TILE>().0) {
+            row[left..left + columns].copy_from_slice(&from[..columns]);
+        }
+    }
+}
+
+/// Memory for one tile of the picture, from the start of a line of the cache on.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub(super) struct TileMemory {
+    colors: [Rgba8; TILE_SAMPLES],
+    depths: [f32; TILE_SAMPLES],
+}
+
+impl TileMemory {
+    pub(super) fn new() -> Box<Self> {
+        Box::new(Self { colors: [[0; 4]; TILE_SAMPLES], depths: [0.0; TILE_SAMPLES] })
+    }
+
+    /// Has a tile drawn, and copied into the picture.
+    pub(super) fn draw(
+        &mut self,
+        lanes: Lanes,
+        (place, number): ((usize, usize), usize),
+        rows: &Mutex<PictureRows<'_>>,
+        background: Rgba8,
+        draw: impl FnOnce(Target<'_>),
+    ) {
+        on_lanes!(lanes, simd => fill(simd, &mut self.colors, background));
+        let (size, keeps_depths) = {
+            let rows = lock(rows);
+            (rows.size(place.0), rows.depths.is_some())
+        };
+        let (stride, left) = (TILE, 0);
+        let depths = keeps_depths.then_some(TileRows { values: &mut self.depths, stride, left, size });
+        draw(Target { place, number, picture: TileRows { values: &mut self.colors, stride, left, size }, depths });
+        on_lanes!(lanes, simd => lock(rows).put(simd, place.0, self));
+    }
+}
+
+/// Fills pixels with one colour: whole cache lines, which are written without being read.
+#[inline(always)]
+fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
+    let line = u32x16::splat(simd, u32::from_le_bytes(color));
+    let before = pixels.as_ptr().align_offset(size_of_val(&line)).min(pixels.len());
+    let (before, pixels) = pixels.split_at_mut(before);
+    let (lines, after) = pixels.as_chunks_mut::<WIDE>();
+    for pixels in lines {
+        line.bitcast::<u8x64<S>>().store_slice(pixels.as_flattened_mut());
+    }
+    before.fill(color);
+    after.fill(color);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::runs::{Run, runs};
+    use super::*;
+
+    /// Draws a tile: its number everywhere, and one more there than was.
+    fn draw(target: Target<'_>) {
+        let [low, high, ..] = target.number.to_le_bytes();
+        let Target { mut picture, mut depths, .. } = target;
+        for pixel in picture.rows().flatten() {
+            *pixel = [low, high, pixel[2] + 1, 255];
+        }
+        for depth in depths.iter_mut().flat_map(TileRows::rows).flatten() {
+            *depth = target.number as f32;
+        }
+    }
+
+    #[test]
+    fn each_tile_is_drawn_once_and_where_it_belongs() {
+        let background = [0, 0, 6, 255];
+        for (width, height) in [(1, 1), (64, 64), (65, 63), (200, 130), (1000, 70), (90, 1100)] {
+            for threads in [1, 2, 3, 16, 100] {
+                let mut colors = Image::from_fn(width, height, |_, _| [9; 4]);
+                let mut depths = Image::from_fn(width, height, |_, _| -1.0);
+                let tiles = ((width as usize).div_ceil(TILE), (height as usize).div_ceil(TILE));
+                let rows = picture_rows(&mut colors, Some(&mut depths));
+                let mut memory = TileMemory::new();
+                for Run { row, columns, .. } in runs(&[], tiles, threads) {
+                    let rows = &rows[row];
+                    let places = columns.clone().map(|column| ((column, row), row * tiles.0 + column));
+                    if columns.len() == tiles.0 {
+                        on_lanes!(Lanes::best(), simd => lock(rows).fill(simd, background));
+                        places.for_each(|(place, number)| draw(lock(rows).target(place, number)));
+                    } else {
+                        places.for_each(|tile| memory.draw(Lanes::best(), tile, rows, background, draw));
+                    }
+                }
+                drop(rows);
+                let number = |x: u32, y: u32| y as usize / TILE * tiles.0 + x as usize / TILE;
+                let color = |x: u32, y: u32| {
+                    let [low, high, ..] = number(x, y).to_le_bytes();
+                    [low, high, 7, 255]
+                };
+                let what = format!("{width}×{height} px, {threads} threads");
+                assert!(colors == Image::from_fn(width, height, color), "{what}");
+                assert!(depths == Image::from_fn(width, height, |x, y| number(x, y) as f32), "{what}");
+            }
+        }
+    }
+
+    #[test]
+    fn where_nothing_is_all_is_cleared_and_nothing_else() {
+        let (mut colors, mut depths) = (Image::from_fn(200, 3, |_, _| [1; 4]), Image::from_fn(200, 3, |_, _| 1.0));
+        let rows = picture_rows(&mut colors, Some(&mut depths));
+        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(1..2), ([2; 4], 2.0)));
+        drop(rows);
+        let value = |x: u32| if (64..128).contains(&x) { 2 } else { 1 };
+        assert!(colors == Image::from_fn(200, 3, |x, _| [value(x); 4]));
+        assert!(depths == Image::from_fn(200, 3, |x, _| f32::from(value(x))));
+        let rows = picture_rows(&mut colors, Some(&mut depths));
+        on_lanes!(Lanes::best(), simd => lock(&rows[0]).clear(simd, &(0..4), ([3; 4], 3.0)));
+        drop(rows);
+        assert!(colors == Image::from_fn(200, 3, |_, _| [3; 4]));
+        assert!(depths == Image::from_fn(200, 3, |_, _| 3.0));
+    }
+}
