@@ -165,7 +165,8 @@ mod tests {
         let mut recipe = Recipe::default();
         for setting in ["upscaler.method=checkerboard", "antialias.method=multisample", "antialias.method=jittered"] {
             recipe.set(setting).unwrap();
-            let found = verify(&scene, &scene.home, &recipe, SIZE, &[1, 3]).unwrap();
+            let several_tiles = Viewport { width: 150, height: 70 };
+            let found = verify(&scene, &scene.home, &recipe, several_tiles, &[1, 3]).unwrap();
             assert_eq!((found.ways.len(), found.obstacle), (2 * Lanes::all().count(), None));
             assert!(found.ways.iter().all(|way| way.difference.is_none()), "{found:?}");
         }

@@ -467,17 +467,24 @@ fn what_runs_without_need_changes_no_picture() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let scene = Arc::new(builtin::by_id("chess").unwrap().build());
-    for recipe in [&[Recipe::default()][..], &multisampled(&[Samples::Sixteen]), &jittered(&[Samples::Four])].concat() {
-        let drawn_by = |threads: usize, keep_depth| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let render = || Renderer::default().render(&scene, &scene.home, &recipe, SIZE, keep_depth);
-            pool.install(render).drawn
-        };
-        let one = drawn_by(1, KeepDepth::Yes);
-        for threads in [2, 3, 8] {
-            assert_eq!(drawn_by(threads, KeepDepth::Yes), one, "{threads} threads");
+    // Two threads share the three rows of tiles of one size, and take each of the eighteen of the other whole.
+    let sizes = [SIZE, Viewport { width: 130, height: 1100 }];
+    let pool = |threads: usize| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let (alone, others) = (pool(1), [2, 8].map(pool));
+    let mut recipes = with::<Shading>(&[Recipe::default()], |r, c| r.pipeline.shading = c);
+    recipes.extend([multisampled(&[Samples::Four]), jittered(&[Samples::Four])].concat());
+    recipes.push(Recipe { upscaler: Upscaling::new("checkerboard", 1).unwrap(), ..Recipe::default() });
+    for id in ["chess", "stained-glass", "missing-texture"] {
+        let scene = Arc::new(builtin::by_id(id).unwrap().build());
+        for (recipe, size) in recipes.iter().flat_map(|recipe| sizes.map(|size| (recipe, size))) {
+            let drawn = |keep_depth| Renderer::default().render(&scene, &scene.home, recipe, size, keep_depth).drawn;
+            let expected = alone.install(|| drawn(KeepDepth::Yes));
+            for pool in &others {
+                let context = || format!("{id} {recipe:?}, {} threads", pool.current_num_threads());
+                assert!(pool.install(|| drawn(KeepDepth::Yes)) == expected, "{}", context());
+                let color = pool.install(|| drawn(KeepDepth::No)).color;
+                assert!(color == expected.color, "{}, without depths", context());
+            }
         }
-        assert_eq!(drawn_by(2, KeepDepth::No).color, one.color, "without depths");
     }
 }

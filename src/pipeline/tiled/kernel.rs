@@ -131,14 +131,14 @@ fn shade_blocks<S: Simd>(
 }
 
 /// Everything that is interpolated for the rows of a block, the first of which is written from a place on and each other one from a
-/// width after. Weights are found for all rows first: each is a chain of steps that wait for one another, a division among them,
+/// stride after. Weights are found for all rows first: each is a chain of steps that wait for one another, a division among them,
 /// and those of other rows fill the time.
 #[inline(always)]
 fn interpolate_rows<S: Simd>(
     simd: S,
     (shader, plan): (&DrawShader<'_>, Plan),
     one: One<'_>,
-    (patch, (start, width)): (&Patch, (usize, usize)),
+    (patch, (start, stride)): (&Patch, (usize, usize)),
     (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
     (edges, ahead): (&impl EdgeRows<S>, &mut [StoredWeights; BLOCK / 2]),
 ) {
@@ -148,8 +148,8 @@ fn interpolate_rows<S: Simd>(
         // A last row that has no other beside it is computed twice, and written once.
         let (upper, lower) = (2 * i, (2 * i + 1).min(rows - 1));
         weights.store(plan, corner_weights(simd, edges.at(simd, [upper, lower]), relative_inv_w));
-        pair.rows = [row, if lower > upper { row.after(width) } else { row.none() }];
-        row = row.after(2 * width);
+        pair.rows = [row, if lower > upper { row.after(stride) } else { row.none() }];
+        row = row.after(2 * stride);
     }
     let mut coarse = coarse.iter_mut();
     for ((pair, taps), weights) in pairs.iter_mut().zip(taps).zip(ahead.iter()) {

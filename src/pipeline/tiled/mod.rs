@@ -69,7 +69,7 @@ use pixel_samples::Samples;
 use queue::Queue;
 use record::{Entrants, Slot};
 pub use report::{TiledCounts, TiledReport, TiledTimes};
-use runs::runs;
+use runs::share_out;
 use see_through_samples::SeenThrough;
 use setup::{Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
@@ -126,7 +126,7 @@ impl Memory {
 #[derive(Clone, Debug)]
 struct Workspace {
     tile: Tile,
-    /// For pictures that threads share tile by tile.
+    /// For pictures that have few rows of tiles for each thread.
     memory: Option<Box<TileMemory>>,
     /// Of multisampled frames one tile for each sample of the pixels.
     planes: Vec<Tile>,
@@ -246,9 +246,9 @@ pub fn draw(
     };
     let work = Work::default();
     let threads = rayon::current_num_threads();
-    let (runs, rows) = (runs(chunks, tile_counts, threads), picture_rows(color, depth.as_mut()));
+    let (runs, rows) = (share_out(chunks, tile_counts, threads), picture_rows(color, depth.as_mut()));
     let next_run = AtomicUsize::new(0);
-    let draw = |workspace: &mut Workspace, target: Target<'_>| match &job.samples {
+    let draw_tile = |workspace: &mut Workspace, target: Target<'_>| match &job.samples {
         Samples::Centre => on_lanes!(lanes, simd => job.draw_tile(simd, workspace, target, &work)),
         Samples::Multisampled(planes) => {
             on_lanes!(lanes, simd => job.draw_samples(simd, planes, workspace, target, &work));
@@ -271,12 +271,12 @@ pub fn draw(
                 let mut rows = lock(rows);
                 on_lanes!(lanes, simd => rows.fill(simd, job.background));
                 for (place, number) in tiles {
-                    draw(&mut workspace, rows.target(place, number));
+                    draw_tile(&mut workspace, rows.target(place, number));
                 }
             } else {
                 let memory = memory.get_or_insert_with(TileMemory::new);
                 for tile in tiles {
-                    memory.draw(lanes, tile, rows, job.background, |target| draw(&mut workspace, target));
+                    memory.draw(lanes, tile, rows, job.background, |target| draw_tile(&mut workspace, target));
                 }
             }
         }

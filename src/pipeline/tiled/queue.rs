@@ -53,7 +53,7 @@ pub(super) struct QueuedPair {
 /// Where eight colours go.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct QueuedRow {
-    /// Position of the first sample in the tile's rows of the picture.
+    /// Position of the first sample in the rows that the tile is drawn into.
     start: u32,
     /// Samples that lie within the picture.
     count: u16,
@@ -80,7 +80,7 @@ impl QueuedRow {
         Self { mine: 0, ..self }
     }
 
-    /// Where the samples lie in the tile's rows of the picture.
+    /// Where the samples lie in the rows that the tile is drawn into.
     #[inline(always)]
     fn pixels(&self) -> Range<usize> {
         let start = self.start as usize;

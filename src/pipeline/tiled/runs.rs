@@ -2,14 +2,15 @@
 //!
 //! Where a picture has many rows of tiles for each thread, a thread takes a row and draws straight into the picture. Otherwise
 //! some threads would wait for the last rows of others: then a thread takes a few tiles of a row, draws each in memory of its
-//! own, and copies it.
+//! own, and copies it. One thread waits for nobody, and takes rows.
 
 use std::cmp::Reverse;
 use std::ops::Range;
 
 use super::bins::Chunk;
 
-/// So many rows of tiles for each thread let all be done at about the same time. Copies cost more than the rest.
+/// So many rows of tiles for each thread let all be done at about the same time: what shorter runs would gain, copies would
+/// cost.
 const ROWS_PER_THREAD: usize = 8;
 
 /// Shorter runs for each thread, if there are fewer rows.
@@ -25,7 +26,7 @@ pub(super) struct Run {
 
 /// All tiles, of so many columns and rows, in runs for so many threads: whole rows, or shorter ones. Those with the most work
 /// come first, so that no thread begins with it when the others are done.
-pub(super) fn runs(chunks: &[Chunk], (columns, rows): (usize, usize), threads: usize) -> Vec<Run> {
+pub(super) fn share_out(chunks: &[Chunk], (columns, rows): (usize, usize), threads: usize) -> Vec<Run> {
     let runs_per_row = if rows >= threads * ROWS_PER_THREAD || threads == 1 {
         1
     } else {
@@ -51,7 +52,7 @@ mod tests {
     #[test]
     fn rows_are_cut_where_there_are_few_for_each_thread() {
         let lengths =
-            |tiles, threads| runs(&[], tiles, threads).iter().map(|run| run.columns.len()).collect::<Vec<_>>();
+            |tiles, threads| share_out(&[], tiles, threads).iter().map(|run| run.columns.len()).collect::<Vec<_>>();
         assert_eq!(lengths((30, 17), 1), [30; 17]);
         assert_eq!(lengths((30, 17), 2), [30; 17]);
         assert_eq!(lengths((30, 17), 8), [4, 4, 4, 4, 4, 4, 4, 2].repeat(17));

@@ -101,11 +101,11 @@ impl Frame<'_> {
                     let mut tested = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
                     tested.passed = tested.within(size);
                     samples += if shader.on_lanes {
-                        // In one picture, so that the queue need not be empty before the next sample.
+                        // One below the other, so that the queue need not be empty before the next sample.
                         tested.place.1 += number * TILE;
                         let size = (TILE, colors.len() / TILE);
-                        let mut picture = TileRows { values: colors, stride: TILE, left: 0, size };
-                        shade_tested(simd, self, &subject, (place, &tested), queue, &mut picture)
+                        let mut below = TileRows { values: colors, stride: TILE, left: 0, size };
+                        shade_tested(simd, self, &subject, (place, &tested), queue, &mut below)
                     } else {
                         let values = &mut colors[number * TILE_SAMPLES..];
                         let mut below = TileRows { values, stride: TILE, left: 0, size };

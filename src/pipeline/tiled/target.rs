@@ -8,14 +8,14 @@ use super::lattice::{TILE, TILE_SAMPLES};
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Rows that a tile is drawn into: its own, or those of the picture that it is among.
+/// Rows that the rows of a tile are parts of: of the picture, or of memory of its own.
 pub(super) struct TileRows<'a, T> {
     pub(super) values: &'a mut [T],
     /// From one row to the next.
     pub(super) stride: usize,
     /// Where in the first row the tile begins.
     pub(super) left: usize,
-    /// Columns and rows of the tile that lie within the picture.
+    /// Columns and rows that are drawn: those of the tile that lie within the picture.
     pub(super) size: (usize, usize),
 }
 
@@ -67,7 +67,7 @@ impl Target<'_> {
     }
 }
 
-/// As many rows of the packed picture as a tile has, or what is left of them at the bottom.
+/// As many rows of the packed picture, and of its depths, as a tile has, or what is left of them at the bottom.
 pub(super) struct PictureRows<'p> {
     width: usize,
     colors: &'p mut [Rgba8],
@@ -80,10 +80,10 @@ pub(super) fn picture_rows<'p>(
     depths: Option<&'p mut Image<f32>>,
 ) -> Vec<Mutex<PictureRows<'p>>> {
     let width = colors.width() as usize;
-    let band = (width * TILE).max(1);
-    let mut depths = depths.map(|depths| depths.pixels_mut().chunks_mut(band));
-    let bands = colors.pixels_mut().chunks_mut(band);
-    bands
+    let length = (width * TILE).max(1);
+    let mut depths = depths.map(|depths| depths.pixels_mut().chunks_mut(length));
+    let colors = colors.pixels_mut().chunks_mut(length);
+    colors
         .map(|colors| PictureRows { width, colors, depths: depths.as_mut().and_then(Iterator::next) })
         .map(Mutex::new)
         .collect()
@@ -200,12 +200,13 @@ fn fill<S: Simd>(simd: S, pixels: &mut [Rgba8], color: Rgba8) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::runs::{Run, runs};
+    use super::super::runs::{Run, share_out};
     use super::*;
 
-    /// Draws a tile: its number everywhere, and one more there than was.
-    fn draw(target: Target<'_>) {
+    /// Draws a tile, its number everywhere, and one more there than was; and counts it.
+    fn draw(target: Target<'_>, drawn: &mut [usize]) {
         let [low, high, ..] = target.number.to_le_bytes();
+        drawn[target.number] += 1;
         let Target { mut picture, mut depths, .. } = target;
         for pixel in picture.rows().flatten() {
             *pixel = [low, high, pixel[2] + 1, 255];
@@ -224,15 +225,17 @@ mod tests {
                 let mut depths = Image::from_fn(width, height, |_, _| -1.0);
                 let tiles = ((width as usize).div_ceil(TILE), (height as usize).div_ceil(TILE));
                 let rows = picture_rows(&mut colors, Some(&mut depths));
-                let mut memory = TileMemory::new();
-                for Run { row, columns, .. } in runs(&[], tiles, threads) {
+                let (mut memory, mut drawn) = (TileMemory::new(), vec![0; tiles.0 * tiles.1]);
+                for Run { row, columns, .. } in share_out(&[], tiles, threads) {
                     let rows = &rows[row];
                     let places = columns.clone().map(|column| ((column, row), row * tiles.0 + column));
                     if columns.len() == tiles.0 {
                         on_lanes!(Lanes::best(), simd => lock(rows).fill(simd, background));
-                        places.for_each(|(place, number)| draw(lock(rows).target(place, number)));
+                        places.for_each(|(place, number)| draw(lock(rows).target(place, number), &mut drawn));
                     } else {
-                        places.for_each(|tile| memory.draw(Lanes::best(), tile, rows, background, draw));
+                        places.for_each(|tile| {
+                            memory.draw(Lanes::best(), tile, rows, background, |target| draw(target, &mut drawn));
+                        });
                     }
                 }
                 drop(rows);
@@ -242,6 +245,7 @@ mod tests {
                     [low, high, 7, 255]
                 };
                 let what = format!("{width}×{height} px, {threads} threads");
+                assert!(drawn.iter().all(|times| *times == 1), "{what}: {drawn:?}");
                 assert!(colors == Image::from_fn(width, height, color), "{what}");
                 assert!(depths == Image::from_fn(width, height, |x, y| number(x, y) as f32), "{what}");
             }
