@@ -69,7 +69,7 @@ use pixel_samples::Samples;
 use queue::Queue;
 use record::{Entrants, Slot};
 pub use report::{TiledCounts, TiledReport, TiledTimes};
-use runs::share_out;
+use runs::{load, share_out};
 use see_through_samples::SeenThrough;
 use setup::{Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
@@ -337,7 +337,7 @@ pub fn tile_loads(
         .run(lanes, &mut chunks);
     Image::from_fn(tiles.0 as u32, tiles.1 as u32, |column, row| {
         let number = row as usize * tiles.0 + column as usize;
-        chunks.iter().map(|chunk| chunk.keys(number).len() as u32).sum()
+        load(&chunks, number) as u32
     })
 }
 

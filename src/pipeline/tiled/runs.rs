@@ -35,7 +35,7 @@ pub(super) fn share_out(chunks: &[Chunk], (columns, rows): (usize, usize), threa
     let length = columns.div_ceil(runs_per_row).max(1);
     let run = |row: usize, columns_of_run: Range<usize>| {
         let tiles = columns_of_run.clone().map(|column| row * columns + column);
-        let load = tiles.flat_map(|number| chunks.iter().map(move |chunk| chunk.keys(number).len())).sum();
+        let load = tiles.map(|number| load(chunks, number)).sum();
         Run { row, columns: columns_of_run, load }
     };
     let firsts = |row| (0..columns).step_by(length).map(move |first| (row, first));
@@ -43,6 +43,11 @@ pub(super) fn share_out(chunks: &[Chunk], (columns, rows): (usize, usize), threa
         (0..rows).flat_map(firsts).map(|(row, first)| run(row, first..columns.min(first + length))).collect();
     runs.sort_by_key(|run| Reverse(run.load));
     runs
+}
+
+/// How many triangles a tile is handed.
+pub(super) fn load(chunks: &[Chunk], number: usize) -> usize {
+    chunks.iter().map(|chunk| chunk.keys(number).len()).sum()
 }
 
 #[cfg(test)]
