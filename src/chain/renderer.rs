@@ -166,10 +166,11 @@ impl Renderer {
             self.spare = Some(std::mem::replace(&mut drawn.color, smooth));
         }
         let surfaces = shown_in_full(recipe).and_then(|shown| {
-            let area = (SampleGrid::FULL, viewport, PixelSamples::Centre);
-            let memory = self.spare_surfaces.take().map(|Surfaces { object, distance }| (object, distance)).unzip();
-            let (shown, _) = self.draw_tiled(scene, camera, &shown.pipeline, area, memory, KeepDepth::Yes);
-            surfaces(shown)
+            surfaces(past.as_deref(), camera, self.lanes, || {
+                let area = (SampleGrid::FULL, viewport, PixelSamples::Centre);
+                let memory = self.spare_surfaces.take().map(|Surfaces { object, distance }| (object, distance)).unzip();
+                self.draw_tiled(scene, camera, &shown.pipeline, area, memory, KeepDepth::Yes).0
+            })
         });
         let drawn_at = Instant::now();
         let outlines = outlines(scene, camera, recipe, viewport);
@@ -231,7 +232,7 @@ impl Renderer {
         let Some(History { picture, memory, surfaces, .. }) = past else { return };
         self.spare_picture = picture;
         self.spare_full.memory = memory;
-        self.spare_surfaces = Arc::into_inner(surfaces);
+        self.spare_surfaces = Arc::into_inner(surfaces).or(self.spare_surfaces.take());
     }
 
     /// Bytes held from frame to frame.

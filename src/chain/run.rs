@@ -9,6 +9,7 @@ use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in
 use super::{Frame, FrameTimes, Recipe, samples};
 use crate::antialias::resolve::Mean;
 use crate::image::{Image, Rgba8};
+use crate::math::lanes::Lanes;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::observe::Observer;
@@ -59,8 +60,10 @@ pub(super) fn run_after<O: Observer>(
     };
     drawn.color = smooth.unwrap_or(drawn.color);
     let surfaces = shown_in_full(recipe).and_then(|shown| {
-        let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
-        surfaces(draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), Until::Shade, &mut ()))
+        surfaces(past.as_deref(), camera, Lanes::best(), || {
+            let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
+            draw_pixels(scene, &shown, &geometry, (SampleGrid::FULL, viewport), Until::Shade, &mut ())
+        })
     });
     let drawn_at = Instant::now();
 

@@ -153,3 +153,20 @@ fn a_frame_is_made_in_the_memory_of_one_that_is_no_longer_needed() {
         assert_eq!(*second.image(), picture, "{execution:?}");
     }
 }
+
+#[test]
+fn what_pixels_show_is_found_anew_when_the_view_has_moved_and_only_then() {
+    let scene = scene("cubes");
+    let mut cameras = [scene.home; 4];
+    cameras[2].orbit(0.03, 0.01);
+    cameras[3] = cameras[2];
+    for execution in Execution::ALL {
+        let drawn = frames("accumulation", 1, &cameras, &scene, *execution);
+        let shown: Vec<_> = drawn.iter().map(|frame| frame.surfaces.as_ref().unwrap()).collect();
+        assert!(Arc::ptr_eq(shown[0], shown[1]) && Arc::ptr_eq(shown[2], shown[3]), "{execution:?}");
+        for (frame, shown) in drawn.iter().zip(shown) {
+            let alone = &frames("accumulation", 1, &[frame.camera], &scene, *execution)[0];
+            assert_eq!(alone.surfaces.as_ref(), Some(shown), "{execution:?}");
+        }
+    }
+}

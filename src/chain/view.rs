@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{Recipe, samples};
+use crate::math::lanes::Lanes;
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::prepare;
 use crate::pipeline::settings::{DepthTest, Settings, Shading};
@@ -26,18 +27,23 @@ pub(super) fn shown_in_full(recipe: &Recipe) -> Option<Recipe> {
     reads.then_some(Recipe { pipeline, ..Recipe::default() })
 }
 
-/// What a picture of objects with its depths shows.
-pub(super) fn surfaces(shown: Framebuffer) -> Option<Arc<Surfaces>> {
+/// What the pixels of a view show: what those of the frame before did, if it had the same view, else what is drawn, a picture of
+/// objects with its depths.
+pub(super) fn surfaces(
+    past: Option<&History>,
+    camera: &Camera,
+    lanes: Lanes,
+    draw: impl FnOnce() -> Framebuffer,
+) -> Option<Arc<Surfaces>> {
     /// Depths that a thread takes at a time.
     const TOGETHER: usize = 1 << 14;
-    let scale = shown.depth_scale;
-    let mut distance = shown.depth?;
-    distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| {
-        for depth in depths {
-            *depth = scale.distance_of(*depth) as f32;
-        }
-    });
-    Some(Arc::new(Surfaces { object: shown.color, distance }))
+    if let Some(past) = past.filter(|past| past.camera == *camera) {
+        return Some(Arc::clone(&past.surfaces));
+    }
+    let Framebuffer { color: object, depth, depth_scale: scale, .. } = draw();
+    let mut distance = depth?;
+    distance.pixels_mut().par_chunks_mut(TOGETHER).for_each(|depths| scale.replace_by_distances(lanes, depths));
+    Some(Arc::new(Surfaces { object, distance }))
 }
 
 /// What the upscaler may read besides colours.

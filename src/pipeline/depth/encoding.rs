@@ -1,5 +1,7 @@
 //! In which numbers the depth buffer holds a depth of [0, 1].
 
+use crate::math::lanes::{F32, F64, Simd, SimdFloat as _, widen};
+
 /// The numbers that a depth buffer holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DepthEncoding {
@@ -46,6 +48,16 @@ impl DepthEncoding {
             Some((largest, code)) => {
                 [code, if code < largest { code + 1 } else { code - 1 }].map(|c| f64::from(c) / f64::from(largest))
             }
+        }
+    }
+
+    /// The depths that eight stored values stand for.
+    #[inline(always)]
+    pub(super) fn depths_of<S: Simd>(self, simd: S, stored: F32<S>) -> F64<S> {
+        let stored = widen(simd, stored);
+        match self.largest_code().map(f64::from) {
+            None => stored,
+            Some(largest) => (stored * largest + 0.5).trunc() / largest,
         }
     }
 

@@ -15,7 +15,7 @@
 
 use super::DepthEncoding;
 use super::function::DepthFunction;
-use crate::math::lanes::{F32, F64, Simd, SimdBase as _, clamp_f64, widen};
+use crate::math::lanes::*;
 use crate::pipeline::clip::Plane;
 use crate::pipeline::settings::DepthFormat;
 use crate::pipeline::vertex::ClipVertex;
@@ -107,6 +107,34 @@ impl DepthScale {
             Law::Perspective(DepthMapping::ReversedInfinite) => factor / depth,
             Law::Perspective(DepthMapping::Linear) | Law::Orthographic { reversed: false } => near + depth / factor,
             Law::Orthographic { reversed: true } => far - depth / factor,
+        }
+    }
+
+    /// Replaces stored depths by [`DepthScale::distance_of`] each, rounded to the nearest float.
+    pub(crate) fn replace_by_distances(&self, lanes: Lanes, depths: &mut [f32]) {
+        let (eights, rest) = depths.as_chunks_mut();
+        on_lanes!(lanes, simd => {
+            for eight in eights {
+                narrow(simd, self.distances_of(simd, F32::load_array_ref(simd, eight))).store_array(eight);
+            }
+        });
+        for depth in rest {
+            *depth = self.distance_of(*depth) as f32;
+        }
+    }
+
+    /// [`DepthScale::distance_of`] for eight depths.
+    #[inline(always)]
+    fn distances_of<S: Simd>(&self, simd: S, stored: F32<S>) -> F64<S> {
+        let Self { near, far, factor, .. } = *self;
+        let depth = self.encoding.depths_of(simd, stored);
+        let number = |number| F64::splat(simd, number);
+        match self.law {
+            Law::Perspective(DepthMapping::Standard) => number(near) / (number(1.0) - depth / factor),
+            Law::Perspective(DepthMapping::Reversed) => number(far * factor) / (depth + factor),
+            Law::Perspective(DepthMapping::ReversedInfinite) => number(factor) / depth,
+            Law::Perspective(DepthMapping::Linear) | Law::Orthographic { reversed: false } => depth / factor + near,
+            Law::Orthographic { reversed: true } => number(far) - depth / factor,
         }
     }
 
@@ -212,5 +240,31 @@ impl DepthScale {
         // The z of a linear depth is the reversed one.
         let mirrored = self.law == Law::Perspective(DepthMapping::Linear);
         f64::from(u8::from((plane == Plane::Far) != mirrored))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::pipeline::settings::Choice as _;
+
+    #[test]
+    fn many_depths_become_the_distances_that_each_becomes_alone() {
+        let mut random = fastrand::Rng::with_seed(9);
+        let camera = Camera { near: 0.03, far: 700.0, ..Camera::look_at(glam::Vec3::Z, glam::Vec3::ZERO) };
+        for (format, orthographic) in DepthFormat::ALL.iter().flat_map(|format| [(format, false), (format, true)]) {
+            let scale = DepthScale::new(*format, &camera.with_orthographic(orthographic));
+            let ends = [0.0, 1.0, 1.0_f32.next_down(), f32::MIN_POSITIVE];
+            let random = std::iter::repeat_with(|| random.f32().powi(random.i32(1..9)));
+            let stored: Vec<_> =
+                ends.into_iter().chain(random.take(99)).map(|d| scale.encoding.quantize(d.into())).collect();
+            let alone: Vec<_> = stored.iter().map(|depth| (scale.distance_of(*depth) as f32).to_bits()).collect();
+            for lanes in Lanes::all() {
+                let mut together = stored.clone();
+                scale.replace_by_distances(lanes, &mut together);
+                let together: Vec<_> = together.iter().map(|distance| distance.to_bits()).collect();
+                assert_eq!(together, alone, "{format:?} by {}", lanes.name());
+            }
+        }
     }
 }

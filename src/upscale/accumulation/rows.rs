@@ -99,8 +99,9 @@ struct Scratch {
     /// What this frame has of the pixels, and what that counts for.
     present: Vec<Quad>,
     counts_for: Vec<f32>,
-    /// Light of the rows of samples above and below.
+    /// Light of the rows of samples above and below, and which rows those are.
     light: [Vec<Quad>; 2],
+    light_of: [Option<u32>; 2],
     /// The least and the greatest codes of a column of three samples, those at the ends repeated.
     codes: [Vec<u8>; 2],
     /// Light of the least and the greatest of nine, by [`Column::nearest`].
@@ -114,6 +115,7 @@ impl Scratch {
             present: vec![[0.0; 4]; width],
             counts_for: vec![1.0; width],
             light: [0, 1].map(|_| vec![[0.0; 4]; samples]),
+            light_of: [None; 2],
             codes: [0, 1].map(|_| vec![0; (4 * (samples + 4)).next_multiple_of(BYTES) + BYTES]),
             bounds: [0, 1].map(|_| vec![[0.0; 4]; samples + 2]),
         }
@@ -150,14 +152,22 @@ impl Frame<'_> {
     #[inline(always)]
     fn present<S: Simd>(&self, simd: S, y: u32, scratch: &mut Scratch) {
         let color = self.now.drawn.color;
-        let Scratch { present, counts_for, light, .. } = scratch;
+        let Scratch { present, counts_for, light, light_of, .. } = scratch;
         if self.now.lattice.scale == Scale::ONE {
             self.now.decode(simd, color.row(y), present);
             return;
         }
         let row = self.rows[y as usize];
-        for (light, row) in light.iter_mut().zip(row.between) {
-            self.now.decode(simd, color.row(row), light);
+        // Mostly those of the row before, or the lower one of them as the upper one.
+        if light_of[1] == Some(row.between[0]) {
+            light.swap(0, 1);
+            light_of.swap(0, 1);
+        }
+        for (light, (known, row)) in light.iter_mut().zip(light_of.iter_mut().zip(row.between)) {
+            if *known != Some(row) {
+                self.now.decode(simd, color.row(row), light);
+                *known = Some(row);
+            }
         }
         let [above, below] = light;
         let own_row = row.own.map(|own| if own == row.between[0] { above.as_slice() } else { below.as_slice() });
