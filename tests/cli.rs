@@ -903,7 +903,11 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
         let stages = report["stages"].as_array().unwrap();
         assert!(stages.iter().any(|s| s["stage"] == stage), "{stages:?}");
     }
+    let turning = run(&folder(), &[&size[..], &["--turn", "-0.5"]].concat());
+    assert_success(&turning);
+    assert!(stdout(&turning).contains("3 frames, turned by -0.5° from frame to frame"), "{}", stdout(&turning));
     assert_failure(&run(&folder(), &["bench", "--threads", "0"]), 2, "--threads");
+    assert_failure(&run(&folder(), &["bench", "--turn", "nan"]), 2, "--turn");
 }
 
 #[test]

@@ -12,6 +12,7 @@ use super::bench_verify;
 use super::bench_window;
 use super::failure::Failure;
 use super::output;
+use super::parse;
 use super::scene_args::FrameArgs;
 
 /// What `bench` takes.
@@ -27,6 +28,11 @@ pub(crate) struct BenchArgs {
     /// Frames that are timed, after some that are not
     #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
+
+    /// Turn the view around its target by so much from frame to frame: what takes over from the frame before costs more then
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true, value_parser = parse::degrees,
+          conflicts_with_all = ["scrub", "window", "verify"])]
+    turn: f32,
 
     /// Which instructions of the processor are used
     #[arg(long, value_enum, default_value_t = LanesArg::Best)]
@@ -89,8 +95,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let threads = args.threads.map_or(0, usize::from);
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
-    let report = pool
-        .install(|| bench(&view.scene, &view.camera, &view.recipe, size, args.frames as usize, Renderer::on(lanes)));
+    let moving = (&view.camera, args.turn);
+    let report =
+        pool.install(|| bench(&view.scene, moving, &view.recipe, size, args.frames as usize, Renderer::on(lanes)));
     let Some(report) = report else { return Ok(()) };
     if args.json {
         return print_json(&report);
@@ -105,10 +112,22 @@ fn print_json(report: &impl Serialize) -> Result<(), Failure> {
 
 fn table(report: &BenchReport) -> String {
     let BenchReport {
-        scene, size: [width, height], threads, execution, frame_ms, stages, writing, counts, bytes, ..
+        scene,
+        size: [width, height],
+        threads,
+        turn_degrees,
+        execution,
+        frame_ms,
+        stages,
+        writing,
+        counts,
+        bytes,
+        ..
     } = report;
+    let turning =
+        if *turn_degrees == 0.0 { String::new() } else { format!(", turned by {turn_degrees}° from frame to frame") };
     let mut text = format!(
-        "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames\n\n",
+        "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames{turning}\n\n",
         if *threads == 1 { "thread" } else { "threads" },
         frame_ms.n
     );

@@ -16,6 +16,12 @@ pub(crate) fn size(text: &str) -> Result<Viewport, String> {
     Ok(size)
 }
 
+/// An angle in degrees.
+pub(crate) fn degrees(text: &str) -> Result<f32, String> {
+    let finite = text.trim().parse().ok().filter(|angle: &f32| angle.is_finite());
+    finite.ok_or_else(|| "an angle is a number of degrees, like 0.5".to_owned())
+}
+
 /// A pixel written as `640,360`: column and row.
 pub(crate) fn pixel(text: &str) -> Result<(u32, u32), String> {
     pair(text, &[',']).ok_or_else(|| "a pixel is written as column,row, like 640,360, counted from 0".to_owned())

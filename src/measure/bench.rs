@@ -1,4 +1,4 @@
-//! What frames of one view cost: time in all and per stage, counts, memory.
+//! What frames of a view cost: time in all and per stage, counts, memory.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -44,6 +44,8 @@ pub struct BenchReport {
     pub size: [u32; 2],
     /// Threads that could be used.
     pub threads: usize,
+    /// How far the view turned from frame to frame.
+    pub turn_degrees: f32,
     /// How frames were executed.
     pub execution: &'static str,
     /// Milliseconds of a whole frame.
@@ -73,10 +75,10 @@ pub struct Bytes {
     pub scene: usize,
 }
 
-/// Draws a view again and again, on the threads of the present rayon pool. `frames` ≥ 1.
+/// Draws a view again and again, turned by some degrees from frame to frame, on the threads of the present rayon pool. `frames` ≥ 1.
 pub fn bench(
     scene: &Arc<Scene>,
-    camera: &Camera,
+    (camera, turn_degrees): (&Camera, f32),
     recipe: &Recipe,
     viewport: Viewport,
     frames: usize,
@@ -88,7 +90,11 @@ pub fn bench(
         if let Some(frame) = last.take() {
             renderer.recycle(frame);
         }
-        let frame = renderer.render(scene, camera, recipe, viewport, KeepDepth::No);
+        let mut turned = *camera;
+        if turn_degrees != 0.0 {
+            turned.orbit((turn_degrees * number as f32).to_radians(), 0.0);
+        }
+        let frame = renderer.render(scene, &turned, recipe, viewport, KeepDepth::No);
         if number >= WARM_UP_FRAMES {
             samples.push((frame.times.total, stages(&frame)));
         }
@@ -111,6 +117,7 @@ pub fn bench(
         scene: scene.name.clone(),
         size: [viewport.width, viewport.height],
         threads: rayon::current_num_threads(),
+        turn_degrees,
         execution: frame.execution.id(),
         stages: stages.collect(),
         writing: Writing { frame_over_writing: frame_ms.median / writing.median, ms: writing },

@@ -12,7 +12,7 @@ use super::compare::compute::{CompareRequest, Compared, Comparer};
 use super::engine::{Engine, Figuring, Request, StageFigures, View};
 use super::watch::watcher::Watcher;
 use super::what_if::drawer::{Drawer, Found, WhatIfRequest};
-use crate::chain::{KeepDepth, Recipe, Renderer};
+use crate::chain::{Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::watch::Watched;
 use crate::measure::against::{Figures, figures};
@@ -372,12 +372,7 @@ impl Measurement {
         self.next += 1;
         let Request { scene, camera, recipe, viewport, .. } = &*self.request;
         let recipe = Recipe { upscaler: upscaling, ..*recipe };
-        let mut draw = || self.renderer.render(scene, camera, &recipe, *viewport, KeepDepth::No);
-        let mut frame = draw();
-        if frame.wants_another(&recipe) {
-            // A method that reads the past is timed with a past to read.
-            frame = draw();
-        }
+        let frame = self.renderer.render_in_motion(scene, camera, &recipe, *viewport);
         let milliseconds = frame.times.total.as_secs_f64() * 1e3;
         self.renderer.recycle(frame);
         let progress = self.next as f32 / self.total() as f32;

@@ -202,8 +202,9 @@ fn method(report: &Report) -> String {
     format!(
         "<section>\n<h2>How it was measured</h2>\n<p>{}, {}, {} threads.{load}{build}</p>\n<p>Each round draws every recipe once, in an \
          order that is dealt anew, after a round that does not count; all in one process with the same memory. Medians over {} \
-         rounds. The first recipe runs twice per round as if it were two, and the gap between the two is the noise floor. Reading \
-         files and measuring errors is not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 \
+         rounds. The first recipe runs twice per round as if it were two, and the gap between the two is the noise floor. \
+         Methods that read the frame before are timed while the view turns by half a degree from frame to frame, and judged once \
+         it stands still. Reading files and measuring errors is not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 \
          black against white. PSNR and MSE count sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ 1.5, on luma. A reference of \
          one sample per pixel is aliased itself: a method that smooths is charged for that.</p>\n</section>\n",
         escaped(&machine.platform),

@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::skipping::{self, Share};
 use super::tradeoff::dominated_by;
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::measure::against::{Figures, figures};
 use crate::measure::reference::Reference;
@@ -218,11 +218,9 @@ fn of_scene(
 /// Rounds of the comparison of two ways to draw fewer pixels, at most: each draws twenty pictures on one thread.
 const SHARE_ROUNDS: usize = 9;
 
-/// A frame to be timed: the second one where a method reads the past, so that there is a past to read.
+/// A frame to be timed.
 fn frame_of(plan: &Plan, subject: &Subject, recipe: &Recipe, renderer: &mut Renderer) -> Frame {
-    let mut draw = || renderer.render(&subject.scene, &subject.camera, recipe, plan.viewport, KeepDepth::No);
-    let frame = draw();
-    if frame.wants_another(recipe) { draw() } else { frame }
+    renderer.render_in_motion(&subject.scene, &subject.camera, recipe, plan.viewport)
 }
 
 /// What the error of a recipe is against; recipes that differ in nothing but the upscaler share it. `None` if it was
