@@ -159,14 +159,14 @@ impl Tile {
     ) {
         let [first, last] = triangle.columns;
         let start = first & !1;
-        if last < start + LANES && triangle.rows[1] < triangle.rows[0] + 2 * BLOCK {
+        if last < start + 2 * LANES && triangle.rows[1] < triangle.rows[0] + 2 * BLOCK {
             self.draw_small(simd, triangle, start, locations, rules, owner);
         } else {
             self.draw_large(simd, triangle, locations, rules, owner);
         }
     }
 
-    /// A triangle at most eight samples wide: each of its rows at once.
+    /// A triangle at most sixteen samples wide: eight columns, row by row, and the next eight.
     #[inline(never)]
     fn draw_small<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -180,9 +180,10 @@ impl Tile {
         simd.vectorize(
             #[inline(always)]
             || {
-                let [top, bottom] = triangle.rows;
+                let ([top, bottom], last) = (triangle.rows, triangle.columns[1]);
+                let end = start + LANES * (1 + (last - start) / LANES);
                 if self.bounded {
-                    let columns = [start / BLOCK, triangle.columns[1] / BLOCK];
+                    let columns = [start / BLOCK, last / BLOCK];
                     let mut in_sight = false;
                     for by in top / BLOCK..=bottom / BLOCK {
                         for bx in columns[0]..=columns[1].min(BLOCKS - 1) {
@@ -194,7 +195,7 @@ impl Tile {
                     }
                     // A row of eight may reach into one more block than the triangle does.
                     for by in top / BLOCK..=bottom / BLOCK {
-                        for bx in columns[0]..=((start + LANES - 1) / BLOCK).min(BLOCKS - 1) {
+                        for bx in columns[0]..=((end - 1) / BLOCK).min(BLOCKS - 1) {
                             let block = by * BLOCKS + bx;
                             self.write_out(simd, block, locations, rules, owner);
                             self.widen_bounds(triangle, block, rules);
@@ -203,21 +204,25 @@ impl Tile {
                 }
                 let (Setup { edges, .. }, lattice) = (triangle, locations.lattice());
                 let steps = E::steps(lattice);
-                if steps.are_straight && triangle.columns[1] < start + LANES / 2 {
+                if steps.are_straight && last < start + LANES / 2 {
                     self.draw_narrow(simd, triangle, start, locations, rules);
                     return;
                 }
                 let least_inside = triangle.least_inside(simd);
-                let x = E::load(simd, &steps.lanes) + steps.column(start);
-                let mut rows = Rows::new(simd, edges, x, top, lattice);
-                for row in top..bottom + 1 {
-                    let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (start, row));
-                    let covered = E::inside(e, least_inside);
-                    if covered.any_true() {
-                        self.write(simd, triangle, e, covered, (start, row), rules);
+                let mut column = start;
+                while column < end {
+                    let x = E::load(simd, &steps.lanes) + steps.column(column);
+                    let mut rows = Rows::new(simd, edges, x, top, lattice);
+                    for row in top..bottom + 1 {
+                        let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (column, row));
+                        let covered = E::inside(e, least_inside);
+                        if covered.any_true() {
+                            self.write(simd, triangle, e, covered, (column, row), rules);
+                        }
                     }
+                    column += LANES;
                 }
-                self.counts.visited += ((bottom - top + 1) * LANES) as u64;
+                self.counts.visited += ((bottom - top + 1) * (end - start)) as u64;
             },
         );
     }
