@@ -147,6 +147,13 @@ impl Batch {
         )
     }
 
+    /// How many of the triangles that have a bit reach over so many columns of the tile, or rows.
+    pub(super) fn count_large(&self, alive: u64, least: i32) -> u32 {
+        let reaches = |range: &[[i32; LANES]; 2], lane: usize| range[1][lane] - range[0][lane] >= least;
+        let is_large = |lane: &usize| reaches(&self.columns, *lane) || reaches(&self.rows, *lane);
+        (0..LANES).filter(|lane| alive >> lane & 1 != 0).filter(is_large).count() as u32
+    }
+
     /// Whether the box of one of the triangles is the whole tile.
     #[inline(always)]
     fn fill_a_box<S: Simd>(&self, simd: S) -> bool {

@@ -3,6 +3,7 @@
 use super::Frame;
 use super::batch::Batch;
 use super::geometry::{Surface, Vertex};
+use super::lattice::BLOCK;
 use super::record::{Entrant, Entrants, Part, Slot, SurfaceRecord};
 use super::setup::Origin;
 use crate::math::lanes::*;
@@ -122,6 +123,20 @@ impl Frame<'_> {
         let Some(records) = entrants.eight_surfaces(first) else { return };
         fill_parts(simd, records, &triangles, self.reads_normals, self.reads_colors);
     }
+}
+
+/// Triangles of a tile from which on bounds of its blocks are not worth their keep, unless they are large.
+const CROWDED: usize = 96;
+
+/// Columns, or rows, from which on a triangle is large: it reaches over more than two blocks.
+const LARGE: i32 = 2 * BLOCK as i32;
+
+/// Whether a tile of so many triangles keeps bounds of its blocks, by the first of them that were set up, of which those count that
+/// have a bit.
+#[inline(always)]
+pub(super) fn keeps_bounds(triangles: usize, first: &[Batch; BATCHES], alive: &[u64; BATCHES]) -> bool {
+    let large = || first.iter().zip(alive).map(|(batch, alive)| batch.count_large(*alive, LARGE)).sum::<u32>();
+    triangles < CROWDED || 2 * large() > alive.iter().map(|alive| alive.count_ones()).sum()
 }
 
 /// The parts of eight records that are read.

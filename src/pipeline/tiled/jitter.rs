@@ -13,7 +13,7 @@ use super::record::{Entrants, Slot};
 use super::see_through_samples::SeenThrough;
 use super::shade::{Canvas, Shaded, shade_tile};
 use super::tile::{Tile, TileCounts};
-use super::{BATCHES, CROWDED, Frame, GROUP, Target, Work, Workspace};
+use super::{BATCHES, Frame, GROUP, Target, Work, Workspace, keeps_bounds};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
@@ -195,7 +195,8 @@ impl Frame<'_> {
         (entrants, place): (&Entrants, (usize, usize)),
         blended: &mut Vec<Slot>,
     ) {
-        tile.clear(&self.rules, entrants.len() < CROWDED);
+        let bounded = groups.first().is_none_or(|first| keeps_bounds(entrants.len(), &first.batches, &first.alive));
+        tile.clear(&self.rules, bounded);
         blended.clear();
         let lattice = locations.lattice();
         let (_, first) = self.origin(lattice, place);

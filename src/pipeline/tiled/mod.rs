@@ -56,7 +56,7 @@ use batch::{Batch, Triangles};
 use bins::{Binning, Chunk, MOST_TRIANGLES};
 use clusters::{Kept, View};
 use depths::DepthRules;
-use entry::{BATCHES, GROUP};
+use entry::{BATCHES, GROUP, keeps_bounds};
 use geometry::{Arrays, Draw};
 use jitter::JitterMemory;
 pub use jitter::{ChosenPlaces, Jittering, PLACES, SumOfSamples, Sums};
@@ -427,9 +427,6 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
     draws.iter().map(shader).collect()
 }
 
-/// Keys in a tile from which on its triangles are too small for bounds of blocks to be worth their keep.
-const CROWDED: usize = 192;
-
 impl Frame<'_> {
     #[inline(always)]
     fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &Work) {
@@ -439,12 +436,14 @@ impl Frame<'_> {
         if entrants.len() == 0 {
             return target.clear_depths(self.rules.clear);
         }
-        tile.clear(&self.rules, entrants.len() < CROWDED);
         let place = target.place;
         let origin = self.origin(&self.lattice, place);
         blended.clear();
         for group in (0..entrants.len()).step_by(GROUP) {
             let (alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
+            if group == 0 {
+                tile.clear(&self.rules, keeps_bounds(entrants.len(), batches, &alive));
+            }
             let owner = self.owner(entrants, &self.lattice, place);
             for (number, batch) in batches.iter().enumerate() {
                 let mut alive = alive[number];

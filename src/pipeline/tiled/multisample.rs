@@ -13,7 +13,7 @@ use super::record::{Entrants, Slot};
 use super::shade::{Canvas, shade_tile};
 use super::tested::set_bits;
 use super::tile::Tile;
-use super::{BATCHES, CROWDED, Frame, GROUP, Target, Work, Workspace};
+use super::{BATCHES, Frame, GROUP, Target, Work, Workspace, keeps_bounds};
 use crate::image::Rgba8;
 use crate::math::lanes::*;
 use crate::pipeline::grid::SampleGrid;
@@ -109,12 +109,13 @@ impl Frame<'_> {
         blended: &mut Vec<Slot>,
     ) {
         blended.clear();
-        for tile in tiles.iter_mut() {
-            tile.clear(&self.rules, entrants.len() < CROWDED);
-        }
         let origin = self.origin(&self.lattice, place);
         for group in (0..entrants.len()).step_by(GROUP) {
             let (mut alive, large) = self.set_up_group(simd, entrants, batches, group, origin);
+            if group == 0 {
+                let bounded = keeps_bounds(entrants.len(), batches, &alive);
+                tiles.iter_mut().for_each(|tile| tile.clear(&self.rules, bounded));
+            }
             for (number, batch) in batches.iter().enumerate() {
                 let slot = |lane| Slot::new(group + number * LANES + lane, large[number] >> lane & 1 != 0);
                 if !self.all_opaque {
