@@ -15,7 +15,7 @@ use crate::scene::Scene;
 pub enum FramePart {
     /// Rasterizing and shading every pixel of the picture.
     EveryPixel,
-    /// Drawing once more, in full, which object every pixel shows and how far away.
+    /// Drawing once more, in full, which object every pixel shows and how far away, unless the frame before had the same view.
     Surfaces,
     /// Drawing several samples for each pixel.
     AntiAliasing,
