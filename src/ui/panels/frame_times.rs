@@ -72,7 +72,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
-        let help = "Times every upscaler in interleaved rounds on the present scene, view and size; takes some seconds";
+        let help = "Times every upscaler in interleaved rounds on the present scene, view and size, those that read the frame \
+                    before while the view turns a little; takes some seconds";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }

@@ -38,7 +38,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure error and time"));
-        let help = "Draws every upscaler in interleaved rounds and measures its picture against the reference; takes some seconds";
+        let help = "Draws every upscaler in interleaved rounds, those that read the frame before while the view turns a little, and \
+                    measures its picture against the reference; takes some seconds";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
