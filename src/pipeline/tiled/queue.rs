@@ -357,6 +357,12 @@ fn write_row<S: Simd>(simd: S, codes: u32x8<S>, row: &QueuedRow, pixels: &mut [R
 fn pack<S: Simd>(simd: S, [r, g, b, _]: [S::f32s; 4]) -> S::u32s {
     let scaled = each!(channel in [r, g, b] => channel * 255.0 + 0.5);
     #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = simd.level().as_avx512() {
+        let scaled = each!(c in [0, 1, 2] => f32x16::from_slice(avx512, scaled[c].as_slice()).into());
+        let codes: u32x16<_> = x86::sixteen_opaque(avx512, scaled).simd_into(avx512);
+        return S::u32s::from_slice(simd, codes.as_slice());
+    }
+    #[cfg(target_arch = "x86_64")]
     if S::f32s::LEN == LANES
         && let Some(avx2) = simd.level().as_avx2()
     {
@@ -389,6 +395,19 @@ mod x86 {
                 (_mm256_packs_epi32(r, g), _mm256_packs_epi32(b, _mm256_set1_epi32(255)));
             let in_turn = _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15));
             _mm256_shuffle_epi8(_mm256_packus_epi16(red_green, blue_alpha), in_turn)
+        }
+    }
+
+    kernel! {
+        /// The same as sixteen opaque pixels.
+        #[inline]
+        pub(super) fn sixteen_opaque(avx512: Avx512, channels: [__m512; 3]) -> __m512i {
+            let largest = _mm512_set1_ps(255.0);
+            let [r, g, b] = each!(c in [0, 1, 2] => _mm512_cvttps_epi32(_mm512_min_ps(largest, channels[c])));
+            let (red_green, blue_alpha) =
+                (_mm512_packs_epi32(r, g), _mm512_packs_epi32(b, _mm512_set1_epi32(255)));
+            let in_turn = _mm512_broadcast_i32x4(_mm_setr_epi8(0, 4, 8, 12, 1, 5, 9, 13, 2, 6, 10, 14, 3, 7, 11, 15));
+            _mm512_shuffle_epi8(_mm512_packus_epi16(red_green, blue_alpha), in_turn)
         }
     }
 }
