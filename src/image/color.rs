@@ -64,11 +64,17 @@ impl Tables {
     /// [`Self::encode`] for eight values.
     #[inline(always)]
     pub fn encode_lanes<S: Simd>(&self, simd: S, linear: F32<S>) -> u32x8<S> {
+        self.encode_lanes_by(simd, gathers_are_quick(), linear)
+    }
+
+    /// [`Self::encode_lanes`], by instructions that gather or without.
+    #[inline(always)]
+    fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: F32<S>) -> u32x8<S> {
         let zero = F32::splat(simd, 0.0);
         let clamped = linear.simd_gt(zero).select(linear.min(1.0), zero);
         let bits = clamped.bitcast::<u32x8<S>>();
         let bucket = (bits.max(LEAST_BITS) - LEAST_BITS) >> BUCKET_SHIFT;
-        let (code, next) = self.entries(simd, bucket);
+        let (code, next) = self.entries(simd, by_gathers, bucket);
         let one = clamped.simd_ge(next.bitcast::<F32<S>>()).select(u32x8::splat(simd, 1), u32x8::splat(simd, 0));
         code + one
     }
@@ -78,8 +84,14 @@ impl Tables {
     /// Of sixteen codes, which are less than 256, what a table has.
     #[inline(always)]
     pub fn lookup<S: Simd>(simd: S, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
+        Self::lookup_by(simd, gathers_are_quick(), table, codes)
+    }
+
+    /// [`Tables::lookup`], by instructions that gather or without.
+    #[inline(always)]
+    fn lookup_by<S: Simd>(simd: S, by_gathers: bool, table: &[f32; 256], codes: u32x16<S>) -> f32x16<S> {
         #[cfg(target_arch = "x86_64")]
-        if let Some(avx512) = simd.level().as_avx512() {
+        if by_gathers && let Some(avx512) = simd.level().as_avx512() {
             let codes = u32x16::load_array(avx512, codes.to_array());
             return f32x16::load_array(simd, x86::lookup(avx512, table, codes.into()));
         }
@@ -92,9 +104,9 @@ impl Tables {
 
     /// The lower and the upper halves of the entries of eight buckets.
     #[inline(always)]
-    fn entries<S: Simd>(&self, simd: S, bucket: u32x8<S>) -> (u32x8<S>, u32x8<S>) {
+    fn entries<S: Simd>(&self, simd: S, by_gathers: bool, bucket: u32x8<S>) -> (u32x8<S>, u32x8<S>) {
         #[cfg(target_arch = "x86_64")]
-        if let Some(avx512) = simd.level().as_avx512() {
+        if by_gathers && let Some(avx512) = simd.level().as_avx512() {
             let bucket = u32x8::load_array(avx512, bucket.to_array());
             let (code, next) = x86::entries(avx512, &self.buckets, bucket.into());
             return (u32x8::load_array(simd, code), u32x8::load_array(simd, next));
@@ -185,12 +197,13 @@ mod tests {
         let around = thresholds.flat_map(|threshold| [threshold.next_down(), threshold, threshold.next_up()]);
         let odd = [0.0, -0.0, -1.0, 1.0, 2.0, f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
         let values: Vec<f32> = around.chain(odd).collect();
-        for lanes in Lanes::all() {
+        for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
             for eight in values.chunks(LANES) {
                 let mut padded = [0.5; LANES];
                 padded[..eight.len()].copy_from_slice(eight);
-                let codes =
-                    on_lanes!(lanes, simd => tables.encode_lanes(simd, F32::load_array(simd, padded)).to_array());
+                let codes = on_lanes!(lanes, simd => {
+                    tables.encode_lanes_by(simd, by_gathers, F32::load_array(simd, padded)).to_array()
+                });
                 assert_eq!(codes, padded.map(|value| u32::from(tables.encode(value))), "{} {padded:?}", lanes.name());
             }
         }
@@ -199,11 +212,12 @@ mod tests {
     #[test]
     fn every_lane_looks_up_its_own_code() {
         let tables = Tables::get();
-        for lanes in Lanes::all() {
+        for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
             for first in 0..=255_u32 {
                 let codes: [u32; WIDE] = std::array::from_fn(|lane| (first + 37 * lane as u32) % 256);
                 let found = on_lanes!(lanes, simd => {
-                    Tables::lookup(simd, &tables.linear_of_code, u32x16::load_array(simd, codes)).to_array()
+                    let codes = u32x16::load_array(simd, codes);
+                    Tables::lookup_by(simd, by_gathers, &tables.linear_of_code, codes).to_array()
                 });
                 assert_eq!(found, codes.map(|code| tables.linear_of_code[code as usize]), "{}", lanes.name());
             }

@@ -4,6 +4,9 @@
 //! architecture has. Additions, products, quotients, square roots and conversions are correctly rounded in all, and none joins
 //! a product and a sum into one rounding, so all give the same bits.
 
+#[cfg(target_arch = "x86_64")]
+use std::sync::LazyLock;
+
 pub use fearless_simd::prelude::*;
 pub use fearless_simd::{
     Level, Simd, f32x4, f32x8, f32x16, f64x4, f64x8, i16x16, i16x32, i32x8, i32x16, mask32x8, mask32x16, mask64x8,
@@ -54,6 +57,12 @@ impl Lanes {
         [Self::avx512(), Self::avx2(), Some(Self::baseline())].into_iter().flatten()
     }
 
+    /// Each of [`Lanes::all`] for code without gathers and for code with them.
+    #[cfg(test)]
+    pub(crate) fn all_with_and_without_gathers() -> impl Iterator<Item = (Self, bool)> {
+        Self::all().flat_map(|lanes| [(lanes, false), (lanes, true)])
+    }
+
     /// AVX-512, if this processor has it.
     pub fn avx512() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
@@ -92,6 +101,23 @@ impl Lanes {
             Self::Baseline(_) => "baseline",
         }
     }
+}
+
+/// Whether an instruction that reads from many places at once is quicker than as many single reads. It is on Intel's processors
+/// with AVX-512; AMD's take one place after the other and longer for each than for a read: on Zen 4 pictures drawn with gathers
+/// take 1.1 to 1.4 times as long.
+#[inline(always)]
+pub fn gathers_are_quick() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        static ARE_QUICK: LazyLock<bool> = LazyLock::new(|| {
+            let leaf = std::arch::x86_64::__cpuid(0);
+            [leaf.ebx, leaf.edx, leaf.ecx].map(u32::to_le_bytes).as_flattened() != b"AuthenticAMD"
+        });
+        *ARE_QUICK
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    false
 }
 
 /// Runs `$body` with `$simd` standing for the instructions that `$lanes` chose. Everything called in it that computes on

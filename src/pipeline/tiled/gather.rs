@@ -1,4 +1,4 @@
-//! Texels at several places at once: by the instructions for that where the processor has fast ones, else one after the other.
+//! Texels at several places at once: by the instructions for that where the processor has quick ones, else one after the other.
 
 use crate::math::lanes::*;
 
@@ -12,15 +12,15 @@ pub(super) struct Taps {
     pub(super) down: [f32; WIDE],
 }
 
-/// The texels at as many places as a register holds.
+/// The texels at as many places as a register holds; `by_gathers`, where there are instructions for that, or one by one.
 ///
 /// # Panics
 /// If one of the places lies outside of the texels, or there are fewer.
 #[inline(always)]
-pub(super) fn gather<S: Simd>(simd: S, texels: &[u32], places: &[u32]) -> S::u32s {
+pub(super) fn gather<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places: &[u32]) -> S::u32s {
     let places = &places[..S::u32s::LEN];
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = simd.level().as_avx512() {
+    if by_gathers && let Some(avx512) = simd.level().as_avx512() {
         let texels: u32x16<_> =
             x86::gather(avx512, texels, u32x16::from_slice(avx512, places).into()).simd_into(avx512);
         return S::u32s::from_slice(simd, &texels.to_array());
@@ -31,23 +31,31 @@ pub(super) fn gather<S: Simd>(simd: S, texels: &[u32], places: &[u32]) -> S::u32
 /// The upper left, upper right, lower left and lower right texels of as many quads as a register holds, from rows of texels and
 /// the rows below those, by the places of the left ones.
 ///
-/// Where no instruction gathers them quickly they are read one by one: AVX2 has one, but many processors take as long for it as
+/// They are read `by_gathers` or one by one. AVX2 has an instruction for it, too, but many processors take as long for that as
 /// for single reads, and those that had to be kept from leaking what they gather (CVE-2022-40982) several times as long.
 ///
 /// # Panics
 /// If a quad lies outside of the texels.
 #[inline(always)]
-pub(super) fn quads<S: Simd>(simd: S, [upper, lower]: [&[u32]; 2], places: &[u32]) -> [S::u32s; 4] {
+pub(super) fn quads<S: Simd>(simd: S, by_gathers: bool, [upper, lower]: [&[u32]; 2], places: &[u32]) -> [S::u32s; 4] {
     // Of one length, so that one test is enough for both.
     let rows = [&upper[..lower.len()], lower];
     #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = simd.level().as_avx512() {
+    if by_gathers && let Some(avx512) = simd.level().as_avx512() {
         let [upper, lower] = each!(row in [0, 1] => {
             x86::gather_pairs(avx512, rows[row], u32x16::from_slice(avx512, &places[..WIDE]).into())
         });
         return each!(texels in [upper[0], upper[1], lower[0], lower[1]] => {
             let texels: u32x16<_> = texels.simd_into(avx512);
             S::u32s::from_slice(simd, &texels.to_array())
+        });
+    }
+    if S::u32s::LEN == WIDE {
+        let corners = transpose_wide(each!(lane in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
+            u32x4::from_slice(simd, &quad_at(rows, places[lane])).bitcast::<f32x4<S>>()
+        }));
+        return each!(corner in [0, 1, 2, 3] => {
+            S::u32s::from_slice(simd, &corners[corner].bitcast::<u32x16<S>>().to_array())
         });
     }
     if S::u32s::LEN == LANES {
@@ -132,8 +140,8 @@ mod tests {
 
     /// The quads at as many places as a register holds, the way these lanes read them.
     #[inline(always)]
-    fn quads_at<S: Simd>(simd: S, texels: &[u32], places: &[u32]) -> [Vec<u32>; 4] {
-        quads(simd, [texels, &texels[STRIDE..]], places).map(|texels| texels.as_slice().to_vec())
+    fn quads_at<S: Simd>(simd: S, by_gathers: bool, texels: &[u32], places: &[u32]) -> [Vec<u32>; 4] {
+        quads(simd, by_gathers, [texels, &texels[STRIDE..]], places).map(|texels| texels.as_slice().to_vec())
     }
 
     /// The last of the places that these lanes read at once.
@@ -149,12 +157,12 @@ mod tests {
     fn texels_are_those_at_their_places() {
         let texels = texels();
         let mut random = fastrand::Rng::with_seed(7);
-        for lanes in Lanes::all() {
+        for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
             for _ in 0..100 {
                 let places: [u32; WIDE] = std::array::from_fn(|_| random.u32(0..899));
                 let (one, quads) = on_lanes!(lanes, simd => {
-                    let one = gather(simd, &texels, &places).as_slice().to_vec();
-                    (one, quads_at(simd, &texels, &places))
+                    let one = gather(simd, by_gathers, &texels, &places).as_slice().to_vec();
+                    (one, quads_at(simd, by_gathers, &texels, &places))
                 });
                 let expected = |beyond: usize| -> Vec<u32> {
                     places[..one.len()].iter().map(|place| texels[*place as usize + beyond]).collect()
@@ -169,7 +177,7 @@ mod tests {
     fn places_beyond_the_texels_are_refused() {
         let texels = texels();
         let cases = [(899, true), (1000, false), (u32::MAX, true), (u32::MAX, false), (i32::MAX as u32 + 1, true)];
-        for lanes in Lanes::all() {
+        for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
             for (place, of_quad) in cases {
                 for lane in [0, last_lane(lanes)] {
                     let mut places = [0; WIDE];
@@ -177,9 +185,9 @@ mod tests {
                     let refused = std::panic::catch_unwind(|| {
                         on_lanes!(lanes, simd => {
                             if of_quad {
-                                quads_at(simd, &texels, &places)[0][0]
+                                quads_at(simd, by_gathers, &texels, &places)[0][0]
                             } else {
-                                gather(simd, &texels, &places).as_slice()[0]
+                                gather(simd, by_gathers, &texels, &places).as_slice()[0]
                             }
                         })
                     });

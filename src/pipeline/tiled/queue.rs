@@ -135,11 +135,11 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             // Loops, as the closure of `for_each` may fail to be compiled for the chosen instructions.
             match shader.plan {
                 Plan::COMMON => {
-                    // A copy, which nothing that is written can be part of: it is read once for all pairs.
-                    let shader = &{ *shader };
-                    let Some(texture) = &shader.texture else { return };
-                    for (pair, taps) in pairs.iter().zip(taps) {
-                        finish_pair(simd, (shader, Some(texture)), Plan::COMMON, (pair, (taps, None)), pixels);
+                    let Some(texture) = shader.texture else { return };
+                    if texture.gathers {
+                        finish_common(simd, shader, texture.that_gathers(true), (pairs, taps), pixels);
+                    } else {
+                        finish_common(simd, shader, texture.that_gathers(false), (pairs, taps), pixels);
                     }
                 }
                 plan if plan.mipmapped => {
@@ -156,6 +156,22 @@ pub(super) fn flush<S: Simd>(simd: S, frame: &Frame<'_>, queue: &mut Queue, pixe
             }
         },
     );
+}
+
+/// [`finish_pair`] for pairs of rows of the most common plan. Shader and texture are copies, which nothing that is written can be
+/// part of, so that they are read once for all pairs, and it is known before whether texels are gathered.
+#[inline(always)]
+fn finish_common<S: Simd>(
+    simd: S,
+    shader: &DrawShader<'_>,
+    texture: TextureReader<'_>,
+    (pairs, taps): (&[QueuedPair], &[Taps]),
+    pixels: &mut [Rgba8],
+) {
+    let shader = &{ *shader };
+    for (pair, taps) in pairs.iter().zip(taps) {
+        finish_pair(simd, (shader, Some(&texture)), Plan::COMMON, (pair, (taps, None)), pixels);
+    }
 }
 
 /// [`finish_pair`] for pairs of rows of a blended draw.

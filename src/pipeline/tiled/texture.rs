@@ -37,6 +37,8 @@ pub(super) struct TextureReader<'a> {
     /// The same as floats.
     pub(super) extent: [f32; 2],
     pub(super) sampler: Sampler,
+    /// Texels are read by the instructions that gather.
+    pub(super) gathers: bool,
 }
 
 /// Rows of texels, each with one more at its end, and one more row after the last.
@@ -85,7 +87,23 @@ impl<'a> TextureReader<'a> {
         let extent = [width as f32, height as f32];
         let stride = width as usize + 1;
         let (texels, linear) = (Rows::new(texels, stride), Rows::new(linear, stride));
-        Self { layout, texels, linear, levels, stride: stride as i32, size, extent, sampler }
+        Self {
+            layout,
+            texels,
+            linear,
+            levels,
+            stride: stride as i32,
+            size,
+            extent,
+            sampler,
+            gathers: gathers_are_quick(),
+        }
+    }
+
+    /// The same, with texels read by the instructions that gather or one by one.
+    #[inline(always)]
+    pub(super) fn that_gathers(self, gathers: bool) -> Self {
+        Self { gathers, ..self }
     }
 
     /// Tells textures apart.
@@ -213,11 +231,13 @@ impl<'a> TextureReader<'a> {
         let scales = self.scales();
         let texels = match layout {
             Layout::Single => {
-                let codes = codes::<S>(gather(simd, self.texels.all, places(0)));
+                let codes = codes::<S>(gather(simd, self.gathers, self.texels.all, places(0)));
                 return each!(channel in [0, 1, 2, 3] => codes[channel] * scales[channel]);
             }
-            Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.texels.all, places(tap))),
-            Layout::Quads | Layout::PowerOfTwoQuads => quads(simd, [self.texels.all, self.texels.below], places(0)),
+            Layout::Four => each!(tap in [0, 1, 2, 3] => gather(simd, self.gathers, self.texels.all, places(tap))),
+            Layout::Quads | Layout::PowerOfTwoQuads => {
+                quads(simd, self.gathers, [self.texels.all, self.texels.below], places(0))
+            }
         };
         let weights = weights(
             simd,
