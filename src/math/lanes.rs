@@ -223,11 +223,25 @@ pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
 /// Sixteen rows of four floats as four columns.
 #[inline(always)]
 pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
+    #[cfg(target_arch = "x86_64")]
+    let simd = r[0].simd;
     if <S::f32s as SimdBase<S>>::LEN < WIDE {
         let [low, high] = each!(i in [0, LANES] => {
             transpose_quads(each!(row in [0, 1, 2, 3, 4, 5, 6, 7] => r[i + row]))
         });
         return each!(column in [0, 1, 2, 3] => low[column].combine(high[column]));
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = simd.level().as_avx512() {
+        let rows = each!(i in [0, 1, 2, 3] => {
+            let row = r[i].combine(r[i + 4]).combine(r[i + 8].combine(r[i + 12]));
+            f32x16::load_array(avx512, row.to_array()).into()
+        });
+        let columns = x86::transpose_quarters(avx512, rows);
+        return each!(i in [0, 1, 2, 3] => {
+            let column: f32x16<_> = columns[i].simd_into(avx512);
+            f32x16::load_array(simd, column.to_array())
+        });
     }
     let [a, b, c, d] = each!(i in [0, 4, 8, 12] => r[i].combine(r[i + 1]).combine(r[i + 2].combine(r[i + 3])));
     let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
@@ -289,6 +303,22 @@ mod x86 {
                 _mm256_unpackhi_ps(ac0, bd0),
                 _mm256_unpacklo_ps(ac1, bd1),
                 _mm256_unpackhi_ps(ac1, bd1),
+            ]
+        }
+    }
+
+    kernel! {
+        /// [`super::transpose`] for all four quarters at once.
+        #[inline]
+        pub(super) fn transpose_quarters(avx512: Avx512, rows: [__m512; 4]) -> [__m512; 4] {
+            let [a, b, c, d] = rows;
+            let (ac0, ac1) = (_mm512_unpacklo_ps(a, c), _mm512_unpackhi_ps(a, c));
+            let (bd0, bd1) = (_mm512_unpacklo_ps(b, d), _mm512_unpackhi_ps(b, d));
+            [
+                _mm512_unpacklo_ps(ac0, bd0),
+                _mm512_unpackhi_ps(ac0, bd0),
+                _mm512_unpacklo_ps(ac1, bd1),
+                _mm512_unpackhi_ps(ac1, bd1),
             ]
         }
     }

@@ -2,7 +2,8 @@
 //!
 //! Samples stand in blocks of 8 × 8. A block that one triangle covers whole, in front of everything that was there, is *plain*:
 //! its samples are neither written nor cleared, the block names the triangle alone. Samples are written out when a
-//! triangle first covers a plain block in part. Of every block the least and greatest stored depth are known, so that a
+//! triangle first covers a plain block in part; as long as one triangle covers all of the tile it is not even looked at block by
+//! block. Of every block the least and greatest stored depth are known, so that a
 //! triangle that lies behind all of it is not looked at there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
 //! SIGGRAPH 1993).
 
@@ -40,6 +41,16 @@ impl AddAssign for TileCounts {
     }
 }
 
+/// A triangle that covers a whole tile, in front of everything that was there, or the background.
+#[derive(Clone, Copy, Debug)]
+struct Surface {
+    /// Bounds of the stored depths.
+    least: f32,
+    greatest: f32,
+    /// None of the background.
+    plane: Option<DepthPlane>,
+}
+
 /// A tile. Memory is kept from tile to tile.
 #[derive(Clone, Debug)]
 pub(super) struct Tile {
@@ -49,9 +60,11 @@ pub(super) struct Tile {
     depths: Vec<f32>,
     /// The triangle of each plain block.
     owners: [u32; BLOCKS * BLOCKS],
-    /// Bounds of the stored depths of each block.
+    /// Bounds of the stored depths of each block, unless one surface holds them all.
     least: [f32; BLOCKS * BLOCKS],
     greatest: [f32; BLOCKS * BLOCKS],
+    /// What all samples show: of blocks bounds are only found when a triangle is drawn into some of them.
+    surface: Option<Surface>,
     /// A bit for each plain block.
     plain: u64,
     /// Bounds are kept. They cost more than they save where triangles are as small as blocks.
@@ -67,6 +80,7 @@ impl Tile {
             owners: [Slot::NONE.0; BLOCKS * BLOCKS],
             least: [0.0; BLOCKS * BLOCKS],
             greatest: [0.0; BLOCKS * BLOCKS],
+            surface: None,
             plain: u64::MAX,
             bounded: true,
             counts: TileCounts::default(),
@@ -85,10 +99,10 @@ impl Tile {
         if bounded {
             self.plain = u64::MAX;
             self.owners = [Slot::NONE.0; BLOCKS * BLOCKS];
-            self.least = [rules.clear; BLOCKS * BLOCKS];
-            self.greatest = [rules.clear; BLOCKS * BLOCKS];
+            self.surface = Some(Surface { least: rules.clear, greatest: rules.clear, plane: None });
         } else {
             self.plain = 0;
+            self.surface = None;
             self.ids.fill(Slot::NONE.0);
             if rules.stored {
                 self.depths.fill(rules.clear);
@@ -183,6 +197,7 @@ impl Tile {
                 let ([top, bottom], last) = (triangle.rows, triangle.columns[1]);
                 let end = start + LANES * (1 + (last - start) / LANES);
                 if self.bounded {
+                    self.part_bounds(simd, locations.lattice(), rules);
                     let columns = [start / BLOCK, last / BLOCK];
                     let mut in_sight = false;
                     for by in top / BLOCK..=bottom / BLOCK {
@@ -308,7 +323,9 @@ impl Tile {
             || {
                 let lattice = locations.lattice();
                 let plane = DepthPlane::new(triangle, lattice.tile_extent(), rules);
-                if self.hides(simd, &plane, lattice, rules) {
+                if self.meets_one_surface(simd, triangle, &plane, lattice, rules)
+                    || self.hides(simd, &plane, lattice, rules)
+                {
                     return;
                 }
                 let Setup { edges, columns, rows, .. } = triangle;
@@ -363,6 +380,56 @@ impl Tile {
         );
     }
 
+    /// Draws a large triangle where all samples show one surface, if it lies behind that or covers it; else parts the surface,
+    /// and gives false.
+    #[inline(always)]
+    fn meets_one_surface<S: Simd, E: EdgeNumber>(
+        &mut self,
+        simd: S,
+        triangle: &Setup<E>,
+        plane: &DepthPlane,
+        lattice: &Lattice,
+        rules: &DepthRules,
+    ) -> bool {
+        let Some(surface) = self.surface else { return false };
+        let first = (F64::splat(simd, 0.0), 0.0);
+        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
+        let stored = each!(bound in [surface.least, surface.greatest] => F32::splat(simd, bound));
+        let (hidden, in_front) = compare_bounds(bounds, stored, rules.comparison);
+        if hidden != 0 {
+            return true;
+        }
+        if in_front == 0 || !triangle.covers_tile {
+            self.part_bounds(simd, lattice, rules);
+            return false;
+        }
+        let [least, greatest] = each!(bound in [0, 1] => bounds[bound].as_slice()[0]);
+        self.surface = Some(Surface { least, greatest, plane: Some(*plane) });
+        self.owners = [triangle.slot.0; BLOCKS * BLOCKS];
+        self.plain = u64::MAX;
+        let rows_of_blocks = triangle.rows[1] / BLOCK + 1 - triangle.rows[0] / BLOCK;
+        self.counts.plain += (rows_of_blocks * BLOCK * TILE) as u64;
+        true
+    }
+
+    /// Finds the bounds of all blocks where one surface held them.
+    #[inline(always)]
+    fn part_bounds<S: Simd>(&mut self, simd: S, lattice: &Lattice, rules: &DepthRules) {
+        let Some(Surface { least, greatest, plane }) = self.surface.take() else { return };
+        let Some(plane) = plane else {
+            (self.least, self.greatest) = ([least; BLOCKS * BLOCKS], [greatest; BLOCKS * BLOCKS]);
+            return;
+        };
+        let blocks = F64::load_array_ref(simd, &lattice.doubles.blocks);
+        for by in 0..BLOCKS {
+            let places = (blocks, lattice.doubles.row(by * BLOCK));
+            let [low, high] = plane.bounds(simd, places, lattice.doubles.block, rules);
+            let here = by * BLOCKS..(by + 1) * BLOCKS;
+            low.store_slice(&mut self.least[here.clone()]);
+            high.store_slice(&mut self.greatest[here]);
+        }
+    }
+
     /// Whether a triangle lies behind all that the tile holds.
     #[inline(always)]
     fn hides<S: Simd>(&self, simd: S, plane: &DepthPlane, lattice: &Lattice, rules: &DepthRules) -> bool {
@@ -402,6 +469,7 @@ impl Tile {
         simd.vectorize(
             #[inline(always)]
             || {
+                self.part_bounds(simd, locations.lattice(), rules);
                 for (bx, by) in blocks(triangle) {
                     let block = by * BLOCKS + bx;
                     if !self.may_show(triangle, block, rules) {
