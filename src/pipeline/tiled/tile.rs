@@ -231,7 +231,7 @@ impl Tile {
                     for row in top..bottom + 1 {
                         let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (column, row));
                         let covered = E::inside(e, least_inside);
-                        if covered.any_true() {
+                        if stores_by_masks::<S>() || covered.any_true() {
                             self.write(simd, triangle, e, covered, (column, row), rules);
                         }
                     }
@@ -263,7 +263,7 @@ impl Tile {
         while row <= *bottom {
             let e = locations.displaced_in_two_rows(simd, edges, next, (start, row));
             let covered = E::inside(e, least_inside);
-            if covered.any_true() {
+            if stores_by_masks::<S>() || covered.any_true() {
                 self.write_two(simd, triangle, e, covered, (start, row), rules);
             }
             next = each!(i in [0, 1, 2] => next[i] + step[i]);
@@ -293,7 +293,7 @@ impl Tile {
             let low = f32x4::from_slice(simd, &depths[..HALF]);
             let stored = low.combine(f32x4::from_slice(simd, &depths[STRIDE..]));
             passed &= passes(new, stored, rules.comparison);
-            if !passed.any_true() {
+            if !stores_by_masks::<S>() && !passed.any_true() {
                 return;
             }
             let (low, high) = passed.select(new, stored).split();
@@ -549,7 +549,7 @@ impl Tile {
         for row in touched {
             let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (bx * BLOCK, row));
             let covered = E::inside(e, least_inside);
-            if covered.any_true() {
+            if stores_by_masks::<S>() || covered.any_true() {
                 written |= self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
             }
         }
@@ -577,14 +577,14 @@ impl Tile {
             let new = depth(simd, triangle, e, rules);
             let stored = F32::from_slice(simd, depths);
             passed &= passes(new, stored, rules.comparison);
-            if !passed.any_true() {
+            if !stores_by_masks::<S>() && !passed.any_true() {
                 return false;
             }
             passed.select(new, stored).store_slice(depths);
         }
         let slot = u32x8::splat(simd, triangle.slot.0);
         passed.select(slot, u32x8::from_slice(simd, ids)).store_slice(ids);
-        true
+        !stores_by_masks::<S>() || passed.any_true()
     }
 
     /// Writes the samples of a plain block.
@@ -660,6 +660,13 @@ impl Tile {
         let block = by * BLOCKS + bx;
         (self.least[block], self.greatest[block]) = (least.reduce_min(), greatest.reduce_max());
     }
+}
+
+/// Whether some of eight lanes are stored by one quick instruction, so that it takes less time to store none of them than to find
+/// out whether there are any: whoever guesses that wrong waits for twice as long.
+#[inline(always)]
+fn stores_by_masks<S: Simd>() -> bool {
+    S::f32s::LEN >= WIDE
 }
 
 /// Columns and rows of the blocks that a triangle may touch.
