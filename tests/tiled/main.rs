@@ -314,6 +314,44 @@ fn triangles_of_all_sizes_are_sampled_alike() {
     });
 }
 
+/// Triangles over whole tiles, in front of and behind one another or crossing, and smaller ones between them, in any order: what a
+/// tile remembers of a surface that covers it must hold whatever comes next.
+#[test]
+fn layers_over_whole_tiles_give_the_same_picture() {
+    let (mut renderers, mut smooth) = (Renderers::new(), Renderers::of(SMALL));
+    common::for_seeds(60, |random| {
+        let pixel = 4.0 / SIZE.height as f32;
+        let mut positions = Vec::new();
+        for _ in 0..random.usize(2..40) {
+            let size = pixel * [6.0, 40.0, 5_000.0, 5_000.0][random.usize(..4)];
+            let middle = common::in_cube(random) * Vec3::new(3.0, 2.0, 1.0);
+            // Mostly flat, so that many lie wholly before others.
+            let tilt = if random.u32(..3) == 0 { 1.0 } else { 0.001 };
+            positions.extend(
+                [(-1.0, -0.7), (1.0, -0.7), (0.0, 1.0)]
+                    .map(|(x, y)| middle + Vec3::new(x, y, tilt * (random.f32() - 0.5)) * Vec3::new(size, size, 1.0)),
+            );
+        }
+        let triangles = (0..positions.len() as u32 / 3).map(|i| [0, 1, 2].map(|corner| i * 3 + corner)).collect();
+        let mut textures = [(); 2].map(|()| common::noise_texture(random));
+        if random.u32(..4) == 0 {
+            textures = textures.map(|image| common::with_alpha(random, &image, &[0, 255]));
+        }
+        let mut scene =
+            SceneBuilder::new(Vec3::Z * 3.0).with(common::mesh(positions, triangles), Mat4::IDENTITY, Some(textures));
+        scene.0.home.projection = Projection::Orthographic { height: 4.0 };
+        let scene = Arc::new(scene.0);
+        let mut recipe = Recipe::default();
+        recipe.pipeline.culling = Culling::None;
+        recipe.pipeline.depth_test = DepthTest::ALL[random.usize(..DepthTest::ALL.len())];
+        recipe.pipeline.depth_format = DepthFormat::ALL[random.usize(..DepthFormat::ALL.len())];
+        renderers.check("layers", &scene, &scene.home, &recipe);
+        for of in [multisampled(&[Samples::Four]), jittered(&[Samples::Four])] {
+            smooth.check("layers", &scene, &scene.home, &Recipe { pipeline: recipe.pipeline, ..of[0] });
+        }
+    });
+}
+
 #[test]
 fn views_from_within_the_scene_give_the_same_picture() {
     let (mut renderers, mut smooth) = (Renderers::new(), Renderers::of(SMALL));
