@@ -224,15 +224,7 @@ pub fn rows_of_quads<S: Simd>(columns: [F32<S>; 4]) -> [f32x4<S>; LANES] {
 #[inline(always)]
 pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
     #[cfg(target_arch = "x86_64")]
-    let simd = r[0].simd;
-    if <S::f32s as SimdBase<S>>::LEN < WIDE {
-        let [low, high] = each!(i in [0, LANES] => {
-            transpose_quads(each!(row in [0, 1, 2, 3, 4, 5, 6, 7] => r[i + row]))
-        });
-        return each!(column in [0, 1, 2, 3] => low[column].combine(high[column]));
-    }
-    #[cfg(target_arch = "x86_64")]
-    if let Some(avx512) = simd.level().as_avx512() {
+    if let Some(avx512) = r[0].simd.level().as_avx512() {
         let rows = each!(i in [0, 1, 2, 3] => {
             let row = r[i].combine(r[i + 4]).combine(r[i + 8].combine(r[i + 12]));
             f32x16::load_array(avx512, row.to_array()).into()
@@ -240,13 +232,13 @@ pub fn transpose_wide<S: Simd>(r: [f32x4<S>; WIDE]) -> [f32x16<S>; 4] {
         let columns = x86::transpose_quarters(avx512, rows);
         return each!(i in [0, 1, 2, 3] => {
             let column: f32x16<_> = columns[i].simd_into(avx512);
-            f32x16::load_array(simd, column.to_array())
+            f32x16::load_array(r[0].simd, column.to_array())
         });
     }
-    let [a, b, c, d] = each!(i in [0, 4, 8, 12] => r[i].combine(r[i + 1]).combine(r[i + 2].combine(r[i + 3])));
-    let ((wy, xz), (wy_end, xz_end)) = (a.deinterleave(b), c.deinterleave(d));
-    let ((w, y), (x, z)) = (wy.deinterleave(wy_end), xz.deinterleave(xz_end));
-    [w, x, y, z]
+    let [low, high] = each!(i in [0, LANES] => {
+        transpose_quads(each!(row in [0, 1, 2, 3, 4, 5, 6, 7] => r[i + row]))
+    });
+    each!(column in [0, 1, 2, 3] => low[column].combine(high[column]))
 }
 
 /// Each number of the lower and of the upper half, four times.

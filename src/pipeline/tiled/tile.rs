@@ -43,7 +43,7 @@ impl AddAssign for TileCounts {
 
 /// A triangle that covers a whole tile, in front of everything that was there, or the background.
 #[derive(Clone, Copy, Debug)]
-struct Surface {
+struct Backdrop {
     /// Bounds of the stored depths.
     least: f32,
     greatest: f32,
@@ -60,11 +60,11 @@ pub(super) struct Tile {
     depths: Vec<f32>,
     /// The triangle of each plain block.
     owners: [u32; BLOCKS * BLOCKS],
-    /// Bounds of the stored depths of each block, unless one surface holds them all.
+    /// Bounds of the stored depths of each block, unless there is a backdrop.
     least: [f32; BLOCKS * BLOCKS],
     greatest: [f32; BLOCKS * BLOCKS],
-    /// What all samples show: of blocks bounds are only found when a triangle is drawn into some of them.
-    surface: Option<Surface>,
+    /// What all samples show: bounds of blocks are only found when a triangle is drawn into some of them.
+    backdrop: Option<Backdrop>,
     /// A bit for each plain block.
     plain: u64,
     /// Bounds are kept. They cost more than they save where triangles are as small as blocks.
@@ -80,7 +80,7 @@ impl Tile {
             owners: [Slot::NONE.0; BLOCKS * BLOCKS],
             least: [0.0; BLOCKS * BLOCKS],
             greatest: [0.0; BLOCKS * BLOCKS],
-            surface: None,
+            backdrop: None,
             plain: u64::MAX,
             bounded: true,
             counts: TileCounts::default(),
@@ -99,10 +99,10 @@ impl Tile {
         if bounded {
             self.plain = u64::MAX;
             self.owners = [Slot::NONE.0; BLOCKS * BLOCKS];
-            self.surface = Some(Surface { least: rules.clear, greatest: rules.clear, plane: None });
+            self.backdrop = Some(Backdrop { least: rules.clear, greatest: rules.clear, plane: None });
         } else {
             self.plain = 0;
-            self.surface = None;
+            self.backdrop = None;
             self.ids.fill(Slot::NONE.0);
             if rules.stored {
                 self.depths.fill(rules.clear);
@@ -323,7 +323,7 @@ impl Tile {
             || {
                 let lattice = locations.lattice();
                 let plane = DepthPlane::new(triangle, lattice.tile_extent(), rules);
-                if self.meets_one_surface(simd, triangle, &plane, lattice, rules)
+                if self.meets_backdrop(simd, triangle, &plane, lattice, rules)
                     || self.hides(simd, &plane, lattice, rules)
                 {
                     return;
@@ -380,10 +380,10 @@ impl Tile {
         );
     }
 
-    /// Draws a large triangle where all samples show one surface, if it lies behind that or covers it; else parts the surface,
-    /// and gives false.
+    /// Whether a triangle lies behind a backdrop, or takes its place. If neither, there is none any more: bounds of blocks are
+    /// known.
     #[inline(always)]
-    fn meets_one_surface<S: Simd, E: EdgeNumber>(
+    fn meets_backdrop<S: Simd, E: EdgeNumber>(
         &mut self,
         simd: S,
         triangle: &Setup<E>,
@@ -391,10 +391,10 @@ impl Tile {
         lattice: &Lattice,
         rules: &DepthRules,
     ) -> bool {
-        let Some(surface) = self.surface else { return false };
+        let Some(backdrop) = self.backdrop else { return false };
         let first = (F64::splat(simd, 0.0), 0.0);
         let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
-        let stored = each!(bound in [surface.least, surface.greatest] => F32::splat(simd, bound));
+        let stored = each!(bound in [backdrop.least, backdrop.greatest] => F32::splat(simd, bound));
         let (hidden, in_front) = compare_bounds(bounds, stored, rules.comparison);
         if hidden != 0 {
             return true;
@@ -404,7 +404,7 @@ impl Tile {
             return false;
         }
         let [least, greatest] = each!(bound in [0, 1] => bounds[bound].as_slice()[0]);
-        self.surface = Some(Surface { least, greatest, plane: Some(*plane) });
+        self.backdrop = Some(Backdrop { least, greatest, plane: Some(*plane) });
         self.owners = [triangle.slot.0; BLOCKS * BLOCKS];
         self.plain = u64::MAX;
         let rows_of_blocks = triangle.rows[1] / BLOCK + 1 - triangle.rows[0] / BLOCK;
@@ -412,10 +412,10 @@ impl Tile {
         true
     }
 
-    /// Finds the bounds of all blocks where one surface held them.
+    /// Finds the bounds of all blocks where there was a backdrop.
     #[inline(always)]
     fn part_bounds<S: Simd>(&mut self, simd: S, lattice: &Lattice, rules: &DepthRules) {
-        let Some(Surface { least, greatest, plane }) = self.surface.take() else { return };
+        let Some(Backdrop { least, greatest, plane }) = self.backdrop.take() else { return };
         let Some(plane) = plane else {
             (self.least, self.greatest) = ([least; BLOCKS * BLOCKS], [greatest; BLOCKS * BLOCKS]);
             return;
