@@ -18,6 +18,31 @@ pub(super) struct DepthRules {
     pub(super) stored: bool,
 }
 
+impl DepthRules {
+    /// What most frames have: with `COMMON`, of rules that are, the compiler knows it.
+    #[inline(always)]
+    pub(super) fn known<const COMMON: bool>(self) -> Self {
+        if COMMON {
+            Self {
+                comparison: Comparison::Less,
+                encoding: DepthEncoding::F32,
+                linear_in_space: false,
+                stored: true,
+                ..self
+            }
+        } else {
+            self
+        }
+    }
+
+    /// Whether these rules are those.
+    #[inline(always)]
+    pub(super) fn are_common(&self) -> bool {
+        let Self { comparison, encoding, linear_in_space, stored, .. } = *self;
+        comparison == Comparison::Less && encoding == DepthEncoding::F32 && !linear_in_space && stored
+    }
+}
+
 /// The depths that pass.
 #[inline(always)]
 pub(super) fn passes<S: Simd>(new: F32<S>, stored: F32<S>, comparison: Comparison) -> mask32x8<S> {
