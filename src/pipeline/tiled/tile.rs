@@ -2,22 +2,24 @@
 //!
 //! Samples stand in blocks of 8 × 8. A block that one triangle covers whole, in front of everything that was there, is *plain*:
 //! its samples are neither written nor cleared, the block names the triangle alone. Samples are written out when a
-//! triangle first covers a plain block in part; as long as one triangle covers all of the tile it is not even looked at block by
-//! block. Of every block the least and greatest stored depth are known, so that a
+//! triangle first covers a plain block in part. Of every block the least and greatest stored depth are known, so that a
 //! triangle that lies behind all of it is not looked at there (Greene, Kass and Miller, "Hierarchical Z-buffer visibility",
-//! SIGGRAPH 1993).
+//! SIGGRAPH 1993). As long as all blocks show one triangle, or nothing, that is known of the tile alone.
+
+mod bounds;
 
 use std::ops::{AddAssign, Range};
 
-use super::depths::{DepthPlane, DepthRules, compare_bounds, depth, passes, whole_depths};
+use bounds::Backdrop;
+
+use super::depths::{DepthPlane, DepthRules, compare_bounds, depth, passes};
 use super::edge_number::EdgeNumber;
-use super::lattice::{BLOCK, BLOCKS, Lattice, TILE};
+use super::lattice::{BLOCK, BLOCKS, TILE};
 use super::locations::{Locations, Rows, edge_values};
 use super::record::Slot;
 use super::setup::{Edges, Setup};
 use super::tested::TestedRows;
 use crate::math::lanes::*;
-use crate::pipeline::depth::Comparison;
 
 /// From one row of samples to the next in memory: rows may be read and written eight samples beyond the last block.
 pub(super) const STRIDE: usize = TILE + LANES;
@@ -39,16 +41,6 @@ impl AddAssign for TileCounts {
         self.visited += more.visited;
         self.plain += more.plain;
     }
-}
-
-/// A triangle that covers a whole tile, in front of everything that was there, or the background.
-#[derive(Clone, Copy, Debug)]
-struct Backdrop {
-    /// Bounds of the stored depths.
-    least: f32,
-    greatest: f32,
-    /// None of the background.
-    plane: Option<DepthPlane>,
 }
 
 /// A tile. Memory is kept from tile to tile.
@@ -237,7 +229,7 @@ impl Tile {
                     for row in top..bottom + 1 {
                         let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (column, row));
                         let covered = E::inside(e, least_inside);
-                        if stores_by_masks::<S>() || covered.any_true() {
+                        if is_worth_storing(covered) {
                             self.write(simd, triangle, e, covered, (column, row), rules);
                         }
                     }
@@ -269,7 +261,7 @@ impl Tile {
         while row <= *bottom {
             let e = locations.displaced_in_two_rows(simd, edges, next, (start, row));
             let covered = E::inside(e, least_inside);
-            if stores_by_masks::<S>() || covered.any_true() {
+            if is_worth_storing(covered) {
                 self.write_two(simd, triangle, e, covered, (start, row), rules);
             }
             next = each!(i in [0, 1, 2] => next[i] + step[i]);
@@ -299,7 +291,7 @@ impl Tile {
             let low = f32x4::from_slice(simd, &depths[..HALF]);
             let stored = low.combine(f32x4::from_slice(simd, &depths[STRIDE..]));
             passed &= passes(new, stored, rules.comparison);
-            if !stores_by_masks::<S>() && !passed.any_true() {
+            if !is_worth_storing(passed) {
                 return;
             }
             let (low, high) = passed.select(new, stored).split();
@@ -384,80 +376,6 @@ impl Tile {
                 }
             },
         );
-    }
-
-    /// Whether a triangle lies behind a backdrop, or takes its place. If neither, there is none any more: bounds of blocks are
-    /// known.
-    #[inline(always)]
-    fn meets_backdrop<S: Simd, E: EdgeNumber>(
-        &mut self,
-        simd: S,
-        triangle: &Setup<E>,
-        plane: &DepthPlane,
-        lattice: &Lattice,
-        rules: &DepthRules,
-    ) -> bool {
-        let Some(backdrop) = self.backdrop else { return false };
-        let first = (F64::splat(simd, 0.0), 0.0);
-        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
-        let stored = each!(bound in [backdrop.least, backdrop.greatest] => F32::splat(simd, bound));
-        let (hidden, in_front) = compare_bounds(bounds, stored, rules.comparison);
-        if hidden != 0 {
-            return true;
-        }
-        if in_front == 0 || !triangle.covers_tile {
-            self.part_bounds(simd, lattice, rules);
-            return false;
-        }
-        let [least, greatest] = each!(bound in [0, 1] => bounds[bound].as_slice()[0]);
-        self.backdrop = Some(Backdrop { least, greatest, plane: Some(*plane) });
-        self.owners = [triangle.slot.0; BLOCKS * BLOCKS];
-        self.plain = u64::MAX;
-        let rows_of_blocks = triangle.rows[1] / BLOCK + 1 - triangle.rows[0] / BLOCK;
-        self.counts.plain += (rows_of_blocks * BLOCK * TILE) as u64;
-        true
-    }
-
-    /// Finds the bounds of all blocks where there was a backdrop.
-    #[inline(always)]
-    fn part_bounds<S: Simd>(&mut self, simd: S, lattice: &Lattice, rules: &DepthRules) {
-        let Some(Backdrop { least, greatest, plane }) = self.backdrop.take() else { return };
-        let Some(plane) = plane else {
-            (self.least, self.greatest) = ([least; BLOCKS * BLOCKS], [greatest; BLOCKS * BLOCKS]);
-            return;
-        };
-        let blocks = F64::load_array_ref(simd, &lattice.doubles.blocks);
-        for by in 0..BLOCKS {
-            let places = (blocks, lattice.doubles.row(by * BLOCK));
-            let [low, high] = plane.bounds(simd, places, lattice.doubles.block, rules);
-            let here = by * BLOCKS..(by + 1) * BLOCKS;
-            low.store_slice(&mut self.least[here.clone()]);
-            high.store_slice(&mut self.greatest[here]);
-        }
-    }
-
-    /// Whether a triangle lies behind all that the tile holds.
-    #[inline(always)]
-    fn hides<S: Simd>(&self, simd: S, plane: &DepthPlane, lattice: &Lattice, rules: &DepthRules) -> bool {
-        // A triangle that would be in front at the first sample is not behind everywhere: mostly that is enough to know.
-        let in_front = match rules.comparison {
-            Comparison::Always => true,
-            Comparison::Less | Comparison::LessEqual => plane.at_first() < self.greatest[0].into(),
-            Comparison::Greater | Comparison::GreaterEqual => plane.at_first() > self.least[0].into(),
-        };
-        if in_front || !self.bounded || !rules.stored {
-            return false;
-        }
-        let first = (F64::splat(simd, 0.0), 0.0);
-        let bounds = plane.bounds(simd, first, lattice.tile_extent(), rules);
-        // Eight columns of blocks.
-        let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
-        for row in 0..BLOCKS {
-            let row = row * BLOCKS..(row + 1) * BLOCKS;
-            least = least.min(F32::from_slice(simd, &self.least[row.clone()]));
-            greatest = greatest.max(F32::from_slice(simd, &self.greatest[row]));
-        }
-        compare_bounds(bounds, [least, greatest], rules.comparison).0 == 0xFF
     }
 
     /// Draws those samples of a triangle that `keep` wants: it is told which pass the depth test, of two rows at a time, and says
@@ -555,7 +473,7 @@ impl Tile {
         for row in touched {
             let e = locations.displaced(simd, edges, rows.next(edges, row, lattice), (bx * BLOCK, row));
             let covered = E::inside(e, least_inside);
-            if stores_by_masks::<S>() || covered.any_true() {
+            if is_worth_storing(covered) {
                 written |= self.write(simd, triangle, e, covered, (bx * BLOCK, row), rules);
             }
         }
@@ -583,14 +501,14 @@ impl Tile {
             let new = depth(simd, triangle, e, rules);
             let stored = F32::from_slice(simd, depths);
             passed &= passes(new, stored, rules.comparison);
-            if !stores_by_masks::<S>() && !passed.any_true() {
+            if !is_worth_storing(passed) {
                 return false;
             }
             passed.select(new, stored).store_slice(depths);
         }
         let slot = u32x8::splat(simd, triangle.slot.0);
         passed.select(slot, u32x8::from_slice(simd, ids)).store_slice(ids);
-        !stores_by_masks::<S>() || passed.any_true()
+        passed.any_true()
     }
 
     /// Writes the samples of a plain block.
@@ -630,49 +548,13 @@ impl Tile {
             },
         );
     }
-
-    /// Whether a triangle may pass the depth test anywhere in a block.
-    #[inline(always)]
-    fn may_show<E: EdgeNumber>(&self, triangle: &Setup<E>, block: usize, rules: &DepthRules) -> bool {
-        let [low, high] = whole_depths(triangle, rules);
-        match rules.comparison {
-            Comparison::Always => true,
-            Comparison::Less => low < self.greatest[block],
-            Comparison::LessEqual => low <= self.greatest[block],
-            Comparison::Greater => high > self.least[block],
-            Comparison::GreaterEqual => high >= self.least[block],
-        }
-    }
-
-    /// Lets the bounds of a block hold after a triangle was drawn into it.
-    #[inline(always)]
-    fn widen_bounds<E: EdgeNumber>(&mut self, triangle: &Setup<E>, block: usize, rules: &DepthRules) {
-        let [low, high] = whole_depths(triangle, rules);
-        match rules.comparison {
-            Comparison::Less | Comparison::LessEqual => self.least[block] = self.least[block].min(low),
-            Comparison::Greater | Comparison::GreaterEqual => self.greatest[block] = self.greatest[block].max(high),
-            Comparison::Always => {}
-        }
-    }
-
-    /// The bounds of a block from its samples.
-    #[inline(always)]
-    fn measure_bounds<S: Simd>(&mut self, simd: S, (bx, by): (usize, usize)) {
-        let (mut least, mut greatest) = (F32::splat(simd, f32::INFINITY), F32::splat(simd, f32::NEG_INFINITY));
-        for row in by * BLOCK..(by + 1) * BLOCK {
-            let depths = F32::from_slice(simd, &self.depths[row * STRIDE + bx * BLOCK..][..LANES]);
-            (least, greatest) = (least.min(depths), greatest.max(depths));
-        }
-        let block = by * BLOCKS + bx;
-        (self.least[block], self.greatest[block]) = (least.reduce_min(), greatest.reduce_max());
-    }
 }
 
-/// Whether some of eight lanes are stored by one quick instruction, so that it takes less time to store none of them than to find
-/// out whether there are any: whoever guesses that wrong waits for twice as long.
+/// Whether eight samples are gone on with, those of them that have a bit: if there are any, or where lanes are stored by masks. There
+/// it takes less time to store none than to find out whether there are any, as whoever guesses that wrong waits for twice as long.
 #[inline(always)]
-fn stores_by_masks<S: Simd>() -> bool {
-    S::f32s::LEN >= WIDE
+fn is_worth_storing<S: Simd>(some: mask32x8<S>) -> bool {
+    S::f32s::LEN >= WIDE || some.any_true()
 }
 
 /// Columns and rows of the blocks that a triangle may touch.
