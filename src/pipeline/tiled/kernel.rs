@@ -9,10 +9,9 @@ use super::Frame;
 use super::gather::Taps;
 use super::geometry::lambert_lanes;
 use super::lattice::{BLOCK, Lattice, TILE};
-use super::locations::Locations;
 use super::mipmap::CoarseTaps;
 use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
-use super::record::{Entrants, One, Record, Source, Subject};
+use super::record::{One, Record, Source, Subject};
 use super::setup::Edges;
 use super::shader::{DrawShader, Light, Plan};
 use super::target::Picture;
@@ -262,97 +261,6 @@ pub(super) fn one_by_one(
     }
 }
 
-/// Where sixteen samples lie, and where their colours go.
-pub(super) trait Spots: Copy {
-    /// Right of and below the centre of the tile's first pixel, in grid steps.
-    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
-
-    /// Of the samples that have a bit, eight by eight.
-    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2];
-}
-
-/// Eight samples of the first row of a patch, and eight of the row below it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct RowPair<'a, L> {
-    pub(super) patch: &'a Patch,
-    pub(super) locations: L,
-}
-
-impl<L: Locations> Spots for RowPair<'_, L> {
-    #[inline(always)]
-    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
-        let Patch { column, first, .. } = *self.patch;
-        self.locations.places(simd, column, [first, first + 1])
-    }
-
-    #[inline(always)]
-    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2] {
-        let Self { patch, .. } = self;
-        let [mine, below] = [mine & ALL, mine >> LANES];
-        let start = picture.start(patch, patch.first);
-        [(start, mine), (start + picture.stride, below)].map(|(start, mine)| QueuedRow::new(start, patch.count, mine))
-    }
-}
-
-/// Samples anywhere, whose colours go side by side.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Scattered<'a> {
-    /// Right of and below the centre of the tile's first pixel, in grid steps.
-    pub(super) places: [&'a [i32; WIDE]; 2],
-    /// Where the first colour goes.
-    pub(super) start: usize,
-}
-
-impl Spots for Scattered<'_> {
-    #[inline(always)]
-    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
-        each!(axis in [0, 1] => i32x16::load_array_ref(simd, self.places[axis]))
-    }
-
-    #[inline(always)]
-    fn rows(self, mine: u32, _: &Picture<'_>) -> [QueuedRow; 2] {
-        [(self.start, mine & ALL), (self.start + LANES, mine >> LANES)]
-            .map(|(start, mine)| QueuedRow::new(start, LANES, mine))
-    }
-}
-
-/// Samples of sixteen triangles that one shader is for, with a bit for each that is shaded. Edges are given of triangles that
-/// 32 bits are not enough for, each with its samples.
-#[inline(never)]
-pub(super) fn shade_gathered<S: Simd>(
-    simd: S,
-    frame: &Frame<'_>,
-    shader: usize,
-    (entrants, slots, large): (&Entrants, &[u32; WIDE], &[(u32, Edges)]),
-    (spots, mine): (impl Spots, u32),
-    queue: &mut Queue,
-    picture: &mut Picture<'_>,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let ([pair], [taps], coarse) = make_room(simd, frame, shader, 1, queue, picture.values) else { return };
-            let taps = (taps, coarse.first_mut());
-            let places = spots.places(simd);
-            let many = entrants.many(slots);
-            let e = many.edge_values(simd, places);
-            let mut e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
-            for (lanes, edges) in large {
-                let (theirs, exact) = (mask32x16::from_bitmask(simd, (*lanes).into()), exact_at(simd, edges, places));
-                e = each!(i in [0, 1, 2] => theirs.select(exact[i], e[i]));
-            }
-            let weights = corner_weights(simd, e, many.relative_inv_w(simd));
-            let weights = weights.of_some(simd, mine);
-            pair.rows = spots.rows(mine, picture);
-            let shader = &frame.shaders[shader];
-            match shader.plan {
-                Plan::COMMON => interpolate_pair(simd, shader, Plan::COMMON, many, weights, (pair, taps)),
-                plan => interpolate_pair(simd, shader, plan, many, weights, (pair, taps)),
-            }
-        },
-    );
-}
-
 /// Edge values of any triangle at places right of and below the centre of the tile's first pixel.
 #[inline(always)]
 pub(super) fn exact_at<S: Simd>(simd: S, edges: &Edges, places: [i32x16<S>; 2]) -> [f32x16<S>; 3] {
@@ -377,7 +285,7 @@ pub(super) struct Weights<S: Simd> {
 /// [`Weights`] in memory.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
-struct StoredWeights {
+pub(super) struct StoredWeights {
     of_corners: [[f32; WIDE]; 2],
     /// Only known if smaller copies of a texture are read.
     inverse_sum: [f32; WIDE],
@@ -385,7 +293,11 @@ struct StoredWeights {
 
 impl StoredWeights {
     #[inline(always)]
-    fn store<S: Simd>(&mut self, plan: Plan, Weights { of_corners: [second, third], inverse_sum }: Weights<S>) {
+    pub(super) fn store<S: Simd>(
+        &mut self,
+        plan: Plan,
+        Weights { of_corners: [second, third], inverse_sum }: Weights<S>,
+    ) {
         second.store_array(&mut self.of_corners[0]);
         third.store_array(&mut self.of_corners[1]);
         if plan.mipmapped {
@@ -394,7 +306,7 @@ impl StoredWeights {
     }
 
     #[inline(always)]
-    fn load<S: Simd>(&self, simd: S) -> Weights<S> {
+    pub(super) fn load<S: Simd>(&self, simd: S) -> Weights<S> {
         let [second, third, inverse_sum] = each!(of in [&self.of_corners[0], &self.of_corners[1], &self.inverse_sum] => f32x16::load_array_ref(simd, of));
         Weights { of_corners: [second, third], inverse_sum }
     }
@@ -442,7 +354,7 @@ pub(super) fn locate_texels<S: Simd, O: Source>(
     match coarse {
         Some(coarse) if plan.mipmapped => {
             texture.locate_in_levels(simd, layout, source, weights, (taps, coarse));
-            if O::SCATTERED {
+            if O::PREFETCHES {
                 coarse.prefetch(texture);
             }
         }
@@ -451,7 +363,7 @@ pub(super) fn locate_texels<S: Simd, O: Source>(
             texture.locate(simd, layout, [u.at(weights.of_corners), v.at(weights.of_corners)], taps);
         }
     }
-    if O::SCATTERED {
+    if O::PREFETCHES {
         texture.prefetch(taps);
     }
 }

@@ -5,9 +5,10 @@
 //! pixels they are of.
 
 use super::Frame;
-use super::kernel::{ALL, Scattered};
+use super::kernel::ALL;
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
 use super::multisample::{Picks, Planes};
+use super::pending::Scattered;
 use super::queue::Queue;
 use super::record::{Entrant, Entrants, Many, Slot, Source as _};
 use super::setup::least_inside;

@@ -7,7 +7,7 @@ use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 
 /// Four numbers that are loaded together.
-type Quad = [f32; 4];
+pub(super) type Quad = [f32; 4];
 
 /// A triangle as one tile sees it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,6 +28,18 @@ impl Record {
     /// Light at the first corner, and what it changes by to each of the others.
     const LIGHT: usize = 4;
     const QUADS: usize = 5;
+
+    /// Four numbers that are loaded together.
+    #[inline(always)]
+    pub(super) fn quad(&self, quad: usize) -> &Quad {
+        &self.quads[quad]
+    }
+
+    /// One that holds numbers from `first` on.
+    #[cfg(test)]
+    pub(super) fn numbered(first: f32) -> Self {
+        Self { quads: std::array::from_fn(|quad| std::array::from_fn(|i| first + (4 * quad + i) as f32)) }
+    }
 
     /// a, b and c of the first two edges, and the doubled area: low 32 bits.
     #[inline(always)]
@@ -96,6 +108,18 @@ impl SurfaceRecord {
     const COLOR: usize = 3;
     const QUADS: usize = 6;
 
+    /// Four numbers that are loaded together.
+    #[inline(always)]
+    pub(super) fn quad(&self, quad: usize) -> &Quad {
+        &self.quads[quad]
+    }
+
+    /// One that holds numbers from `first` on.
+    #[cfg(test)]
+    pub(super) fn numbered(first: f32) -> Self {
+        Self { quads: std::array::from_fn(|quad| std::array::from_fn(|i| first + (4 * quad + i) as f32)) }
+    }
+
     /// Fills the normals or the colours of the records of eight triangles.
     #[inline(always)]
     pub(super) fn fill_eight<S: Simd>(
@@ -159,8 +183,8 @@ impl<S: Simd> Attribute<S> {
 
 /// Where sixteen samples have what is read of their triangles from.
 pub(super) trait Source: Copy {
-    /// Triangles differ: texels that are read may lie far apart.
-    const SCATTERED: bool;
+    /// Texels are asked for before they are read, as they may lie far apart.
+    const PREFETCHES: bool;
 
     /// Four numbers of the [`Record`] of each sample's triangle.
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
@@ -247,7 +271,7 @@ pub(super) struct One<'a> {
 }
 
 impl Source for One<'_> {
-    const SCATTERED: bool = false;
+    const PREFETCHES: bool = false;
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
@@ -269,7 +293,7 @@ pub(super) struct Many<'a> {
 }
 
 impl Source for Many<'_> {
-    const SCATTERED: bool = true;
+    const PREFETCHES: bool = true;
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
@@ -351,6 +375,18 @@ impl Entrants {
         self.list.extend(keys.iter().map(|key| Entrant { key: *key, draw: draw as u32 }));
     }
 
+    /// The record of one triangle.
+    #[inline(always)]
+    pub(super) fn record(&self, slot: Slot) -> &Record {
+        &self.records[slot.place()]
+    }
+
+    /// The record of one triangle's surface; of zeros in frames that read none.
+    #[inline(always)]
+    pub(super) fn surface(&self, slot: Slot) -> &SurfaceRecord {
+        self.surfaces.get(slot.place()).unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
+    }
+
     /// How many there are; the next one's slot.
     #[inline(always)]
     pub(super) fn len(&self) -> usize {
@@ -391,21 +427,14 @@ impl Entrants {
     /// What is read of one triangle.
     #[inline(always)]
     pub(super) fn one(&self, slot: Slot) -> One<'_> {
-        One { record: &self.records[slot.place()], surface: self.surface(slot) }
+        One { record: self.record(slot), surface: self.surface(slot) }
     }
 
     /// What is read of sixteen triangles.
     #[inline(always)]
     pub(super) fn many<'a>(&'a self, slots: &'a [u32; WIDE]) -> Many<'a> {
-        let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => {
-            &self.records[Slot(slots[i]).place()]
-        });
+        let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => self.record(Slot(slots[i])));
         Many { records, entrants: self, slots }
-    }
-
-    #[inline(always)]
-    fn surface(&self, slot: Slot) -> &SurfaceRecord {
-        self.surfaces.get(slot.place()).unwrap_or(const { &SurfaceRecord { quads: [[0.0; 4]; SurfaceRecord::QUADS] } })
     }
 }
 

@@ -7,9 +7,10 @@ use std::ops::AddAssign;
 
 use super::Frame;
 use super::displaced::shade_displaced;
-use super::kernel::{ALL, Patch, RowPair, Spots, shade_gathered, shade_uniform};
+use super::kernel::{ALL, Patch, shade_uniform};
 use super::lattice::{BLOCK, BLOCKS};
 use super::locations::Locations;
+use super::pending::{Pending, RowPair, Spots};
 use super::queue::{Queue, flush};
 use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Edges;
@@ -96,6 +97,7 @@ pub(super) struct Job<'a, L> {
     locations: L,
     pub(super) entrants: &'a Entrants,
     queue: &'a mut Queue,
+    pending: Pending,
     /// Column and row among the tiles.
     pub(super) tile: (usize, usize),
     /// All samples are shaded together, whatever triangles they are of.
@@ -121,6 +123,7 @@ impl<'a, L: Locations> Job<'a, L> {
             locations,
             entrants,
             queue,
+            pending: Pending::default(),
             tile,
             alike: frame.are_all_alike(),
             exact: Vec::new(),
@@ -130,9 +133,10 @@ impl<'a, L: Locations> Job<'a, L> {
         }
     }
 
-    /// Writes what still waits for its texels.
+    /// Shades what is still pending, and writes what still waits for its texels.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(mut self, simd: S) -> Shaded {
+        self.pending.shade(simd, self.frame, self.entrants, self.queue, &mut self.picture);
         flush(simd, self.frame, self.queue, self.picture.values);
         self.shaded.texels += std::mem::take(&mut self.queue.coarse_texels);
         self.shaded
@@ -258,8 +262,10 @@ impl<'a, L: Locations> Job<'a, L> {
     ) {
         self.shaded.add(&self.frame.shaders[shader], mine.count_ones() as usize);
         self.find_large(simd, mine, slots);
-        let samples = (self.entrants, slots, self.large.as_slice());
-        shade_gathered(simd, self.frame, shader, samples, (spots, mine), self.queue, &mut self.picture);
+        if self.pending.is_full(shader) {
+            self.pending.shade(simd, self.frame, self.entrants, self.queue, &mut self.picture);
+        }
+        self.pending.push(simd, shader, (slots, &self.large), (spots, mine), &self.picture);
     }
 
     /// Those of some samples that a shader is for.

@@ -4,8 +4,9 @@
 use super::Frame;
 use super::edge_number::EdgeNumber as _;
 use super::gather::Taps;
-use super::kernel::{ALL, Patch, RowPair, Spots as _, Weights, corner_weights, interpolate_pair, locate_texels};
+use super::kernel::{ALL, Patch, Weights, corner_weights, interpolate_pair, locate_texels};
 use super::mipmap::CoarseTaps;
+use super::pending::{RowPair, Spots as _};
 use super::queue::{Queue, make_room};
 use super::record::{Source as _, Subject};
 use super::setup::{Edges, Setup};

@@ -1,0 +1,224 @@
+//! Sixteen samples that are of a few triangles: what is read of each triangle is loaded once, and dealt out to its samples.
+
+use super::record::{Entrants, Record, Slot, Source};
+use crate::math::lanes::*;
+
+/// How many triangles are few.
+const FEW: usize = LANES;
+
+/// Each sample is of one of a few triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Few<'a> {
+    records: [&'a Record; FEW],
+    entrants: &'a Entrants,
+    slots: [u32; FEW],
+    which: Which,
+}
+
+/// Which of the triangles each sample is of.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Which([u32; WIDE]);
+
+impl<'a> Few<'a> {
+    /// The triangles of those of sixteen samples that have a bit; the others are given any of these. None if there are more than a
+    /// few, or no instructions to deal with.
+    #[inline(always)]
+    pub(super) fn find<S: Simd>(simd: S, entrants: &'a Entrants, slots: &[u32; WIDE], mine: u32) -> Option<Self> {
+        let (slots, which) = distinct(simd, slots, mine)?;
+        let records = each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => entrants.record(Slot(slots[i])));
+        Some(Self { records, entrants, slots, which })
+    }
+
+    /// To each sample the numbers of its triangle, by those of all triangles.
+    #[inline(always)]
+    fn deal<S: Simd>(self, rows: [f32x4<S>; FEW]) -> [f32x16<S>; 4] {
+        let simd = rows[0].simd;
+        let which = u32x16::load_array_ref(simd, &self.which.0);
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx512) = simd.level().as_avx512() {
+            let [low, high] = each!(i in [0, FEW / 2] => {
+                let rows = rows[i].combine(rows[i + 1]).combine(rows[i + 2].combine(rows[i + 3]));
+                f32x16::load_array(avx512, rows.to_array()).into()
+            });
+            let columns = x86::deal(avx512, [low, high], u32x16::load_array(avx512, which.to_array()).into());
+            return each!(i in [0, 1, 2, 3] => {
+                let column: f32x16<_> = columns[i].simd_into(avx512);
+                f32x16::load_array(simd, column.to_array())
+            });
+        }
+        let (rows, which) = (each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => rows[i].to_array()), which.to_array());
+        each!(column in [0, 1, 2, 3] => f32x16::from_fn(simd, |lane| rows[which[lane] as usize][column]))
+    }
+}
+
+impl Source for Few<'_> {
+    /// Texels of few triangles lie so close that to ask for them takes longer than to wait for them.
+    const PREFETCHES: bool = false;
+
+    #[inline(always)]
+    fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
+        self.deal(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::load_array_ref(simd, self.records[i].quad(quad))))
+    }
+
+    #[inline(always)]
+    fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
+        self.deal(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
+            f32x4::load_array_ref(simd, self.entrants.surface(Slot(self.slots[i])).quad(quad))
+        }))
+    }
+}
+
+/// The different slots of those of sixteen samples that have a bit, and which of them each sample has; of the other samples, any. None
+/// if there are more than a few, or without instructions for it.
+#[inline(always)]
+fn distinct<S: Simd>(simd: S, slots: &[u32; WIDE], mine: u32) -> Option<([u32; FEW], Which)> {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(avx512) = simd.level().as_avx512() {
+        let any = slots[mine.trailing_zeros() as usize % WIDE];
+        let slots = x86::fill_in(avx512, u32x16::load_array_ref(avx512, slots).into(), mine as u16, any);
+        let (firsts, earlier) = x86::firsts(avx512, slots);
+        if firsts.count_ones() as usize > FEW {
+            return None;
+        }
+        let (list, which) = x86::distinct(avx512, slots, firsts, earlier);
+        let (list, which): (u32x16<_>, u32x16<_>) = (list.simd_into(avx512), which.simd_into(avx512));
+        let list = list.to_array();
+        return Some((each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => list[i]), Which(which.to_array())));
+    }
+    None
+}
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::*;
+
+    use fearless_simd::kernel;
+
+    kernel! {
+        /// `any` in the place of those numbers that have no bit.
+        #[inline]
+        pub(super) fn fill_in(avx512: Avx512, numbers: __m512i, mine: u16, any: u32) -> __m512i {
+            _mm512_mask_blend_epi32(mine, _mm512_set1_epi32(any as i32), numbers)
+        }
+    }
+
+    kernel! {
+        /// A bit for each number that no earlier one is equal to, and for each number bits of the earlier ones that are.
+        #[inline]
+        pub(super) fn firsts(avx512: Avx512, numbers: __m512i) -> (u16, __m512i) {
+            let earlier = _mm512_conflict_epi32(numbers);
+            (_mm512_testn_epi32_mask(earlier, earlier), earlier)
+        }
+    }
+
+    kernel! {
+        /// The different numbers, in their order, and which of them each number is.
+        #[inline]
+        pub(super) fn distinct(avx512: Avx512, numbers: __m512i, firsts: u16, earlier: __m512i) -> (__m512i, __m512i) {
+            let own = _mm512_setr_epi32(
+                1, 1 << 1, 1 << 2, 1 << 3, 1 << 4, 1 << 5, 1 << 6, 1 << 7,
+                1 << 8, 1 << 9, 1 << 10, 1 << 11, 1 << 12, 1 << 13, 1 << 14, 1 << 15,
+            );
+            // As many of them come before a number as before the first that is equal to it, which the lowest bit stands for.
+            let equal = _mm512_or_si512(earlier, own);
+            let before = _mm512_andnot_si512(equal, _mm512_sub_epi32(equal, _mm512_set1_epi32(1)));
+            let before = _mm512_and_si512(before, _mm512_set1_epi32(firsts.into()));
+            (_mm512_maskz_compress_epi32(firsts, numbers), _mm512_popcnt_epi32(before))
+        }
+    }
+
+    kernel! {
+        /// Of eight rows of four numbers, four in each register, the columns of sixteen of them.
+        #[inline]
+        pub(super) fn deal(avx512: Avx512, rows: [__m512; 2], which: __m512i) -> [__m512; 4] {
+            let first = _mm512_slli_epi32::<2>(which);
+            let [a, b, c] = [1, 2, 3].map(|column| _mm512_add_epi32(first, _mm512_set1_epi32(column)));
+            [
+                _mm512_permutex2var_ps(rows[0], first, rows[1]),
+                _mm512_permutex2var_ps(rows[0], a, rows[1]),
+                _mm512_permutex2var_ps(rows[0], b, rows[1]),
+                _mm512_permutex2var_ps(rows[0], c, rows[1]),
+            ]
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::record::SurfaceRecord;
+    use super::*;
+
+    /// Some triangles, no two numbers of which are equal.
+    fn entrants(count: usize) -> Entrants {
+        let mut entrants = Entrants::default();
+        for first in (0..count).step_by(LANES) {
+            let records = entrants.eight_records(first).expect("the list grows");
+            *records = std::array::from_fn(|lane| Record::numbered(((first + lane) * 100) as f32));
+            let surfaces = entrants.eight_surfaces(first).expect("the list grows");
+            *surfaces = std::array::from_fn(|lane| SurfaceRecord::numbered(((first + lane) * 100 + 50) as f32));
+        }
+        entrants
+    }
+
+    #[test]
+    fn samples_are_dealt_what_is_loaded_for_each() {
+        let (entrants, mut random) = (entrants(40), fastrand::Rng::with_seed(11));
+        let (mut few_times, mut many_times) = (0, 0);
+        for round in 0..2000 {
+            let some: [u32; WIDE] = std::array::from_fn(|_| random.u32(0..40) | random.u32(0..2) << 31);
+            let different = 1 + round % WIDE;
+            let slots: [u32; WIDE] = std::array::from_fn(|_| some[random.usize(0..different)]);
+            let mine = if random.bool() { 0xFFFF } else { random.u32(0..1 << WIDE) };
+            let of_mine = |lane: &usize| mine >> lane & 1 != 0;
+            let mut known: Vec<u32> = (0..WIDE).filter(of_mine).map(|lane| slots[lane]).collect();
+            known.sort_unstable();
+            known.dedup();
+            for lanes in Lanes::all() {
+                let dealt = on_lanes!(lanes, simd => {
+                    Few::find(simd, &entrants, &slots, mine).map(|few| {
+                        [few.quad(simd, 0), few.quad(simd, 3), few.surface_quad(simd, 4)]
+                            .map(|quad| quad.map(SimdBase::to_array))
+                    })
+                });
+                let Some(dealt) = dealt else {
+                    many_times += 1;
+                    let is_able = matches!(Lanes::avx512(), Some(best) if best.name() == lanes.name());
+                    assert!(!is_able || known.len() > FEW, "{} triangles by {}", known.len(), lanes.name());
+                    continue;
+                };
+                few_times += 1;
+                assert!(known.len() <= FEW);
+                let many = entrants.many(&slots);
+                let loaded = on_lanes!(lanes, simd => {
+                    [many.quad(simd, 0), many.quad(simd, 3), many.surface_quad(simd, 4)]
+                        .map(|quad| quad.map(SimdBase::to_array))
+                });
+                for (dealt, loaded) in dealt.as_flattened().iter().zip(loaded.as_flattened()) {
+                    for lane in (0..WIDE).filter(of_mine) {
+                        assert_eq!(dealt[lane], loaded[lane], "by {}", lanes.name());
+                    }
+                }
+            }
+        }
+        assert!(many_times > 500 && (few_times > 500 || Lanes::avx512().is_none()), "{few_times}, {many_times}");
+    }
+
+    #[test]
+    fn every_way_to_deal_gives_the_same() {
+        let mut random = fastrand::Rng::with_seed(12);
+        let (entrants, slots) = (entrants(8), [0, 1, 2, 3, 4, 5, 6, 7]);
+        for _ in 0..100 {
+            let which: [u32; WIDE] = std::array::from_fn(|_| random.u32(0..FEW as u32));
+            let records = std::array::from_fn(|i| entrants.record(Slot(slots[i])));
+            let few = Few { records, entrants: &entrants, slots, which: Which(which) };
+            for lanes in Lanes::all() {
+                let dealt = on_lanes!(lanes, simd => few.quad(simd, 2).map(SimdBase::to_array));
+                for (lane, triangle) in which.into_iter().enumerate() {
+                    let quad = entrants.record(Slot(triangle)).quad(2);
+                    assert_eq!(dealt.map(|column| column[lane]), *quad, "by {}", lanes.name());
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,204 @@
+//! Shading samples of several triangles, sixteen at a time.
+//!
+//! Each sixteen are a long chain of steps that wait for one another: finding what is read of their triangles, a division, the places of
+//! texels. So they are left pending until there are four times sixteen, and each step is taken for all of those before the next one
+//! is: what one waits for, another one does not.
+
+use super::Frame;
+use super::few::Few;
+use super::gather::Taps;
+use super::kernel::{ALL, Patch, StoredWeights, Weights, corner_weights, exact_at, interpolate_pair};
+use super::locations::Locations;
+use super::mipmap::CoarseTaps;
+use super::queue::{Queue, QueuedPair, QueuedRow, make_room};
+use super::record::{Entrants, Source};
+use super::setup::Edges;
+use super::shader::{DrawShader, Plan};
+use super::target::Picture;
+use crate::math::lanes::*;
+
+/// Where sixteen samples lie, and where their colours go.
+pub(super) trait Spots: Copy {
+    /// Right of and below the centre of the tile's first pixel, in grid steps.
+    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2];
+
+    /// Of the samples that have a bit, eight by eight.
+    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2];
+}
+
+/// Eight samples of the first row of a patch, and eight of the row below it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RowPair<'a, L> {
+    pub(super) patch: &'a Patch,
+    pub(super) locations: L,
+}
+
+impl<L: Locations> Spots for RowPair<'_, L> {
+    #[inline(always)]
+    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
+        let Patch { column, first, .. } = *self.patch;
+        self.locations.places(simd, column, [first, first + 1])
+    }
+
+    #[inline(always)]
+    fn rows(self, mine: u32, picture: &Picture<'_>) -> [QueuedRow; 2] {
+        let Self { patch, .. } = self;
+        let [mine, below] = [mine & ALL, mine >> LANES];
+        let start = picture.start(patch, patch.first);
+        [(start, mine), (start + picture.stride, below)].map(|(start, mine)| QueuedRow::new(start, patch.count, mine))
+    }
+}
+
+/// Samples anywhere, whose colours go side by side.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Scattered<'a> {
+    /// Right of and below the centre of the tile's first pixel, in grid steps.
+    pub(super) places: [&'a [i32; WIDE]; 2],
+    /// Where the first colour goes.
+    pub(super) start: usize,
+}
+
+impl Spots for Scattered<'_> {
+    #[inline(always)]
+    fn places<S: Simd>(self, simd: S) -> [i32x16<S>; 2] {
+        each!(axis in [0, 1] => i32x16::load_array_ref(simd, self.places[axis]))
+    }
+
+    #[inline(always)]
+    fn rows(self, mine: u32, _: &Picture<'_>) -> [QueuedRow; 2] {
+        [(self.start, mine & ALL), (self.start + LANES, mine >> LANES)]
+            .map(|(start, mine)| QueuedRow::new(start, LANES, mine))
+    }
+}
+
+/// How many times sixteen samples are shaded together.
+const MOST: usize = 4;
+
+/// Samples that wait to be shaded, all by one shader.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pending {
+    sixteens: [Sixteen; MOST],
+    len: usize,
+    /// Position of the shader.
+    shader: usize,
+    /// Edges of triangles that 32 bits are not enough for: which sixteen have them, and a bit for each of those.
+    large: Vec<(usize, u32, Edges)>,
+}
+
+/// Sixteen samples.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(64))]
+struct Sixteen {
+    /// Their triangles.
+    slots: [u32; WIDE],
+    /// Where they lie right of and below the centre of the tile's first pixel, in grid steps.
+    places: [[i32; WIDE]; 2],
+    /// A bit for each that is shaded.
+    mine: u32,
+    rows: [QueuedRow; 2],
+}
+
+impl Pending {
+    /// Whether there is no room for sixteen more samples that a shader is for.
+    #[inline(always)]
+    pub(super) fn is_full(&self, shader: usize) -> bool {
+        self.len == MOST || self.len > 0 && self.shader != shader
+    }
+
+    /// Adds samples that a shader is for, with a bit for each that is shaded. Edges are given of triangles that 32 bits are not
+    /// enough for, each with its samples.
+    #[inline(always)]
+    pub(super) fn push<S: Simd>(
+        &mut self,
+        simd: S,
+        shader: usize,
+        (slots, large): (&[u32; WIDE], &[(u32, Edges)]),
+        (spots, mine): (impl Spots, u32),
+        picture: &Picture<'_>,
+    ) {
+        let places = spots.places(simd);
+        let sixteen = &mut self.sixteens[self.len];
+        (sixteen.slots, sixteen.mine, sixteen.rows) = (*slots, mine, spots.rows(mine, picture));
+        for (place, stored) in places.into_iter().zip(&mut sixteen.places) {
+            place.store_array(stored);
+        }
+        self.large.extend(large.iter().map(|(lanes, edges)| (self.len, *lanes, *edges)));
+        self.shader = shader;
+        self.len += 1;
+    }
+
+    /// Shades them.
+    #[inline(never)]
+    pub(super) fn shade<S: Simd>(
+        &mut self,
+        simd: S,
+        frame: &Frame<'_>,
+        entrants: &Entrants,
+        queue: &mut Queue,
+        picture: &mut Picture<'_>,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                if self.len == 0 {
+                    return;
+                }
+                let room = make_room(simd, frame, self.shader, self.len, queue, picture.values);
+                let shader = &frame.shaders[self.shader];
+                match shader.plan {
+                    Plan::COMMON => self.interpolate(simd, (shader, Plan::COMMON), entrants, room),
+                    plan => self.interpolate(simd, (shader, plan), entrants, room),
+                }
+                self.len = 0;
+                self.large.clear();
+            },
+        );
+    }
+
+    /// Finds everything that is interpolated.
+    #[inline(always)]
+    fn interpolate<S: Simd>(
+        &self,
+        simd: S,
+        (shader, plan): (&DrawShader<'_>, Plan),
+        entrants: &Entrants,
+        (pairs, taps, coarse): (&mut [QueuedPair], &mut [Taps], &mut [CoarseTaps]),
+    ) {
+        let (mut few, mut weights) = ([None; MOST], [StoredWeights::default(); MOST]);
+        for (i, (pair, sixteen)) in pairs.iter_mut().zip(&self.sixteens).enumerate() {
+            pair.rows = sixteen.rows;
+            few[i] = Few::find(simd, entrants, &sixteen.slots, sixteen.mine);
+            let of_corners = match few[i] {
+                Some(few) => self.weights(simd, i, few),
+                None => self.weights(simd, i, entrants.many(&sixteen.slots)),
+            };
+            weights[i].store(plan, of_corners);
+        }
+        let mut coarse = coarse.iter_mut();
+        for (i, (pair, taps)) in pairs.iter_mut().zip(taps).enumerate().take(MOST) {
+            let weights = weights[i].load(simd);
+            let out = (pair, (taps, if plan.mipmapped { coarse.next() } else { None }));
+            match few[i] {
+                Some(few) => interpolate_pair(simd, shader, plan, few, weights, out),
+                None => {
+                    let many = entrants.many(&self.sixteens[i].slots);
+                    interpolate_pair(simd, shader, plan, many, weights, out);
+                }
+            }
+        }
+    }
+
+    /// Weights of one of the sixteens.
+    #[inline(always)]
+    fn weights<S: Simd>(&self, simd: S, number: usize, source: impl Source) -> Weights<S> {
+        let Sixteen { places, mine, .. } = &self.sixteens[number];
+        let places = each!(axis in [0, 1] => i32x16::load_array_ref(simd, &places[axis]));
+        let e = source.edge_values(simd, places);
+        let mut e = each!(i in [0, 1, 2] => e[i].to_float::<f32x16<S>>());
+        for (_, lanes, edges) in self.large.iter().filter(|(of, ..)| *of == number) {
+            let (theirs, exact) = (mask32x16::from_bitmask(simd, (*lanes).into()), exact_at(simd, edges, places));
+            e = each!(i in [0, 1, 2] => theirs.select(exact[i], e[i]));
+        }
+        corner_weights(simd, e, source.relative_inv_w(simd)).of_some(simd, *mine)
+    }
+}
