@@ -218,14 +218,14 @@ impl<'a, L: Locations> Job<'a, L> {
     fn mixed_rows<S: Simd>(&mut self, simd: S, rows: [Option<&[u32]>; 2], patch: &Patch) {
         let within = ALL >> (LANES - patch.count);
         let pair = RowPair { patch, locations: self.locations };
-        let (mut slots, mut open) = ([0; WIDE], 0);
-        for (half, row) in rows.iter().enumerate() {
-            let Some(row) = row else { continue };
-            let of_row = u32x8::from_slice(simd, row);
-            let seen = of_row.simd_ne(Slot::NONE.0);
-            seen.select(of_row, u32x8::splat(simd, 0)).store_slice(&mut slots[half * LANES..][..LANES]);
-            open |= (seen.to_bitmask() as u32 & within) << (half * LANES);
-        }
+        let [upper, lower] = each!(row in [rows[0], rows[1]] => match row {
+            Some(row) => u32x8::from_slice(simd, row),
+            None => u32x8::splat(simd, Slot::NONE.0),
+        });
+        let slots = upper.combine(lower);
+        let seen = slots.simd_ne(Slot::NONE.0);
+        let slots = seen.select(slots, u32x16::splat(simd, 0)).to_array();
+        let mut open = seen.to_bitmask() as u32 & (within | within << LANES);
         if self.alike {
             self.together(simd, 0, open, &slots, pair);
             return;
