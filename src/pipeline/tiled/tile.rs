@@ -171,8 +171,10 @@ impl Tile {
             } else {
                 self.draw_small::<_, _, false>(simd, triangle, start, locations, rules, owner);
             }
+        } else if rules.are_common() {
+            self.draw_large::<_, _, true>(simd, triangle, locations, rules, owner);
         } else {
-            self.draw_large(simd, triangle, locations, rules, owner);
+            self.draw_large::<_, _, false>(simd, triangle, locations, rules, owner);
         }
     }
 
@@ -308,7 +310,7 @@ impl Tile {
 
     /// A larger triangle: block by block.
     #[inline(never)]
-    fn draw_large<S: Simd, E: EdgeNumber>(
+    fn draw_large<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,
         simd: S,
         triangle: &Setup<E>,
@@ -319,6 +321,7 @@ impl Tile {
         simd.vectorize(
             #[inline(always)]
             || {
+                let rules = &rules.known::<COMMON>();
                 let lattice = locations.lattice();
                 let plane = DepthPlane::new(triangle, lattice.tile_extent(), rules);
                 if self.meets_backdrop(simd, triangle, &plane, lattice, rules)
