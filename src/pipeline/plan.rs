@@ -200,12 +200,13 @@ impl DrawPlan {
         let forced = |part: Part| matches!(settings.force, Force::Everything) || part.force() == Some(settings.force);
         let outside = (containment == Containment::Outside && !forced(Part::Vertices))
             .then_some("the whole object is outside the view");
+        let transparency = transparency(library, instance, settings.shading);
         let steps = Part::ALL.map(|part| {
-            let reason = outside.or_else(|| left_out(part, library, instance, camera, settings, containment));
+            let drawn = (instance, containment, transparency);
+            let reason = outside.or_else(|| left_out(part, library, drawn, camera, settings));
             let can_run = outside.is_none() && part.can_run(library, instance, settings);
             Step::unless(reason.filter(|_| !(forced(part) && can_run)))
         });
-        let transparency = transparency(library, instance, settings.shading);
         Self { steps, transparency, clusters: Unseen::default() }
     }
 
@@ -260,17 +261,15 @@ impl DrawPlan {
 fn left_out(
     part: Part,
     library: &Library,
-    instance: &Instance,
+    (instance, containment, transparency): (&Instance, Containment, Transparency),
     camera: &Camera,
     settings: &Settings,
-    containment: Containment,
 ) -> Option<&'static str> {
     let mesh = library.mesh(instance.mesh);
     let shading = settings.shading;
     let reads_albedo = shading.reads_material();
-    let transparency = transparency(library, instance, shading);
     let lit = matches!(shading, Shading::Gouraud | Shading::Lambert | Shading::Cel);
-    let textured = textures_read(library, instance, shading).next().is_some();
+    let textured = || textures_read(library, instance, shading).next().is_some();
     match part {
         // Which clusters show something is known later: `DrawPlan::without`.
         Part::Vertices | Part::EveryCluster => None,
@@ -286,7 +285,7 @@ fn left_out(
         Part::TextureCoordinates | Part::Texels if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
         Part::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
         Part::TextureCoordinates | Part::Texels if !reads_albedo => Some("this shading reads no texture"),
-        Part::TextureCoordinates | Part::Texels => (!textured).then_some("the material has no texture"),
+        Part::TextureCoordinates | Part::Texels => (!textured()).then_some("the material has no texture"),
         Part::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
         Part::VertexColors if mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
         Part::VertexColors => {
