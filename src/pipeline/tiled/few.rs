@@ -53,8 +53,8 @@ impl<'a> Few<'a> {
 }
 
 impl Source for Few<'_> {
-    /// Texels of few triangles lie so close that to ask for them takes longer than to wait for them.
-    const PREFETCHES: bool = false;
+    /// Texels of few triangles lie so close that to ask for all takes longer than to wait for them.
+    const PREFETCH_STEP: Option<usize> = Some(5);
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {

@@ -354,8 +354,8 @@ pub(super) fn locate_texels<S: Simd, O: Source>(
     match coarse {
         Some(coarse) if plan.mipmapped => {
             texture.locate_in_levels(simd, layout, source, weights, (taps, coarse));
-            if O::PREFETCHES {
-                coarse.prefetch(texture);
+            if let Some(step) = O::PREFETCH_STEP {
+                coarse.prefetch(texture, step);
             }
         }
         _ => {
@@ -363,8 +363,8 @@ pub(super) fn locate_texels<S: Simd, O: Source>(
             texture.locate(simd, layout, [u.at(weights.of_corners), v.at(weights.of_corners)], taps);
         }
     }
-    if O::PREFETCHES {
-        texture.prefetch(taps);
+    if let Some(step) = O::PREFETCH_STEP {
+        texture.prefetch(taps, step);
     }
 }
 

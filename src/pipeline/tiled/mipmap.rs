@@ -33,11 +33,11 @@ struct LevelOfEach<S: Simd> {
 }
 
 impl CoarseTaps {
-    /// Asks for texels that will be read.
+    /// Asks for texels that will be read, as [`TextureReader::prefetch`].
     #[inline(always)]
-    pub(super) fn prefetch(&self, texture: &TextureReader<'_>) {
+    pub(super) fn prefetch(&self, texture: &TextureReader<'_>, step: usize) {
         if self.is_read {
-            texture.prefetch(&self.taps);
+            texture.prefetch(&self.taps, step);
         }
     }
 }

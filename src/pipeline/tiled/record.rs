@@ -183,8 +183,9 @@ impl<S: Simd> Attribute<S> {
 
 /// Where sixteen samples have what is read of their triangles from.
 pub(super) trait Source: Copy {
-    /// Texels are asked for before they are read, as they may lie far apart.
-    const PREFETCHES: bool;
+    /// Of the first sample, and of each that comes so many after it, texels are asked for before they are read, as they may lie far
+    /// apart. None if that takes longer than to wait for them.
+    const PREFETCH_STEP: Option<usize>;
 
     /// Four numbers of the [`Record`] of each sample's triangle.
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4];
@@ -271,7 +272,7 @@ pub(super) struct One<'a> {
 }
 
 impl Source for One<'_> {
-    const PREFETCHES: bool = false;
+    const PREFETCH_STEP: Option<usize> = None;
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
@@ -293,7 +294,7 @@ pub(super) struct Many<'a> {
 }
 
 impl Source for Many<'_> {
-    const PREFETCHES: bool = true;
+    const PREFETCH_STEP: Option<usize> = Some(1);
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {

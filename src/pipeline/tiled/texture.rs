@@ -209,10 +209,10 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Asks for texels that sixteen samples will read.
+    /// Asks for texels that every so manieth of sixteen samples will read.
     #[inline(always)]
-    pub(super) fn prefetch(&self, taps: &Taps) {
-        for place in taps.index[0] {
+    pub(super) fn prefetch(&self, taps: &Taps, step: usize) {
+        for place in taps.index[0].into_iter().step_by(step) {
             let place = place as usize;
             if self.mixes_light() {
                 prefetch(self.linear.all, place);
