@@ -58,13 +58,13 @@ impl Source for Few<'_> {
 
     #[inline(always)]
     fn quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
-        self.deal(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::load_array_ref(simd, self.records[i].quad(quad))))
+        self.deal(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => f32x4::load_array_ref(simd, &self.records[i].quads[quad])))
     }
 
     #[inline(always)]
     fn surface_quad<S: Simd>(self, simd: S, quad: usize) -> [f32x16<S>; 4] {
         self.deal(each!(i in [0, 1, 2, 3, 4, 5, 6, 7] => {
-            f32x4::load_array_ref(simd, self.entrants.surface(Slot(self.slots[i])).quad(quad))
+            f32x4::load_array_ref(simd, &self.entrants.surface(Slot(self.slots[i])).quads[quad])
         }))
     }
 }
@@ -75,8 +75,9 @@ impl Source for Few<'_> {
 fn distinct<S: Simd>(simd: S, slots: &[u32; WIDE], mine: u32) -> Option<([u32; FEW], Which)> {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx512) = simd.level().as_avx512() {
-        let any = slots[mine.trailing_zeros() as usize % WIDE];
-        let slots = x86::fill_in(avx512, u32x16::load_array_ref(avx512, slots).into(), mine as u16, any);
+        let any = u32x16::splat(avx512, slots[mine.trailing_zeros() as usize % WIDE]);
+        let mine = mask32x16::from_bitmask(avx512, mine.into());
+        let slots = mine.select(u32x16::load_array_ref(avx512, slots), any).into();
         let (firsts, earlier) = x86::firsts(avx512, slots);
         if firsts.count_ones() as usize > FEW {
             return None;
@@ -94,14 +95,6 @@ mod x86 {
     use std::arch::x86_64::*;
 
     use fearless_simd::kernel;
-
-    kernel! {
-        /// `any` in the place of those numbers that have no bit.
-        #[inline]
-        pub(super) fn fill_in(avx512: Avx512, numbers: __m512i, mine: u16, any: u32) -> __m512i {
-            _mm512_mask_blend_epi32(mine, _mm512_set1_epi32(any as i32), numbers)
-        }
-    }
 
     kernel! {
         /// A bit for each number that no earlier one is equal to, and for each number bits of the earlier ones that are.
@@ -146,17 +139,22 @@ mod x86 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::record::SurfaceRecord;
+    use super::super::record::{Quad, SurfaceRecord};
     use super::*;
+
+    /// Numbers from `first` on.
+    fn numbered<const N: usize>(first: usize) -> [Quad; N] {
+        std::array::from_fn(|quad| std::array::from_fn(|i| (first + 4 * quad + i) as f32))
+    }
 
     /// Some triangles, no two numbers of which are equal.
     fn entrants(count: usize) -> Entrants {
         let mut entrants = Entrants::default();
         for first in (0..count).step_by(LANES) {
             let records = entrants.eight_records(first).expect("the list grows");
-            *records = std::array::from_fn(|lane| Record::numbered(((first + lane) * 100) as f32));
+            *records = std::array::from_fn(|lane| Record { quads: numbered((first + lane) * 100) });
             let surfaces = entrants.eight_surfaces(first).expect("the list grows");
-            *surfaces = std::array::from_fn(|lane| SurfaceRecord::numbered(((first + lane) * 100 + 50) as f32));
+            *surfaces = std::array::from_fn(|lane| SurfaceRecord { quads: numbered((first + lane) * 100 + 50) });
         }
         entrants
     }
@@ -215,8 +213,8 @@ mod tests {
             for lanes in Lanes::all() {
                 let dealt = on_lanes!(lanes, simd => few.quad(simd, 2).map(SimdBase::to_array));
                 for (lane, triangle) in which.into_iter().enumerate() {
-                    let quad = entrants.record(Slot(triangle)).quad(2);
-                    assert_eq!(dealt.map(|column| column[lane]), *quad, "by {}", lanes.name());
+                    let quad = entrants.record(Slot(triangle)).quads[2];
+                    assert_eq!(dealt.map(|column| column[lane]), quad, "by {}", lanes.name());
                 }
             }
         }

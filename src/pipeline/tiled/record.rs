@@ -13,7 +13,7 @@ pub(super) type Quad = [f32; 4];
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct Record {
-    quads: [Quad; Self::QUADS],
+    pub(super) quads: [Quad; Self::QUADS],
 }
 
 impl Record {
@@ -28,18 +28,6 @@ impl Record {
     /// Light at the first corner, and what it changes by to each of the others.
     const LIGHT: usize = 4;
     const QUADS: usize = 5;
-
-    /// Four numbers that are loaded together.
-    #[inline(always)]
-    pub(super) fn quad(&self, quad: usize) -> &Quad {
-        &self.quads[quad]
-    }
-
-    /// One that holds numbers from `first` on.
-    #[cfg(test)]
-    pub(super) fn numbered(first: f32) -> Self {
-        Self { quads: std::array::from_fn(|quad| std::array::from_fn(|i| first + (4 * quad + i) as f32)) }
-    }
 
     /// a, b and c of the first two edges, and the doubled area: low 32 bits.
     #[inline(always)]
@@ -98,7 +86,7 @@ fn relative_inv_w<S: Simd>(simd: S, inv_w: [F32<S>; 3], divides_by_w: u64) -> [F
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(super) struct SurfaceRecord {
-    quads: [Quad; Self::QUADS],
+    pub(super) quads: [Quad; Self::QUADS],
 }
 
 impl SurfaceRecord {
@@ -107,18 +95,6 @@ impl SurfaceRecord {
     /// The same of the channels of the colour.
     const COLOR: usize = 3;
     const QUADS: usize = 6;
-
-    /// Four numbers that are loaded together.
-    #[inline(always)]
-    pub(super) fn quad(&self, quad: usize) -> &Quad {
-        &self.quads[quad]
-    }
-
-    /// One that holds numbers from `first` on.
-    #[cfg(test)]
-    pub(super) fn numbered(first: f32) -> Self {
-        Self { quads: std::array::from_fn(|quad| std::array::from_fn(|i| first + (4 * quad + i) as f32)) }
-    }
 
     /// Fills the normals or the colours of the records of eight triangles.
     #[inline(always)]

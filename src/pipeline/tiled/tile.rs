@@ -153,7 +153,8 @@ impl Tile {
         &self.depths[row * STRIDE..][..TILE]
     }
 
-    /// Draws a triangle. `owner` sets up the triangle of a plain block that is no longer plain.
+    /// Draws a triangle. `owner` sets up the triangle of a plain block that is no longer plain. What draws is compiled once more for
+    /// [common rules](DepthRules::are_common): what is asked in every row is a tenth of its work.
     #[inline(always)]
     pub(super) fn draw<S: Simd, E: EdgeNumber>(
         &mut self,
@@ -165,21 +166,16 @@ impl Tile {
     ) {
         let [first, last] = triangle.columns;
         let start = first & !1;
-        if last < start + 2 * LANES && triangle.rows[1] < triangle.rows[0] + 2 * BLOCK {
-            if rules.are_common() {
-                self.draw_small::<_, _, true>(simd, triangle, start, locations, rules, owner);
-            } else {
-                self.draw_small::<_, _, false>(simd, triangle, start, locations, rules, owner);
-            }
-        } else if rules.are_common() {
-            self.draw_large::<_, _, true>(simd, triangle, locations, rules, owner);
-        } else {
-            self.draw_large::<_, _, false>(simd, triangle, locations, rules, owner);
+        let is_small = last < start + 2 * LANES && triangle.rows[1] < triangle.rows[0] + 2 * BLOCK;
+        match (is_small, rules.are_common()) {
+            (true, true) => self.draw_small::<_, _, true>(simd, triangle, start, locations, rules, owner),
+            (true, false) => self.draw_small::<_, _, false>(simd, triangle, start, locations, rules, owner),
+            (false, true) => self.draw_large::<_, _, true>(simd, triangle, locations, rules, owner),
+            (false, false) => self.draw_large::<_, _, false>(simd, triangle, locations, rules, owner),
         }
     }
 
-    /// A triangle at most sixteen samples wide: eight columns, row by row, and the next eight. Compiled once more for
-    /// [common rules](DepthRules::are_common): what is asked in every row is a tenth of its work.
+    /// A triangle at most sixteen samples wide: eight columns, row by row, and the next eight.
     #[inline(never)]
     fn draw_small<S: Simd, E: EdgeNumber, const COMMON: bool>(
         &mut self,
