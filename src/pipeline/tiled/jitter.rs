@@ -136,7 +136,7 @@ impl Frame<'_> {
         work: &Work,
     ) {
         let mut start = Instant::now();
-        let Workspace { tile, entrants, queue, seen_through, jitter, .. } = workspace;
+        let Workspace { tile, entrants, pending, queue, seen_through, jitter, .. } = workspace;
         let JitterMemory { groups, offsets, sums } = jitter;
         let SeenThrough { blended, .. } = seen_through;
         let place = target.place;
@@ -164,7 +164,7 @@ impl Frame<'_> {
             self.draw_groups(simd, (tile, locations), groups, (entrants, place), blended);
             counts += tile.counts;
             let rasterized = Instant::now();
-            let canvas = Canvas { tile, locations, entrants, queue, place, picture: picture.reborrow() };
+            let canvas = Canvas { tile, locations, entrants, pending, queue, place, picture: picture.reborrow() };
             shaded += shade_tile(simd, self, canvas);
             if !blended.is_empty() {
                 shaded += self.blend(simd, (tile, locations), (entrants, blended), place, queue, &mut picture);

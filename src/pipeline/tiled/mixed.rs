@@ -8,7 +8,7 @@ use super::Frame;
 use super::kernel::ALL;
 use super::lattice::{BLOCK, BLOCKS, Lattice, TILE, TILE_SAMPLES};
 use super::multisample::{Picks, Planes};
-use super::pending::Scattered;
+use super::pending::{Pending, Scattered};
 use super::queue::Queue;
 use super::record::{Entrant, Entrants, Many, Slot, Source as _};
 use super::setup::least_inside;
@@ -140,14 +140,14 @@ impl MixedPixels {
         simd: S,
         frame: &Frame<'_>,
         planes: &Planes<'_>,
-        (entrants, queue): (&Entrants, &mut Queue),
+        (entrants, pending, queue): (&Entrants, &mut Pending, &mut Queue),
         tile: (usize, usize),
     ) -> Shaded {
         let Self { places, picks, fragments, colors, means, .. } = self;
         colors.clear();
         colors.resize(FIRST + fragments.list.len() * WIDE, frame.background);
         let picture = TileRows { values: colors, stride: 0, left: 0, size: (0, 0) };
-        let mut job = Job::new(frame, &frame.lattice, (entrants, queue), tile, picture);
+        let mut job = Job::new(frame, &frame.lattice, (entrants, pending, queue), tile, picture);
         for (number, sixteen) in fragments.list.iter().enumerate() {
             let count = (fragments.len - number * WIDE).min(WIDE);
             let open = u32::MAX >> (u32::BITS as usize - count);

@@ -66,6 +66,7 @@ use lattice::{Lattice, TILE};
 use locations::Locations;
 use mixed::MixedPixels;
 pub use multisample::{MeanOfSamples, Multisampling, Picks};
+use pending::Pending;
 pub use pixel_samples::PixelSamples;
 use pixel_samples::Samples;
 use queue::Queue;
@@ -137,6 +138,7 @@ struct Workspace {
     jitter: JitterMemory,
     entrants: Entrants,
     batches: [Batch; BATCHES],
+    pending: Pending,
     queue: Queue,
 }
 
@@ -151,6 +153,7 @@ impl Workspace {
             jitter: JitterMemory::default(),
             entrants: Entrants::default(),
             batches: Default::default(),
+            pending: Pending::default(),
             queue: Queue::default(),
         }
     }
@@ -164,6 +167,7 @@ impl Workspace {
             + self.jitter.bytes()
             + self.entrants.bytes()
             + size_of::<[Batch; BATCHES]>()
+            + self.pending.bytes()
             + self.queue.bytes()
     }
 }
@@ -433,7 +437,8 @@ impl Frame<'_> {
     #[inline(always)]
     fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &Work) {
         let start = Instant::now();
-        let Workspace { tile, entrants, batches, queue, seen_through: SeenThrough { blended, .. }, .. } = workspace;
+        let Workspace { tile, entrants, batches, pending, queue, seen_through: SeenThrough { blended, .. }, .. } =
+            workspace;
         self.let_enter(target.number, entrants);
         if entrants.len() == 0 {
             return target.clear_depths(self.rules.clear);
@@ -463,7 +468,8 @@ impl Frame<'_> {
         }
         let rasterized = Instant::now();
         let mut picture = target.picture;
-        let canvas = Canvas { tile, locations: &self.lattice, entrants, queue, place, picture: picture.reborrow() };
+        let canvas =
+            Canvas { tile, locations: &self.lattice, entrants, pending, queue, place, picture: picture.reborrow() };
         let mut shaded = shade_tile(simd, self, canvas);
         if !blended.is_empty() {
             shaded += self.blend(simd, (tile, &self.lattice), (entrants, blended), place, queue, &mut picture);

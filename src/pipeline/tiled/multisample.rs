@@ -69,7 +69,7 @@ impl Frame<'_> {
         work: &Work,
     ) {
         let start = Instant::now();
-        let Workspace { tile, planes: tiles, mixed, seen_through, entrants, batches, queue, .. } = workspace;
+        let Workspace { tile, planes: tiles, mixed, seen_through, entrants, batches, pending, queue, .. } = workspace;
         let place = target.place;
         self.let_enter(target.number, entrants);
         if entrants.len() == 0 {
@@ -87,9 +87,9 @@ impl Frame<'_> {
         let mut shaded = shade_tile(
             simd,
             self,
-            Canvas { tile, locations: &self.lattice, entrants, queue, place, picture: picture.reborrow() },
+            Canvas { tile, locations: &self.lattice, entrants, pending, queue, place, picture: picture.reborrow() },
         );
-        shaded += mixed.shade(simd, self, planes, (entrants, queue), place);
+        shaded += mixed.shade(simd, self, planes, (entrants, pending, queue), place);
         mixed.write(&mut picture);
         if !seen_through.blended.is_empty() {
             let (seen, memory) = ((&*entrants, place), (seen_through, queue));

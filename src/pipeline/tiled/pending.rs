@@ -74,7 +74,7 @@ impl Spots for Scattered<'_> {
 /// How many times sixteen samples are shaded together.
 const MOST: usize = 4;
 
-/// Samples that wait to be shaded, all by one shader.
+/// Samples that wait to be shaded, all by one shader. Memory is kept from tile to tile.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pending {
     sixteens: [Sixteen; MOST],
@@ -99,6 +99,11 @@ struct Sixteen {
 }
 
 impl Pending {
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Self>() + self.large.capacity() * size_of::<(usize, u32, Edges)>()
+    }
+
     /// Whether there is no room for sixteen more samples that a shader is for.
     #[inline(always)]
     pub(super) fn is_full(&self, shader: usize) -> bool {

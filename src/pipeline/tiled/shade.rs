@@ -47,6 +47,7 @@ pub(super) struct Canvas<'a, L> {
     pub(super) tile: &'a Tile,
     pub(super) locations: L,
     pub(super) entrants: &'a Entrants,
+    pub(super) pending: &'a mut Pending,
     pub(super) queue: &'a mut Queue,
     /// Column and row among the tiles.
     pub(super) place: (usize, usize),
@@ -56,9 +57,9 @@ pub(super) struct Canvas<'a, L> {
 /// Shades the samples of a tile.
 #[inline(always)]
 pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_, impl Locations>) -> Shaded {
-    let Canvas { tile, locations, entrants, queue, place, picture } = canvas;
+    let Canvas { tile, locations, entrants, pending, queue, place, picture } = canvas;
     let (columns, height) = picture.size;
-    let mut job = Job::new(frame, locations, (entrants, queue), place, picture);
+    let mut job = Job::new(frame, locations, (entrants, pending, queue), place, picture);
     let blocks = columns.div_ceil(BLOCK);
     for by in 0..height.div_ceil(BLOCK) {
         let (first, end) = (by * BLOCK, ((by + 1) * BLOCK).min(height));
@@ -96,8 +97,8 @@ pub(super) struct Job<'a, L> {
     pub(super) frame: &'a Frame<'a>,
     locations: L,
     pub(super) entrants: &'a Entrants,
+    pending: &'a mut Pending,
     queue: &'a mut Queue,
-    pending: Pending,
     /// Column and row among the tiles.
     pub(super) tile: (usize, usize),
     /// All samples are shaded together, whatever triangles they are of.
@@ -114,7 +115,7 @@ impl<'a, L: Locations> Job<'a, L> {
     pub(super) fn new(
         frame: &'a Frame<'a>,
         locations: L,
-        (entrants, queue): (&'a Entrants, &'a mut Queue),
+        (entrants, pending, queue): (&'a Entrants, &'a mut Pending, &'a mut Queue),
         tile: (usize, usize),
         picture: Picture<'a>,
     ) -> Self {
@@ -122,8 +123,8 @@ impl<'a, L: Locations> Job<'a, L> {
             frame,
             locations,
             entrants,
+            pending,
             queue,
-            pending: Pending::default(),
             tile,
             alike: frame.are_all_alike(),
             exact: Vec::new(),
