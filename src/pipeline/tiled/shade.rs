@@ -84,12 +84,11 @@ pub(super) fn shade_tile<S: Simd>(simd: S, frame: &Frame<'_>, canvas: Canvas<'_,
     job.finish(simd)
 }
 
-/// The triangle of all eight samples, if it is one.
+/// The triangle of all sixteen samples, if it is one.
 #[inline(always)]
-fn uniform_slot<S: Simd>(simd: S, slots: &[u32]) -> Option<Slot> {
+fn uniform_slot<S: Simd>(slots: u32x16<S>) -> Option<Slot> {
     let first = slots[0];
-    let same = u32x8::from_slice(simd, slots).simd_eq(first);
-    (same.to_bitmask() == 0xFF).then_some(Slot(first))
+    (slots.simd_eq(first).to_bitmask() == 0xFFFF).then_some(Slot(first))
 }
 
 /// The shading of a tile.
@@ -143,23 +142,20 @@ impl<'a, L: Locations> Job<'a, L> {
         self.shaded
     }
 
-    /// A block that is not of one triangle.
+    /// A block that is not of one triangle: two rows at a time, as they are shaded.
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, tile: &Tile, block: &Patch) {
         let mut row = block.first;
         while row < block.end {
-            let slots = tile.slots(block.column, row);
-            let mut next = row + 1;
-            if let Some(slot) = uniform_slot(simd, slots) {
-                while next < block.end && uniform_slot(simd, tile.slots(block.column, next)) == Some(slot) {
-                    next += 1;
+            let slots = tile.slots_of_two_rows(simd, block.column, row);
+            let mut next = row + 2;
+            if let Some(slot) = uniform_slot(slots) {
+                while next < block.end && uniform_slot(tile.slots_of_two_rows(simd, block.column, next)) == Some(slot) {
+                    next += 2;
                 }
-                self.one_triangle(simd, slot, &Patch { first: row, end: next, ..*block });
+                self.one_triangle(simd, slot, &Patch { first: row, end: next.min(block.end), ..*block });
             } else {
-                let below = (next < block.end).then(|| tile.slots(block.column, next));
-                let below = below.filter(|below| uniform_slot(simd, below).is_none());
-                self.mixed_rows(simd, [Some(slots), below], &Patch { first: row, end: next, ..*block });
-                next += usize::from(below.is_some());
+                self.mixed_rows(simd, slots, &Patch { first: row, end: next.min(block.end), ..*block });
             }
             row = next;
         }
@@ -214,19 +210,15 @@ impl<'a, L: Locations> Job<'a, L> {
         }
     }
 
-    /// Samples of one or two rows that belong to different triangles, or to none.
+    /// Samples of two rows that belong to different triangles, or to none; there may be no second row.
     #[inline(always)]
-    fn mixed_rows<S: Simd>(&mut self, simd: S, rows: [Option<&[u32]>; 2], patch: &Patch) {
+    fn mixed_rows<S: Simd>(&mut self, simd: S, slots: u32x16<S>, patch: &Patch) {
         let within = ALL >> (LANES - patch.count);
+        let within = if patch.end > patch.first + 1 { within | within << LANES } else { within };
         let pair = RowPair { patch, locations: self.locations };
-        let [upper, lower] = each!(row in [rows[0], rows[1]] => match row {
-            Some(row) => u32x8::from_slice(simd, row),
-            None => u32x8::splat(simd, Slot::NONE.0),
-        });
-        let slots = upper.combine(lower);
         let seen = slots.simd_ne(Slot::NONE.0);
         let slots = seen.select(slots, u32x16::splat(simd, 0)).to_array();
-        let mut open = seen.to_bitmask() as u32 & (within | within << LANES);
+        let mut open = seen.to_bitmask() as u32 & within;
         if self.alike {
             self.together(simd, 0, open, &slots, pair);
             return;

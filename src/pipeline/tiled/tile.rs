@@ -122,6 +122,13 @@ impl Tile {
         &self.ids[row * STRIDE + column..][..LANES]
     }
 
+    /// The same of eight samples of a row, and of the eight below.
+    #[inline(always)]
+    pub(super) fn slots_of_two_rows<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x16<S> {
+        let [upper, lower] = each!(row in [row, row + 1] => u32x8::from_slice(simd, self.slots(column, row)));
+        upper.combine(lower)
+    }
+
     /// The triangles of eight samples of a row, written or not.
     #[inline(always)]
     pub(super) fn seen<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x8<S> {
