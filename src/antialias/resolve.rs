@@ -127,10 +127,7 @@ fn finished_lanes<S: Simd>(simd: S, sums: [f32x16<S>; 3], samples: u32, light: C
     let [r, g, b] = each!(sum in [sums[0], sums[1], sums[2]] => {
         let mean = sum / samples.max(1) as f32;
         match light {
-            ColorSpace::Linear => {
-                let ((first, last), tables) = (mean.split(), Tables::get());
-                tables.encode_lanes(simd, first).combine(tables.encode_lanes(simd, last))
-            }
+            ColorSpace::Linear => Tables::get().encode_lanes(simd, mean),
             ColorSpace::Bytes => whole_part(mean + 0.5),
         }
     });

@@ -13,9 +13,9 @@ pub struct Tables {
     pub linear_of_code: [f32; 256],
     /// Each code as a float.
     pub code: [f32; 256],
-    /// Of each bucket of linear values the code of the least one, and in the upper half the bits of the least value that has
-    /// the next code.
-    buckets: Box<[u64; BUCKETS]>,
+    /// Of each bucket of linear values the code of the least one, times 2¹⁶, and what is short of 2¹⁶ at the first place in the
+    /// bucket that has the next code: place and entry add up to a code with its broken part, so that one read finds it.
+    buckets: Box<[u32; BUCKETS]>,
 }
 
 /// Linear values below 2⁻¹³ have code 0: half a code is 0.5 / 255 / 12.92 = 1.5 · 10⁻⁴ > 2⁻¹³.
@@ -23,6 +23,12 @@ const LEAST_BITS: u32 = 0x3900_0000;
 
 /// Buckets per octave are 2⁸: 0.4 % wide, narrower than any code, so a bucket holds one threshold at most.
 const BUCKET_SHIFT: u32 = 15;
+
+/// Places in a bucket.
+const PLACES: u32 = 1 << BUCKET_SHIFT;
+
+/// Bits of an entry below its code.
+const CODE_SHIFT: u32 = BUCKET_SHIFT + 1;
 
 /// Buckets up to that of 1, and more up to a power of two, so that a masked number is known to be one of them.
 const BUCKETS: usize = (((0x3F80_0000 - LEAST_BITS) >> BUCKET_SHIFT) as usize + 1).next_power_of_two();
@@ -38,9 +44,11 @@ static TABLES: LazyLock<Tables> = LazyLock::new(|| {
         linear_of_code: std::array::from_fn(|code| decode(code as f32 / 255.0)),
         code: std::array::from_fn(|code| code as f32),
         buckets: Box::new(std::array::from_fn(|bucket| {
-            let least = f32::from_bits(LEAST_BITS + ((bucket as u32) << BUCKET_SHIFT));
-            let code = thresholds.partition_point(|t| *t <= least).clamp(1, 256) - 1;
-            code as u64 | u64::from(thresholds[code + 1].to_bits()) << 32
+            let bits = LEAST_BITS + bucket as u32 * PLACES;
+            let code = thresholds.partition_point(|t| *t <= f32::from_bits(bits)).clamp(1, 256) - 1;
+            // None of its places has the next code if that begins further up.
+            let next = (thresholds[code + 1].to_bits() - bits).min(PLACES);
+            ((code as u32 + 1) << CODE_SHIFT) - next
         })),
     }
 });
@@ -57,26 +65,23 @@ impl Tables {
     #[inline]
     pub fn encode(&self, linear: f32) -> u8 {
         let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
-        let entry = self.buckets[clamped.to_bits().saturating_sub(LEAST_BITS) as usize >> BUCKET_SHIFT];
-        entry as u8 + u8::from(clamped >= f32::from_bits((entry >> 32) as u32))
+        let above = clamped.to_bits().saturating_sub(LEAST_BITS);
+        ((self.buckets[(above >> BUCKET_SHIFT) as usize] + above % PLACES) >> CODE_SHIFT) as u8
     }
 
-    /// [`Self::encode`] for eight values.
+    /// [`Self::encode`] for sixteen values.
     #[inline(always)]
-    pub fn encode_lanes<S: Simd>(&self, simd: S, linear: F32<S>) -> u32x8<S> {
+    pub fn encode_lanes<S: Simd>(&self, simd: S, linear: f32x16<S>) -> u32x16<S> {
         self.encode_lanes_by(simd, gathers_are_quick(), linear)
     }
 
     /// [`Self::encode_lanes`], by instructions that gather or without.
     #[inline(always)]
-    fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: F32<S>) -> u32x8<S> {
-        let zero = F32::splat(simd, 0.0);
+    fn encode_lanes_by<S: Simd>(&self, simd: S, by_gathers: bool, linear: f32x16<S>) -> u32x16<S> {
+        let zero = f32x16::splat(simd, 0.0);
         let clamped = linear.simd_gt(zero).select(linear.min(1.0), zero);
-        let bits = clamped.bitcast::<u32x8<S>>();
-        let bucket = (bits.max(LEAST_BITS) - LEAST_BITS) >> BUCKET_SHIFT;
-        let (code, next) = self.entries(simd, by_gathers, bucket);
-        let one = clamped.simd_ge(next.bitcast::<F32<S>>()).select(u32x8::splat(simd, 1), u32x8::splat(simd, 0));
-        code + one
+        let above = clamped.bitcast::<u32x16<S>>().max(LEAST_BITS) - LEAST_BITS;
+        (self.entries(simd, by_gathers, above >> BUCKET_SHIFT) + (above & (PLACES - 1))) >> CODE_SHIFT
     }
 }
 
@@ -102,17 +107,19 @@ impl Tables {
         f32x16::load_array(simd, found)
     }
 
-    /// The lower and the upper halves of the entries of eight buckets.
+    /// The entries of sixteen buckets.
     #[inline(always)]
-    fn entries<S: Simd>(&self, simd: S, by_gathers: bool, bucket: u32x8<S>) -> (u32x8<S>, u32x8<S>) {
+    fn entries<S: Simd>(&self, simd: S, by_gathers: bool, bucket: u32x16<S>) -> u32x16<S> {
         #[cfg(target_arch = "x86_64")]
         if by_gathers && let Some(avx512) = simd.level().as_avx512() {
-            let bucket = u32x8::load_array(avx512, bucket.to_array());
-            let (code, next) = x86::entries(avx512, &self.buckets, bucket.into());
-            return (u32x8::load_array(simd, code), u32x8::load_array(simd, next));
+            let bucket = u32x16::load_array(avx512, bucket.to_array());
+            return u32x16::load_array(simd, x86::entries(avx512, &self.buckets, bucket.into()));
         }
-        let bucket = bucket.to_array();
-        halves(simd, each!(lane in [0, 1, 2, 3, 4, 5, 6, 7] => self.buckets[bucket[lane] as usize % BUCKETS]))
+        let (bucket, mut found) = (bucket.to_array(), [0; WIDE]);
+        for lane in 0..WIDE {
+            found[lane] = self.buckets[bucket[lane] as usize % BUCKETS];
+        }
+        u32x16::load_array(simd, found)
     }
 }
 
@@ -121,7 +128,7 @@ mod x86 {
     use std::arch::x86_64::*;
 
     use fearless_simd::prelude::*;
-    use fearless_simd::{f32x16, kernel, u32x8};
+    use fearless_simd::{f32x16, kernel, u32x16};
 
     use super::BUCKETS;
 
@@ -138,14 +145,12 @@ mod x86 {
 
     kernel! {
         #[inline]
-        #[expect(unsafe_code, reason = "an instruction for eight reads: gathering over frames takes a fifth less")]
-        pub(super) fn entries(avx512: Avx512, buckets: &[u64; BUCKETS], bucket: __m256i) -> ([u32; 8], [u32; 8]) {
-            let bucket = _mm256_and_si256(bucket, _mm256_set1_epi32(BUCKETS as i32 - 1));
+        #[expect(unsafe_code, reason = "an instruction for sixteen reads: gathering over frames takes a fifth less")]
+        pub(super) fn entries(avx512: Avx512, buckets: &[u32; BUCKETS], bucket: __m512i) -> [u32; 16] {
+            let bucket = _mm512_and_si512(bucket, _mm512_set1_epi32(BUCKETS as i32 - 1));
             // SAFETY: a number masked by one less than a power of two is less than that, and so many buckets there are.
-            let entries = unsafe { _mm512_i32gather_epi64::<8>(bucket, buckets.as_ptr().cast()) };
-            let code: u32x8<_> = _mm512_cvtepi64_epi32(entries).simd_into(avx512);
-            let next: u32x8<_> = _mm512_cvtepi64_epi32(_mm512_srli_epi64::<32>(entries)).simd_into(avx512);
-            (code.to_array(), next.to_array())
+            let found: u32x16<_> = unsafe { _mm512_i32gather_epi32::<4>(bucket, buckets.as_ptr().cast()) }.simd_into(avx512);
+            found.to_array()
         }
     }
 }
@@ -190,19 +195,32 @@ pub fn luma([r, g, b, _]: [u8; 4]) -> f32 {
 mod tests {
     use super::*;
 
+    /// The least linear value nearest to a code: it is half a code below it.
+    fn least_of_code(code: u8) -> f32 {
+        decode((f32::from(code) - 0.5) / 255.0)
+    }
+
+    #[test]
+    fn codes_change_at_their_thresholds() {
+        for code in 1..=255 {
+            let least = least_of_code(code);
+            assert_eq!([encode_byte(least.next_down()), encode_byte(least)], [code - 1, code]);
+        }
+    }
+
     #[test]
     fn lanes_encode_as_one_by_one_at_every_threshold_and_on_its_sides() {
         let tables = Tables::get();
-        let thresholds = tables.buckets.iter().map(|entry| f32::from_bits((entry >> 32) as u32));
+        let thresholds = (1..=255).map(least_of_code);
         let around = thresholds.flat_map(|threshold| [threshold.next_down(), threshold, threshold.next_up()]);
         let odd = [0.0, -0.0, -1.0, 1.0, 2.0, f32::MIN_POSITIVE, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
         let values: Vec<f32> = around.chain(odd).collect();
         for (lanes, by_gathers) in Lanes::all_with_and_without_gathers() {
-            for eight in values.chunks(LANES) {
-                let mut padded = [0.5; LANES];
-                padded[..eight.len()].copy_from_slice(eight);
+            for some in values.chunks(WIDE) {
+                let mut padded = [0.5; WIDE];
+                padded[..some.len()].copy_from_slice(some);
                 let codes = on_lanes!(lanes, simd => {
-                    tables.encode_lanes_by(simd, by_gathers, F32::load_array(simd, padded)).to_array()
+                    tables.encode_lanes_by(simd, by_gathers, f32x16::load_array(simd, padded)).to_array()
                 });
                 assert_eq!(codes, padded.map(|value| u32::from(tables.encode(value))), "{} {padded:?}", lanes.name());
             }

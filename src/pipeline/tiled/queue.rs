@@ -432,10 +432,7 @@ mod x86 {
 #[inline(always)]
 fn encode<S: Simd>(simd: S, color: [f32x16<S>; 4]) -> u32x16<S> {
     let tables = Tables::get();
-    let [r, g, b] = each!(c in [0, 1, 2] => {
-        let (low, high) = color[c].split();
-        tables.encode_lanes(simd, low).combine(tables.encode_lanes(simd, high))
-    });
+    let [r, g, b] = each!(c in [0, 1, 2] => tables.encode_lanes(simd, color[c]));
     r | g << 8 | b << 16 | 0xFF00_0000
 }
 

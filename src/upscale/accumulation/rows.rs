@@ -337,10 +337,7 @@ impl Now<'_> {
     fn encode<S: Simd>(&self, simd: S, light: [f32x16<S>; 4], alpha: f32x16<S>, pixels: &mut [Rgba8; WIDE]) {
         let [red, green, blue] = each!(channel in [0, 1, 2] => match self.light {
             Light::Bytes => whole_part(light[channel] + 0.5),
-            Light::Linear => {
-                let (first, second) = light[channel].split();
-                self.tables.encode_lanes(simd, first).combine(self.tables.encode_lanes(simd, second))
-            }
+            Light::Linear => self.tables.encode_lanes(simd, light[channel]),
         });
         let alpha = whole_part(alpha + 0.5);
         let words = red | green << 8 | blue << 16 | alpha << 24;
