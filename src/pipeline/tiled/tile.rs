@@ -125,7 +125,7 @@ impl Tile {
     /// The same of eight samples of a row, and of the eight below.
     #[inline(always)]
     pub(super) fn slots_of_two_rows<S: Simd>(&self, simd: S, column: usize, row: usize) -> u32x16<S> {
-        let [upper, lower] = each!(row in [row, row + 1] => u32x8::from_slice(simd, self.slots(column, row)));
+        let [upper, lower] = each!(y in [row, row + 1] => u32x8::from_slice(simd, self.slots(column, y)));
         upper.combine(lower)
     }
 
