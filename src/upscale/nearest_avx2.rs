@@ -1,11 +1,13 @@
 //! [`super::nearest`] on eight pixels at a time: they copy no more than eight neighbouring samples, which one instruction
-//! deals out. Rows that look the same are copies of the first: memory takes one row after the other faster than several side by side.
+//! deals out. They are stored to all rows that look the same at once, so that none is read again to be copied: at ×4 that takes
+//! two thirds of the time on an AMD processor (Zen 3), and a tenth more on an Intel one (Emerald Rapids). Of two such rows the second
+//! is a copy of the first: at ×2 that takes three quarters of the time on Intel, and a tenth more on AMD.
 
 use std::arch::x86_64::_mm256_permutevar8x32_epi32;
 
 use fearless_simd::{Avx2, kernel};
 
-use super::lanes::{Blocks, load_codes, load_words, store_codes, window};
+use super::lanes::{Blocks, MAX_ROWS, SplitRows, load_codes, load_words, of_one_length, store_codes, window};
 use crate::image::Rgba8;
 
 /// Pixels of a block, and samples that it may look at.
@@ -45,24 +47,47 @@ impl<'a> NearestAvx2<'a> {
     /// Fills rows without a gap from one row of samples.
     pub(super) fn fill(&self, samples: &[Rgba8], rows: &mut [Rgba8]) {
         let width = self.head.len() + BLOCK * self.blocks.len() + self.tail.len();
-        let (row, copies) = rows.split_at_mut(width);
-        let (head, rest) = row.split_at_mut(self.head.len());
-        copy(samples, self.head, head);
-        let (blocks, tail) = rest.as_flattened_mut().as_chunks_mut();
-        deal(self.avx2, samples, &self.blocks, blocks);
-        copy(samples, self.tail, tail.as_chunks_mut().0);
-        copies.chunks_exact_mut(width).for_each(|copy| copy.copy_from_slice(row));
+        for rows in rows.chunks_mut(MAX_ROWS * width) {
+            let (rows, second) = rows.split_at_mut(if rows.len() == 2 * width { width } else { rows.len() });
+            let count = rows.len() / width;
+            let SplitRows { heads, blocks, tails } = SplitRows::new(&mut *rows, width, self.head.len());
+            for (head, tail) in heads.into_iter().zip(tails) {
+                copy(samples, self.head, head);
+                copy(samples, self.tail, tail.as_chunks_mut().0);
+            }
+            deal(self.avx2, samples, &self.blocks, count, blocks);
+            second.copy_from_slice(&rows[..second.len()]);
+        }
     }
 }
 
 kernel! {
-    /// Fills the blocks of a row.
-    fn deal(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], blocks: Blocks<'_>) {
-        let bytes = samples.as_flattened();
-        for (block, deal) in blocks.iter_mut().zip(deals) {
-            let around = load_codes(avx2, window(bytes, 4 * deal.start));
-            let pixels = _mm256_permutevar8x32_epi32(around, load_words(avx2, &deal.places));
-            store_codes(avx2, pixels, block);
+    /// Fills the blocks of the first `count` rows: one, three or more.
+    fn deal(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], count: usize, rows: [Blocks<'_>; MAX_ROWS]) {
+        match count {
+            1 => deal_to::<1>(avx2, samples, deals, rows),
+            3 => deal_to::<3>(avx2, samples, deals, rows),
+            _ => deal_to::<4>(avx2, samples, deals, rows),
+        }
+    }
+}
+
+/// Fills the blocks of `ROWS` rows.
+#[target_feature(enable = "avx2")]
+fn deal_to<const ROWS: usize>(avx2: Avx2, samples: &[Rgba8], deals: &[Deal], rows: [Blocks<'_>; MAX_ROWS]) {
+    let bytes = samples.as_flattened();
+    let [first, second, third, fourth] = of_one_length(rows, ROWS);
+    let deals = &deals[..first.len()];
+    for (block, deal) in deals.iter().enumerate() {
+        let around = load_codes(avx2, window(bytes, 4 * deal.start));
+        let pixels = _mm256_permutevar8x32_epi32(around, load_words(avx2, &deal.places));
+        store_codes(avx2, pixels, &mut first[block]);
+        if ROWS > 1 {
+            store_codes(avx2, pixels, &mut second[block]);
+            store_codes(avx2, pixels, &mut third[block]);
+        }
+        if ROWS > 3 {
+            store_codes(avx2, pixels, &mut fourth[block]);
         }
     }
 }
