@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::rule;
 use crate::pipeline::settings::{FillRule, Settings};
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 
@@ -18,7 +19,8 @@ pub struct MinimalCase {
     note: String,
     width: u32,
     height: u32,
-    rule: &'static str,
+    #[serde(with = "rule")]
+    rule: FillRule,
     /// Corners in px as the exact values of f32.
     triangles: [[[f64; 2]; 3]; 1],
     /// The pixel in question.
@@ -58,7 +60,7 @@ impl MinimalCase {
             ),
             width,
             height,
-            rule: if settings.fill_rule == FillRule::Inclusive { "inclusive" } else { "top_left" },
+            rule: settings.fill_rule,
             triangles: [corners.map(|corner| corner.map(f64::from))],
             pixel: [pixel.0 - shift[0], pixel.1 - shift[1]],
             settings: *settings,
@@ -85,6 +87,7 @@ mod tests {
         let scene = builtin::by_id("slivers").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.pipeline.culling = Culling::None;
+        recipe.pipeline.fill_rule = FillRule::BottomRight;
         let viewport = Viewport { width: 200, height: 150 };
         let frame = run(&scene, &scene.home, &recipe, viewport, &mut ());
         let mut made = 0;

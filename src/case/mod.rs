@@ -6,6 +6,7 @@
 
 mod circle;
 mod clip_tri;
+mod coplanar_pair;
 mod depth;
 mod distance_line;
 mod file;
@@ -15,6 +16,7 @@ mod minimal;
 mod poly_fill;
 mod real_line;
 mod region_fill;
+pub(crate) mod rule;
 mod texture;
 mod tri_area;
 mod tri_attr;
@@ -23,6 +25,7 @@ mod upscale;
 
 pub use circle::{Circle, CircleAnswer};
 pub use clip_tri::{ClipTri, ClipTriAnswer};
+pub use coplanar_pair::{CoplanarPair, CoplanarPairAnswer};
 pub use depth::{Depth, DepthAnswer, DepthFormat, Mapping};
 pub use distance_line::{DistanceLine, DistanceLineAnswer};
 pub use file::CaseError;
@@ -35,7 +38,7 @@ pub use region_fill::{FillMode, RegionFill, RegionFillAnswer};
 pub use texture::{Texture, TextureAddress, TextureAnswer, TextureFilter};
 pub use tri_area::{TriArea, TriAreaAnswer};
 pub use tri_attr::{SampleAttributes, TriAttr, TriAttrAnswer, Vertex};
-pub use tri_coverage::{CoverageRule, Covered, TriCoverage, TriCoverageAnswer};
+pub use tri_coverage::{Covered, TriCoverage, TriCoverageAnswer};
 pub use upscale::{Upscale, UpscaleAnswer};
 
 use std::path::Path;
@@ -141,6 +144,7 @@ tasks! {
     TriCoverage = "tri_coverage", "Which samples lie inside triangles.";
     PolyFill = "poly_fill", "Which samples lie inside a polygon.";
     TriAttr = "tri_attr", "Weights and attributes at samples of a triangle.";
+    CoplanarPair = "coplanar_pair", "The same in two triangles of one plane.";
     ClipTri = "clip_tri", "Triangles in clip space, clipped, projected and interpolated.";
     TriArea = "tri_area", "What area of each pixel a triangle covers.";
     Line = "line", "A line between two pixels.";
@@ -161,6 +165,7 @@ pub enum Answer {
     TriCoverage(TriCoverageAnswer),
     PolyFill(PolyFillAnswer),
     TriAttr(TriAttrAnswer),
+    CoplanarPair(CoplanarPairAnswer),
     ClipTri(ClipTriAnswer),
     TriArea(TriAreaAnswer),
     Line(LineAnswer),
@@ -178,6 +183,7 @@ pub fn answer(case: &Case, options: Options) -> Result<Answer, Refusal> {
     Ok(match &case.task {
         Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options)),
         Task::TriAttr(task) => Answer::TriAttr(task.answer(options.arithmetic)?),
+        Task::CoplanarPair(task) => Answer::CoplanarPair(task.answer(options.arithmetic)?),
         Task::ClipTri(task) => Answer::ClipTri(task.answer(options)),
         Task::Depth(task) => Answer::Depth(task.answer()?),
         Task::PolyFill(task) => Answer::PolyFill(task.answer(options)),

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Float, Options, check_picture};
+use super::{Check, Exactly, Float, Options, check_picture, rule};
 use crate::pipeline::raster::{Span, cover};
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
@@ -15,19 +15,10 @@ pub struct TriCoverage {
     /// Height of the picture, px.
     pub height: u32,
     /// Who owns samples on an edge.
-    pub rule: CoverageRule,
+    #[serde(with = "rule")]
+    pub rule: FillRule,
     /// Corners in px, of either winding. A corner that is not finite covers nothing.
     pub triangles: Vec<Exactly<Exactly<Float, 2>, 3>>,
-}
-
-/// Who owns a sample that lies exactly on an edge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum CoverageRule {
-    /// The triangle whose left edge or horizontal top edge it is.
-    TopLeft,
-    /// Every triangle whose edge it is.
-    Inclusive,
 }
 
 impl Check for TriCoverage {
@@ -46,18 +37,9 @@ impl TriCoverage {
     pub(super) fn answer(&self, options: Options) -> TriCoverageAnswer {
         let viewport = Viewport { width: self.width, height: self.height };
         let triangles = (0..self.triangles.len()).filter_map(|number| self.corners_px(number)).map(|corners_px| {
-            Covered::new(&cover(options.rasterizer, options.arithmetic, corners_px, self.rule.into(), viewport))
+            Covered::new(&cover(options.rasterizer, options.arithmetic, corners_px, self.rule, viewport))
         });
         TriCoverageAnswer { snap_bits: options.snap_bits(), triangles: triangles.collect() }
-    }
-}
-
-impl From<CoverageRule> for FillRule {
-    fn from(rule: CoverageRule) -> Self {
-        match rule {
-            CoverageRule::TopLeft => Self::TopLeft,
-            CoverageRule::Inclusive => Self::Inclusive,
-        }
     }
 }
 

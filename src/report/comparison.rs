@@ -45,7 +45,7 @@ impl Comparison {
                 let corners = task.corners_px(part).ok_or("the case has no such triangle")?;
                 let viewport = Viewport { width: task.width, height: task.height };
                 let snap = if options.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped };
-                let exact = Region::triangle(corners, snap, task.rule.into()).spans(viewport);
+                let exact = Region::triangle(corners, snap, task.rule).spans(viewport);
                 let spans = answer.triangles.get(part).map_or(&[][..], |covered| &covered.spans);
                 let is_finite = corners.as_flattened().iter().all(|c| c.is_finite());
                 let outline = is_finite.then(|| corners.map(|corner| corner.map(f64::from)).to_vec());

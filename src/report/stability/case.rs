@@ -53,7 +53,7 @@ pub struct Coverage {
     /// Picture height in px.
     pub height: u32,
     /// Who owns centres on edges.
-    #[serde(with = "wire::rule")]
+    #[serde(with = "crate::case::rule")]
     pub rule: FillRule,
     /// Corners in px, x right and y down; each triangle for itself.
     #[serde(serialize_with = "wire::serialize", deserialize_with = "wire::deserialize")]

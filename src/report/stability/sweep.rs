@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::Case;
+use super::case::{Body, Case};
 use super::catalogue::{self, Class, Family};
 use super::column::Column;
 use super::machine::Machine;
-use super::measure::{Expected, Outcome, answer};
+use super::measure::{Expected, Outcome, answer, only_pair};
 use super::metric::{Measures, Metric, Verdict};
 use super::timing::{Time, time_class};
 use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
@@ -267,7 +267,14 @@ fn rank(class: &Class, outcome: &Outcome) -> [f64; 7] {
 
 /// The part of a case that shows what went wrong, as the column stores it.
 fn shown(case: &Case, culprits: &[usize], column: Column) -> Case {
-    let part = if culprits.is_empty() { case.clone() } else { case.only(culprits) };
+    let part = match (&case.body, culprits) {
+        (_, []) => case.clone(),
+        (Body::DepthPairs(pairs), [pair, ..]) => {
+            let body = only_pair(pairs, *pair).map_or_else(|| case.body.clone(), Body::Depth);
+            Case { id: format!("{}-pair", case.id), body, ..case.clone() }
+        }
+        (_, culprits) => case.only(culprits),
+    };
     match column {
         Column::Depth(format) => {
             let (mapping, storage) = super::subject::meaning(format);

@@ -66,24 +66,6 @@ pub(super) fn deserialize<'de, T: Wire, D: Deserializer<'de>>(deserializer: D) -
     T::read(&Value::deserialize(deserializer)?).map_err(D::Error::custom)
 }
 
-/// Fill rules, which case files write with `_`.
-pub(super) mod rule {
-    use serde::de::Error as _;
-    use serde::{Deserialize as _, Deserializer, Serializer};
-
-    use crate::pipeline::settings::{Choice as _, FillRule};
-
-    pub(in super::super) fn serialize<S: Serializer>(rule: &FillRule, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(&rule.id().replace('-', "_"))
-    }
-
-    pub(in super::super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FillRule, D::Error> {
-        let word = String::deserialize(deserializer)?.replace('_', "-");
-        let rule = FillRule::ALL.iter().copied().find(|rule| rule.id() == word);
-        rule.ok_or_else(|| D::Error::custom(format!("`{word}` is no fill rule")))
-    }
-}
-
 /// Corners with attributes: objects of x, y, z, w, u, v.
 pub(super) mod corners {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};

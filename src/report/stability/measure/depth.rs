@@ -60,15 +60,36 @@ fn judge(case: &Depth, format: DepthFormat, stored: &[f64]) -> Outcome {
 pub(super) fn pairs(case: &DepthPairs, format: DepthFormat) -> Outcome {
     let buffer = DepthBuffer::new(format, case.near, case.far);
     let reversed = meaning(format).0.is_reversed();
-    let mut random = fastrand::Rng::with_seed(case.seed);
     let mut measures = Measures::default();
-    for _ in 0..case.pairs {
-        let (row, points) = sight(&mut random, case);
-        let [first, second] = points.map(|point| buffer.stored(distance(row, point)));
-        measures.note(Metric::NotFinite, u32::from(!first.is_finite() || !second.is_finite()).into());
-        note_order(first, second, reversed, &mut measures);
+    let mut culprit = None;
+    for (index, pair) in pair_distances(case).enumerate() {
+        let [first, second] = pair.map(|distance| buffer.stored(distance));
+        let is_broken = !first.is_finite() || !second.is_finite();
+        measures.note(Metric::NotFinite, u32::from(is_broken).into());
+        let order = note_order(first, second, reversed, &mut measures);
+        // The first of those that are worst.
+        let badness = if is_broken { 3 } else { order as i8 + 1 };
+        if badness > culprit.map_or(0, |(badness, _)| badness) {
+            culprit = Some((badness, index));
+        }
     }
-    Outcome::new(measures, Vec::new())
+    Outcome::new(measures, culprit.map(|(_, index)| index).into_iter().collect())
+}
+
+/// One of the pairs, as distances to be stored.
+pub fn only_pair(case: &DepthPairs, index: usize) -> Option<Depth> {
+    let DepthPairs { mapping, format, near, far, .. } = *case;
+    let pair = pair_distances(case).nth(index)?;
+    Some(Depth { mapping, format, near, far: Some(far), z: pair.to_vec() })
+}
+
+/// The distances of all pairs, as the matrices of their views give them.
+fn pair_distances(case: &DepthPairs) -> impl Iterator<Item = [f32; 2]> {
+    let mut random = fastrand::Rng::with_seed(case.seed);
+    (0..case.pairs).map(move |_| {
+        let (row, points) = sight(&mut random, case);
+        points.map(|point| distance(row, point))
+    })
 }
 
 /// A random view, as the row of its matrix that makes the distance, and two points on one of its lines of sight at

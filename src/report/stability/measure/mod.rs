@@ -21,6 +21,7 @@ use super::oracle::Snap;
 use super::subject::{self, Interpolator};
 use clip_space::ExpectedTriangle;
 use coverage::ExpectedCoverage;
+pub use depth::only_pair;
 
 /// The right answers to a case.
 #[derive(Clone, Debug)]

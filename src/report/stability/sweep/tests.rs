@@ -1,6 +1,7 @@
 use std::sync::{LazyLock, Mutex};
 
 use super::*;
+use crate::case::Case as CaseFile;
 use crate::report::stability::csv::csv;
 use crate::report::stability::html::html;
 use crate::report::stability::text::text;
@@ -19,8 +20,17 @@ fn report(plan: &Plan) -> Report {
 /// Everything small, judged only, and only once.
 fn small() -> &'static Report {
     static SMALL: LazyLock<Report> = LazyLock::new(|| {
-        let classes =
-            ["benign", "slivers", "mesh-strips", "near-crossing", "columns", "thin", "coplanar", "depth-thin"];
+        let classes = [
+            "benign",
+            "slivers",
+            "mesh-strips",
+            "near-crossing",
+            "columns",
+            "thin",
+            "coplanar",
+            "depth-thin",
+            "depth-published",
+        ];
         report(&plan(&classes, false))
     });
     &SMALL
@@ -56,6 +66,8 @@ fn the_worst_cases_show_the_fault_when_they_are_opened_again() {
             let Some(worst) = &cell.worst else { continue };
             let case: Case = serde_json::from_str(&worst.case.to_json()).unwrap();
             let outcome = answer(&case, &Expected::new(&case), cell.column).unwrap();
+            let file = CaseFile::parse(worst.case.to_json().as_bytes(), "worst.json".as_ref());
+            assert!(file.is_ok(), "{}: {file:?}", class.class.id);
             let faulty = |measures: Option<Measures>| {
                 let value = |metric| measures.and_then(|measures| measures.get(metric));
                 value(class.class.headline) > Some(0.0) || value(Metric::NotFinite) > Some(0.0)
