@@ -165,6 +165,11 @@ impl Frame {
         }
     }
 
+    /// The pixel of the full picture that a packed sample lies in.
+    pub fn pixel_of(&self, sample: (u32, u32)) -> (u32, u32) {
+        self.sampling.pixel(sample, (self.viewport.width, self.viewport.height))
+    }
+
     /// The triangles that were rasterized, on the full picture; none if the frame was drawn smaller and without lines.
     pub fn outlines(&self) -> &[ScreenTriangle] {
         match self.sampling {

@@ -10,7 +10,6 @@ use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::Sample;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::scene::{Scene, TriangleId};
-use crate::upscale::Sampling;
 
 /// What is looked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -146,7 +145,7 @@ pub fn find(scene: &Scene, recipe: &Recipe, frame: &Frame, wanted: &Wanted) -> F
         Search { is_wanted, covered: Image::filled(width, height, false), seen: Image::filled(width, height, false) };
     redraw(scene, recipe, frame, Until::Shade, &mut search);
     let Search { covered, seen, .. } = search;
-    let in_the_middle = |mask: &Image<bool>| most_central(mask).map(|(sample, count)| (pixel_of(frame, sample), count));
+    let in_the_middle = |mask: &Image<bool>| most_central(mask).map(|(sample, count)| (frame.pixel_of(sample), count));
     match (in_the_middle(&seen), in_the_middle(&covered)) {
         (Some((pixel, count)), _) => Found::Seen(pixel, count),
         (None, Some((pixel, count))) => Found::Hidden(pixel, count),
@@ -184,22 +183,6 @@ fn most_central(mask: &Image<bool>) -> Option<((u32, u32), usize)> {
     let distance =
         |(x, y): &(u32, u32)| u64::from(*x).abs_diff(middle.0).pow(2) + u64::from(*y).abs_diff(middle.1).pow(2);
     marked().min_by_key(distance).map(|sample| (sample, count as usize))
-}
-
-/// The pixel of the full picture that a sample stands for.
-fn pixel_of(frame: &Frame, (column, row): (u32, u32)) -> (u32, u32) {
-    match frame.sampling {
-        Sampling::Grid(grid) => grid.pixel(column, row),
-        Sampling::Lattice(_) => {
-            let along = |sample: u32, full: u32, drawn: u32| {
-                ((u64::from(sample) * 2 + 1) * u64::from(full) / (2 * u64::from(drawn.max(1)))) as u32
-            };
-            (
-                along(column, frame.viewport.width, frame.raster.width),
-                along(row, frame.viewport.height, frame.raster.height),
-            )
-        }
-    }
 }
 
 #[cfg(test)]

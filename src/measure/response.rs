@@ -3,7 +3,7 @@
 //! The signals lie between codes 96 and 160, so that lobes of either sign are seen and nothing is clamped.
 
 use crate::image::{Image, Rgba8};
-use crate::upscale::{Drawn, Sampling, Upscaling};
+use crate::upscale::{Drawn, Upscaling};
 
 /// Code of what is dark in a signal.
 const DARK: f64 = 96.0;
@@ -66,17 +66,6 @@ fn zone_plate(x: f64, y: f64) -> f64 {
     0.5 + 0.5 * (std::f64::consts::PI * squared / f64::from(PLATE)).cos()
 }
 
-/// Where a sample lies in the full picture, px.
-fn position(how: Upscaling, column: u32, row: u32) -> (f64, f64) {
-    match how.sampling() {
-        Sampling::Grid(grid) => {
-            let (x, y) = grid.pixel(column, row);
-            (f64::from(x) + 0.5, f64::from(y) + 0.5)
-        }
-        Sampling::Lattice(lattice) => (lattice.position_px(column), lattice.position_px(row)),
-    }
-}
-
 /// Columns and rows of samples for a square picture.
 fn samples(how: Upscaling, side: u32) -> (u32, u32) {
     let sampling = how.sampling();
@@ -87,7 +76,7 @@ fn samples(how: Upscaling, side: u32) -> (u32, u32) {
 /// The position of the sample nearest to the middle.
 fn nearest_sample(how: Upscaling, side: u32, middle: f64) -> (f64, f64) {
     let (columns, rows) = samples(how, side);
-    let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| position(how, column, row)));
+    let positions = (0..rows).flat_map(|row| (0..columns).map(move |column| how.sampling().position_px((column, row))));
     let distance = |(x, y): &(f64, f64)| (x - middle).powi(2) + (y - middle).powi(2);
     positions.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or((0.5, 0.5))
 }
@@ -96,7 +85,7 @@ fn nearest_sample(how: Upscaling, side: u32, middle: f64) -> (f64, f64) {
 fn respond(how: Upscaling, side: u32, signal: impl Fn(f64, f64) -> f64) -> Image<Rgba8> {
     let (columns, rows) = samples(how, side);
     let drawn = Image::from_fn(columns, rows, |column, row| {
-        let (x, y) = position(how, column, row);
+        let (x, y) = how.sampling().position_px((column, row));
         let code = (DARK + HEIGHT * signal(x, y)).round() as u8;
         [code, code, code, 255]
     });

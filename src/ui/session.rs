@@ -464,7 +464,7 @@ fn nearest_drawn(frame: &Frame, place: (u32, u32)) -> Option<(u32, u32)> {
     let pixels = (0..depth.height()).flat_map(|row| (0..depth.width()).map(move |column| (column, row)));
     pixels
         .filter(|(column, row)| (f32::MIN_POSITIVE..1.0).contains(&depth.at(*column, *row)))
-        .map(|(column, row)| frame.drawn.grid.pixel(column, row))
+        .map(|sample| frame.pixel_of(sample))
         .min_by_key(|(x, y)| u64::from(x.abs_diff(place.0)).pow(2) + u64::from(y.abs_diff(place.1)).pow(2))
 }
 

@@ -173,6 +173,23 @@ impl Sampling {
             Self::Lattice(lattice) => (lattice.samples(width), lattice.samples(height)),
         }
     }
+
+    /// Where a packed sample, given by column and row, lies in the full picture, px.
+    pub fn position_px(self, (column, row): (u32, u32)) -> (f64, f64) {
+        match self {
+            Self::Grid(grid) => {
+                let (x, y) = grid.pixel(column, row);
+                (f64::from(x) + 0.5, f64::from(y) + 0.5)
+            }
+            Self::Lattice(lattice) => (lattice.position_px(column), lattice.position_px(row)),
+        }
+    }
+
+    /// The pixel of a full picture of `width` × `height` px that a packed sample lies in, or the one nearest to it.
+    pub fn pixel(self, sample: (u32, u32), (width, height): (u32, u32)) -> (u32, u32) {
+        let (x, y) = self.position_px(sample);
+        ((x as u32).min(width - 1), (y as u32).min(height - 1))
+    }
 }
 
 /// What was drawn.

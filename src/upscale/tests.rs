@@ -62,6 +62,31 @@ fn places(image: &Image<Rgba8>) -> impl Iterator<Item = (u32, u32)> + use<> {
 }
 
 #[test]
+fn a_sample_stands_for_the_pixel_that_it_lies_in() {
+    for how in everything() {
+        for full @ (width, height) in [(1, 1), (5, 9), (12, 5), (33, 20)] {
+            let sampling = how.sampling();
+            let raster = sampling.raster_size(width, height);
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let sample = match sampling {
+                    Sampling::Grid(grid) => grid.sample_at(x, y),
+                    Sampling::Lattice(lattice) => Some((lattice.nearest(x, raster.0), lattice.nearest(y, raster.1))),
+                };
+                let Some(sample) = sample else { continue };
+                let pixel = sampling.pixel(sample, full);
+                let again = match sampling {
+                    Sampling::Grid(grid) => grid.sample_at(pixel.0, pixel.1),
+                    Sampling::Lattice(lattice) => {
+                        Some((lattice.nearest(pixel.0, raster.0), lattice.nearest(pixel.1, raster.1)))
+                    }
+                };
+                assert_eq!(again, Some(sample), "{} {full:?} {pixel:?}", how.label());
+            }
+        }
+    }
+}
+
+#[test]
 fn what_the_picture_held_before_does_not_show() {
     for_every_method_and_size(|how, full, _, drawn| {
         let mut again = Image::filled(full.width(), full.height(), [7, 77, 177, 3]);

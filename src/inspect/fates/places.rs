@@ -71,7 +71,7 @@ impl Fates {
         let on_top: Vec<_> = on_top.map(|(_, place)| (place % width, place / width)).collect();
         let samples = if on_top.is_empty() { self.covered_by(self.shapes_of(triangle)) } else { on_top };
         let middle = middle(&samples).or_else(|| self.sample_at_middle(self.shapes_of(triangle).first()?));
-        middle.map(|(column, row)| self.full_pixel(column, row))
+        middle.map(|sample| self.sampling.pixel(sample, (self.viewport.width, self.viewport.height)))
     }
 
     /// For every pixel of the full picture, what it has of a selection. A triangle that covers no sample marks the pixel that
@@ -121,22 +121,6 @@ impl Fates {
         let Viewport { width, height } = self.raster;
         let inside = (0.0..f64::from(width)).contains(&x) && (0.0..f64::from(height)).contains(&y);
         inside.then(|| nearest_of_grid(self.sampling.grid(), self.raster, (x as u32, y as u32)))
-    }
-
-    /// The pixel of the full picture that a packed sample stands for.
-    fn full_pixel(&self, column: u32, row: u32) -> (u32, u32) {
-        match self.sampling {
-            Sampling::Grid(grid) => grid.pixel(column, row),
-            Sampling::Lattice(_) => {
-                let scale = |at: u32, from: u32, to: u32| {
-                    ((f64::from(at) + 0.5) * f64::from(to) / f64::from(from)).min(f64::from(to) - 1.0) as u32
-                };
-                (
-                    scale(column, self.raster.width, self.viewport.width),
-                    scale(row, self.raster.height, self.viewport.height),
-                )
-            }
-        }
     }
 }
 

@@ -62,9 +62,8 @@ impl Checks {
 
 /// Where in the full picture a violation is.
 pub fn place(violation: &Violation, frame: &Frame) -> (u32, u32) {
-    let (full, drawn) = (frame.viewport, frame.raster);
-    let scaled = |at: u32, full: u32, drawn: u32| (u64::from(at) * u64::from(full) / u64::from(drawn.max(1))) as u32;
-    (scaled(violation.x, full.width, drawn.width), scaled(violation.y, full.height, drawn.height))
+    let drawn_at = (violation.x, violation.y);
+    frame.sampling.grid().sample_at(violation.x, violation.y).map_or(drawn_at, |sample| frame.pixel_of(sample))
 }
 
 /// Runs the checks.

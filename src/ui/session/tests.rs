@@ -7,6 +7,23 @@ fn session() -> Session {
     Session::new(Arc::new(scene), source, Recipe::default(), home)
 }
 
+#[test]
+fn the_first_pick_is_near_its_place_however_much_smaller_the_picture_is_drawn() {
+    let session = session();
+    let place = (60, 50);
+    for upscaling in ["native", "checkerboard", "nearest", "bilinear"] {
+        let mut recipe = Recipe::default();
+        recipe.set(&format!("upscaler.method={upscaling}")).unwrap();
+        if upscaling == "bilinear" {
+            recipe.set("upscaler.anchor=centre").unwrap();
+        }
+        let viewport = Viewport { width: 96, height: 64 };
+        let frame = crate::chain::run(&session.scene, &session.scene.home, &recipe, viewport, &mut ());
+        let (x, y) = nearest_drawn(&frame, place).unwrap();
+        assert!(x.abs_diff(place.0) <= 4 && y.abs_diff(place.1) <= 4, "{upscaling}: {x}, {y}");
+    }
+}
+
 fn move_camera(session: &mut Session, now: f64) {
     session.state.camera.orbit(0.1, 0.0);
     session.settle(now);
