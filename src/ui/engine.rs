@@ -17,10 +17,10 @@ use crate::inspect::scrub::{Moment, Timeline};
 use crate::inspect::view::Range;
 use crate::inspect::{Intermediate, PixelReport, Stage, Survey, explain};
 use crate::measure::stages::{StageTimer, StageTimes};
+use crate::pipeline::Until;
 use crate::pipeline::observe::Counters;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::{Until, prepare};
 use crate::scene::{Camera, Scene};
 
 /// What the canvas shows of a frame.
@@ -299,9 +299,9 @@ impl Figuring {
 
 /// Counts without shading: as many fragments are shaded as pass.
 fn count(request: &Request, frame: &Frame) -> BadFragments {
-    let Request { scene, camera, recipe, .. } = request;
+    let Request { scene, recipe, .. } = request;
     let mut counting = BadFragments::new(recipe.pipeline);
-    prepare(scene, camera, &recipe.pipeline, frame.viewport, &mut counting);
+    chain::prepare_again(scene, recipe, frame, &mut counting);
     let again = chain::redraw(scene, recipe, frame, Until::Depth, &mut counting);
     let counters = &mut counting.counters;
     counters.shaded = if again.depth.is_some() { counters.passed } else { counters.covered };
