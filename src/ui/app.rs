@@ -428,7 +428,7 @@ impl eframe::App for Workbench {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         let preferences = self.session.preferences(self.look.0, self.look.1);
-        eframe::set_value(storage, eframe::APP_KEY, &preferences);
+        storage.set_string(eframe::APP_KEY, preferences.write());
     }
 }
 

@@ -154,8 +154,8 @@ pub fn run_window(start: WindowStart) -> Result<(), String> {
 
 /// The application in a window: resumed from storage, with a renderer of its own.
 fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
-    let preferences: Preferences =
-        cc.storage.and_then(|storage| eframe::get_value(storage, eframe::APP_KEY)).unwrap_or_default();
+    let stored = cc.storage.and_then(|storage| storage.get_string(eframe::APP_KEY));
+    let preferences = stored.map(|stored| Preferences::read(&stored)).unwrap_or_default();
     theme::install(&cc.egui_ctx);
     cc.egui_ctx.set_theme(if preferences.light_theme { egui::Theme::Light } else { egui::Theme::Dark });
     if preferences.scale > 0.0 {

@@ -2,7 +2,9 @@
 
 use std::path::PathBuf;
 
-use serde::{Deserialize, Serialize};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::{Map, Value, json};
 
 use super::Session;
 use crate::chain::Recipe;
@@ -52,7 +54,8 @@ impl PointerMode {
     }
 }
 
-/// Kept between runs.
+/// Kept between runs, as JSON. What cannot be read of it, because an older or newer program wrote it or somebody else, is left
+/// out by itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
@@ -65,6 +68,7 @@ pub struct Preferences {
     /// Last picture size.
     pub size: PictureSize,
     /// Files opened, newest first.
+    #[serde(deserialize_with = "the_readable")]
     pub recent: Vec<PathBuf>,
     /// Whether the first hint was closed.
     pub hint_closed: bool,
@@ -73,9 +77,32 @@ pub struct Preferences {
     /// Interface scale; 0 means 1.
     pub scale: f32,
     /// Places that were kept.
+    #[serde(deserialize_with = "the_readable")]
     pub bookmarks: Vec<Bookmark>,
     /// Pixels that are watched.
+    #[serde(deserialize_with = "the_readable")]
     pub watched: Vec<(u32, u32)>,
+}
+
+impl Preferences {
+    /// From what was stored, but for what cannot be read of it.
+    pub fn read(stored: &str) -> Self {
+        let fields: Map<String, Value> = serde_json::from_str(stored).unwrap_or_default();
+        let can_be_read = |(key, value): &(String, Value)| Self::deserialize(json!({ key: value })).is_ok();
+        serde_json::from_value(fields.into_iter().filter(can_be_read).collect()).unwrap_or_default()
+    }
+
+    /// As it is stored.
+    pub fn write(&self) -> String {
+        // Nothing in it can fail to be written: its maps have names, and what is not finite becomes null.
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// Those of a list that can be read.
+fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -> Result<Vec<T>, D::Error> {
+    let items = Vec::<Value>::deserialize(from)?;
+    Ok(items.into_iter().filter_map(|item| serde_json::from_value(item).ok()).collect())
 }
 
 impl Session {
@@ -96,5 +123,42 @@ impl Session {
             bookmarks: self.places.bookmarks.clone(),
             watched: self.watch.pixels.clone(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_read_costs_nothing_else() {
+        let source = SceneSource::default();
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        let place = Session::new(Arc::new(scene), source, Recipe::default(), home).place();
+        let bookmark = Bookmark { name: "kept".to_owned(), place };
+        let mut kept = Preferences {
+            recent: vec!["a.obj".into()],
+            bookmarks: vec![bookmark; 3],
+            watched: vec![(1, 2)],
+            scale: 1.5,
+            ..Preferences::default()
+        };
+        assert_eq!(Preferences::read(&kept.write()), kept);
+        let mut stored: Value = serde_json::from_str(&kept.write()).unwrap();
+        for (place, damaged) in [
+            ("/recipe/pipeline/culling", json!("of another version")),
+            ("/bookmarks/1/place/camera", json!(null)),
+            ("/size", json!("as large as the moon")),
+            ("/watched", json!("none")),
+        ] {
+            *stored.pointer_mut(place).unwrap_or_else(|| panic!("{place}")) = damaged;
+        }
+        kept.bookmarks.truncate(2);
+        kept.watched.clear();
+        assert_eq!(Preferences::read(&stored.to_string()), kept);
+        assert_eq!(Preferences::read("(of: \"an older\" program)"), Preferences::default());
     }
 }
