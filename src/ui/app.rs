@@ -11,12 +11,11 @@ mod saving;
 mod tasks;
 
 use std::path::PathBuf;
-use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel, Ui};
 
-pub(super) use saving::free_name;
+pub(super) use saving::write_text;
 
 use opening::{Loading, SLOW_LOAD};
 
@@ -82,7 +81,8 @@ pub struct Workbench {
     measuring_savings: Option<MeasuringSavings>,
     measuring_growth: Option<MeasuringGrowth>,
     case_view: CaseView,
-    saving: Option<Receiver<Result<PathBuf, String>>>,
+    /// Files that are being written.
+    saving: Vec<Task<(), Result<PathBuf, String>>>,
     canvas: Canvas,
     mesh: MeshPane,
     tiles: TilesView,
@@ -115,7 +115,7 @@ impl Workbench {
             measuring_savings: None,
             measuring_growth: None,
             case_view: CaseView::default(),
-            saving: None,
+            saving: Vec::new(),
             asked_at: None,
             canvas: Canvas::default(),
             mesh: MeshPane::default(),
@@ -313,7 +313,7 @@ impl Workbench {
             Command::AskForFile => self.dialog = Dialog::Open(OpenDialog::default()),
             Command::Open(path) => self.open(ui, SceneSource::File(path)),
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
-            Command::SaveCase => self.save_case(),
+            Command::SaveCase => self.save_case(ui),
             Command::RunStability => self.judge(ui),
             Command::Probe(change) => self.probe(ui, change),
             Command::MeasurePlan => self.measure_plan(ui),
@@ -339,7 +339,7 @@ impl Workbench {
                 self.session.measuring = None;
                 self.worker.send(Job::CancelMeasure);
             }
-            Command::ExportTimings => self.export_timings(),
+            Command::ExportTimings => self.export_timings(ui),
             Command::ZoomFit => self.canvas.fit(),
             Command::ZoomOne => {
                 let viewport = self.session.viewport();
@@ -353,10 +353,15 @@ impl Workbench {
                     self.canvas.bring_into_view(pixel, self.session.canvas_px);
                 }
             }
-            Command::Overlays(overlays::Change::SaveTotals) => self.save(ui, overlays::save::totals(&self.session)),
+            Command::Overlays(overlays::Change::SaveTotals) => {
+                self.save(ui, ("overlays", "csv"), overlays::save::totals(&self.session));
+            }
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
-            Command::SaveData => self.save(ui, range::save::data(&self.session)),
+            Command::SaveData => {
+                let (stem, write) = range::save::data(&self.session);
+                self.save(ui, (stem, "pfm"), write);
+            }
             Command::SavePicture => self.save_picture(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),
             Command::CopyPicture => self.copy_picture(ui),

@@ -31,7 +31,7 @@ pub struct Stability {
 /// What is known of what leaving out saves.
 #[derive(Clone, Debug, Default)]
 pub struct PlanSavings {
-    /// The last that was measured, and the scene's name and triangles that it is of.
+    /// The last that was measured, and the name of the scene that it is of.
     pub found: Option<(Arc<Savings>, String)>,
     /// Share of the present measurement that is done.
     pub progress: Option<f32>,
@@ -49,8 +49,8 @@ pub struct Growth {
 /// A stability report that is being made.
 pub type Judging = Task<Progress, Report>;
 
-/// Savings that are being measured.
-pub type MeasuringSavings = Task<f32, Savings>;
+/// Savings that are being measured, and the name of the scene that they are of.
+pub type MeasuringSavings = Task<f32, (Savings, String)>;
 
 /// Growth that is being measured.
 pub type MeasuringGrowth = Task<(Quantity, f32), Scaling>;

@@ -20,10 +20,7 @@ impl Workbench {
             self.hear(answer);
         }
         self.hear_tasks();
-        if let Some(outcome) = self.saving.as_ref().and_then(|saving| saving.try_recv().ok()) {
-            self.saving = None;
-            self.saved(outcome);
-        }
+        self.hear_saving();
         if let Some(loading) = &self.loading {
             let source = loading.source.clone();
             match loading.result.try_recv() {
@@ -62,6 +59,7 @@ impl Workbench {
             Answer::Judged { upscaling, error } => self.session.timings.record_error(upscaling, *error),
             Answer::Measured => self.session.measuring = None,
             Answer::Panicked(text) => {
+                self.asked_at = None;
                 let text = format!("Drawing stopped by an error of the program: {text}. The last good picture stays.");
                 self.session.report(Level::Error, text);
             }

@@ -31,7 +31,8 @@ impl Workbench {
         self.session.savings.progress = Some(0.0);
         self.measuring_savings = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
             let Request { scene, camera, recipe, viewport, .. } = &request;
-            savings(scene, camera, recipe, *viewport, ROUNDS, tell, stop)
+            let found = savings(scene, camera, recipe, *viewport, ROUNDS, tell, stop)?;
+            Some((found, scene.name.clone()))
         }));
     }
 
@@ -55,10 +56,10 @@ impl Workbench {
         let broke_off = hear(&mut self.judging, &mut session.stability.progress, |report| {
             session.stability.report = Some(Arc::from(report));
         });
-        let name = &session.scene.name;
         let broke_off = broke_off
             | hear(&mut self.measuring_savings, &mut session.savings.progress, |found| {
-                session.savings.found = Some((Arc::from(found), name.clone()));
+                let (savings, scene) = *found;
+                session.savings.found = Some((Arc::new(savings), scene));
             })
             | hear(&mut self.measuring_growth, &mut session.growth.progress, |found| {
                 session.growth.found = Some(Arc::from(found));
@@ -78,7 +79,7 @@ impl Workbench {
         match probe::apply(&mut self.session, ui.ctx(), change) {
             probe::Rest::Nothing => {}
             probe::Rest::BringIntoView(pixel) => self.canvas.bring_into_view(pixel, self.session.canvas_px),
-            probe::Rest::Write(case) => self.write_case(&case),
+            probe::Rest::Write(case) => self.write_case(ui, &case),
         }
     }
 }
