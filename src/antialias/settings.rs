@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::pattern::Pattern;
+use crate::flat2d::convolve::{BELL_DEVIATIONS, MOST_REACH};
 use crate::pipeline::settings::{Choice, ColorSpace, choice};
 
 choice! {
@@ -120,6 +121,20 @@ choice! {
     }
 }
 
+impl Filter {
+    /// The greatest strength, where there is a choice: as far as masks go, and for sharpening as much as is of use.
+    pub fn most_strength(self) -> Option<f32> {
+        let reach = MOST_REACH as f32;
+        match self {
+            Self::None | Self::Fxaa | Self::Own => None,
+            Self::Blur => Some(reach),
+            Self::Gaussian => Some(reach / BELL_DEVIATIONS),
+            Self::Sharpen => Some(5.0),
+            Self::Motion => Some(2.0 * reach),
+        }
+    }
+}
+
 /// Weights of an own mask: five rows of five.
 pub type Weights = [f32; 25];
 
@@ -137,7 +152,7 @@ pub struct PostFilter {
     /// Which one.
     pub filter: Filter,
     /// How far or how much: px from the middle to the edge of a blur, standard deviation in px of a Gaussian one, amount of
-    /// sharpening, px of a motion.
+    /// sharpening, px of a motion; up to [`Filter::most_strength`].
     pub strength: f32,
     /// Direction of a motion, degrees from the right towards below.
     pub angle_degrees: f32,
@@ -162,21 +177,28 @@ pub fn widened(weights: [f32; 9]) -> Weights {
     wide
 }
 
-/// Greatest strength of a filter.
-pub const MOST_STRENGTH: f32 = 30.0;
-
 impl PostFilter {
     /// Whether it changes nothing.
     pub fn is_off(&self) -> bool {
         self.filter == Filter::None
     }
 
+    /// Another filter, as strong as this one or as it can be.
+    pub fn with_filter(self, filter: Filter) -> Self {
+        let strength = filter.most_strength().map_or(self.strength, |most| self.strength.clamp(0.0, most));
+        Self { filter, strength, ..self }
+    }
+
     /// Why these numbers cannot be filtered with.
     pub fn check(&self) -> Result<(), String> {
-        if !(0.0..=MOST_STRENGTH).contains(&self.strength) {
-            return Err(format!("the strength must lie in 0…{MOST_STRENGTH}, not {}", self.strength));
+        let Self { filter, strength, .. } = self;
+        if let Some(most) = filter.most_strength().filter(|most| !(0.0..=*most).contains(strength)) {
+            return Err(format!("the strength of the filter `{}` must lie in 0…{most}, not {strength}", filter.id()));
         }
-        if !self.angle_degrees.is_finite() || !self.mask.iter().all(|weight| weight.is_finite()) {
+        if !strength.is_finite()
+            || !self.angle_degrees.is_finite()
+            || !self.mask.iter().all(|weight| weight.is_finite())
+        {
             return Err("numbers must be finite".to_owned());
         }
         Ok(())

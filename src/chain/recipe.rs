@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use thiserror::Error;
 
-use crate::antialias::settings::{Antialiasing, MOST_STRENGTH, PostFilter, widened};
+use crate::antialias::settings::{Antialiasing, Filter, PostFilter, widened};
 use crate::pipeline::settings::{Choice as _, Execution, Settings};
 use crate::upscale::{self, Offers, Scale, Upscaler, Upscaling};
 
@@ -47,6 +47,12 @@ const UPSCALER_KEYS: &str = "upscaler.";
 /// The one that decides what the others may be.
 const METHOD_KEY: &str = "upscaler.method";
 
+/// The one that decides how large the next may be.
+const FILTER_KEY: &str = "post.filter";
+
+/// How strong the post filter is.
+const STRENGTH_KEY: &str = "post.strength";
+
 /// Why a `key=value` does not change a recipe.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum SetError {
@@ -86,7 +92,10 @@ impl Recipe {
         let bad = |reason: String| SetError::BadValue { key: key.clone(), reason };
         let wanted = parse_like(leaf, value.trim()).map_err(bad)?;
         *leaf = wanted.clone();
-        let changed: Self = serde_json::from_value(tree).map_err(|e| bad(e.to_string()))?;
+        let mut changed: Self = serde_json::from_value(tree).map_err(|e| bad(e.to_string()))?;
+        if key == FILTER_KEY {
+            changed.post = self.post.with_filter(changed.post.filter);
+        }
         changed.check().map_err(bad)?;
         if json(&changed).pointer(&pointer) != Some(&wanted) {
             let method = changed.upscaler.method();
@@ -96,13 +105,13 @@ impl Recipe {
         Ok(())
     }
 
-    /// Changes several settings, in any order: methods come before what they may offer.
+    /// Changes several settings, in any order: methods and filters come before what they decide.
     /// On error nothing changes.
     pub fn set_all(&mut self, assignments: &[impl AsRef<str>]) -> Result<(), SetError> {
         let mut changed = *self;
         let depends = |assignment: &&str| {
             let key = key_of(assignment);
-            key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY
+            key == STRENGTH_KEY || key.starts_with(UPSCALER_KEYS) && key != METHOD_KEY
         };
         let all = || assignments.iter().map(AsRef::as_ref);
         for assignment in all().filter(|a| !depends(a)).chain(all().filter(depends)) {
@@ -193,7 +202,10 @@ fn describe_values(key: &str, value: &Value) -> String {
         }
         Value::Bool(_) => "true, false".to_owned(),
         Value::Number(_) if key == "light.ambient" => "number, 0…1".to_owned(),
-        Value::Number(_) if key == "post.strength" => format!("number, 0…{MOST_STRENGTH}"),
+        Value::Number(_) if key == STRENGTH_KEY => {
+            let ranges = Filter::ALL.iter().filter_map(|f| Some(format!(", 0…{} for {}", f.most_strength()?, f.id())));
+            format!("number{}", ranges.collect::<String>())
+        }
         Value::Number(number) if number.is_u64() => "whole number".to_owned(),
         Value::Number(_) => "number".to_owned(),
         Value::Array(_) if key == "post.mask" => "9 or 25 numbers with commas between, row by row".to_owned(),
@@ -287,6 +299,22 @@ mod tests {
         assert!(recipe.set_all(&["wireframe=true", "Upscaler.scale=2"]).is_err(), "keys are in lower case");
         assert!(recipe.set_all(&["wireframe=true", "upscaler.scale=5"]).is_err());
         assert_eq!(recipe, before);
+    }
+
+    #[test]
+    fn strengths_end_where_the_masks_of_their_filters_do() {
+        for (filter, most, beyond) in [("blur", 15.0, "16"), ("gaussian", 5.0, "5.5"), ("motion", 30.0, "31")] {
+            let mut recipe = Recipe::default();
+            let set = [format!("post.strength={most}"), format!("post.filter={filter}")];
+            recipe.set_all(&set).unwrap();
+            let message = recipe.set(&format!("post.strength={beyond}")).unwrap_err().to_string();
+            assert_eq!(
+                message,
+                format!("post.strength: the strength of the filter `{filter}` must lie in 0…{most}, not {beyond}")
+            );
+            recipe.set("post.filter=gaussian").unwrap();
+            assert_eq!(recipe.post.strength, 5.0, "another filter is as strong as it can be");
+        }
     }
 
     #[test]

@@ -15,8 +15,14 @@ pub struct Mask {
     weights: Vec<f32>,
 }
 
+/// How far masks go from their middle at most, px.
+pub const MOST_REACH: usize = 15;
+
 /// The longest side of a mask, px.
-pub const MOST_SIDE: usize = 31;
+const MOST_SIDE: usize = 2 * MOST_REACH + 1;
+
+/// Standard deviations from the middle to where a bell is cut off.
+pub const BELL_DEVIATIONS: f32 = 3.0;
 
 /// Why weights are no mask.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
@@ -42,9 +48,9 @@ impl Mask {
         }
     }
 
-    /// The mean of (2 · `reach` + 1)² pixels; `reach` as far as masks go.
+    /// The mean of (2 · `reach` + 1)² pixels; `reach` up to [`MOST_REACH`].
     pub fn blur(reach: usize) -> Self {
-        let side = (2 * reach + 1).min(MOST_SIDE);
+        let side = 2 * reach.min(MOST_REACH) + 1;
         Self { side, weights: vec![1.0 / (side * side) as f32; side * side] }
     }
 
@@ -53,9 +59,9 @@ impl Mask {
         Self { side: 3, weights: [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0].map(|weight| weight / 16.0).to_vec() }
     }
 
-    /// A bell of standard deviation `sigma` px, cut off at three of them.
+    /// A bell of standard deviation `sigma` px, cut off at [`BELL_DEVIATIONS`] of them, or at [`MOST_REACH`] px.
     pub fn gaussian(sigma: f32) -> Self {
-        let reach = (3.0 * sigma).ceil().clamp(1.0, (MOST_SIDE / 2) as f32) as i32;
+        let reach = (BELL_DEVIATIONS * sigma).ceil().clamp(1.0, MOST_REACH as f32) as i32;
         let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
         let places = || (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y)));
         let sum: f32 = places().map(|(x, y)| bell(x) * bell(y)).sum();
@@ -69,12 +75,12 @@ impl Mask {
         Self { side: 3, weights: vec![0.0, beside, 0.0, beside, 1.0 + amount, beside, 0.0, beside, 0.0] }
     }
 
-    /// The mean along a straight way of `length` px through the pixel, `angle` radians from the right towards below: each
+    /// The mean along a straight way of `length` px through the pixel, up to twice [`MOST_REACH`], `angle` radians from the right towards below: each
     /// pixel counts for as much of the way as lies in it.
     pub fn motion(length: f32, angle: f32) -> Self {
         /// Steps per px of the way.
         const STEPS_PER_PX: f32 = 64.0;
-        let length = length.clamp(0.0, (MOST_SIDE - 1) as f32);
+        let length = length.clamp(0.0, 2.0 * MOST_REACH as f32);
         let reach = (length / 2.0).ceil().max(1.0) as usize;
         let side = 2 * reach + 1;
         let mut weights = vec![0.0; side * side];

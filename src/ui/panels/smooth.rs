@@ -5,7 +5,7 @@ use eframe::egui::{DragValue, Grid, Ui};
 
 use super::pick;
 use super::switches::note;
-use crate::antialias::settings::{Antialiasing, Filter, MOST_STRENGTH, Method, PostFilter};
+use crate::antialias::settings::{Antialiasing, Filter, Method, PostFilter};
 use crate::chain::Recipe;
 use crate::ui::widgets::{choice, row, slider};
 use crate::upscale::{self, Upscaling};
@@ -77,7 +77,9 @@ fn choices(ui: &mut Ui, chosen: Upscaling) -> Upscaling {
 
 /// The filter over the finished picture.
 pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
-    row(ui, "Post filter", "What is done with the finished picture", |ui| pick(ui, &mut post.filter));
+    let mut filter = post.filter;
+    row(ui, "Post filter", "What is done with the finished picture", |ui| pick(ui, &mut filter));
+    *post = post.with_filter(filter);
     if post.is_off() {
         return;
     }
@@ -89,8 +91,7 @@ pub(super) fn post(ui: &mut Ui, post: &mut PostFilter) {
         Filter::Motion => Some(("Way", "How far the picture moves", " px", 1)),
         Filter::None | Filter::Fxaa | Filter::Own => None,
     };
-    if let Some((label, help, unit, decimals)) = strength {
-        let most = if post.filter == Filter::Motion { MOST_STRENGTH } else { MOST_STRENGTH / 6.0 };
+    if let Some(((label, help, unit, decimals), most)) = strength.zip(post.filter.most_strength()) {
         row(ui, label, help, |ui| slider(ui, &mut post.strength, 0.0..=most, unit, decimals));
     }
     if post.filter == Filter::Motion {
