@@ -1,6 +1,6 @@
 //! Drawings as bitmaps: every shape is filled as a polygon with 4 × 4 samples per pixel.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
@@ -13,6 +13,9 @@ const SAMPLES: u32 = 4;
 
 /// Corners of the polygon that stands for an ellipse.
 const CORNERS: u32 = 96;
+
+/// Sides of the polygon that stands for the half circle at the end of a line.
+const CAP_SIDES: u32 = 8;
 
 /// A bitmap with `scale` pixels per unit, at least one pixel. Words are left out: there is no font here.
 pub fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
@@ -52,12 +55,14 @@ fn closed(
     }
 }
 
-/// A line with square ends, as long beyond its own as it is wide by half.
+/// A line with round ends, of half circles as wide as it is.
 fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width }: Stroke, scale: f64) {
     let along = (to - from).try_normalize().unwrap_or(DVec2::X) * width / 2.0;
-    let across = along.perp();
-    let corners = vec![from - along - across, to + along - across, to + along + across, from - along + across];
-    cover(image, &[corners], color, scale);
+    let cap = |end: DVec2, outwards: DVec2| {
+        let turn = |side: u32| DVec2::from_angle(f64::from(side) / f64::from(CAP_SIDES) * PI - FRAC_PI_2);
+        (0..=CAP_SIDES).map(move |side| end + outwards.rotate(turn(side)))
+    };
+    cover(image, &[cap(to, along).chain(cap(from, -along)).collect()], color, scale);
 }
 
 /// Mixes a colour into the pixels by the share of their samples that lie inside.

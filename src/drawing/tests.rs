@@ -47,6 +47,18 @@ fn a_bitmap_has_the_areas_of_its_shapes() {
 }
 
 #[test]
+fn lines_have_round_ends_in_every_format() {
+    let stroke = Stroke { color: [0; 3], width: 2.0 };
+    let line = Shape::Line { from: DVec2::new(3.0, 4.0), to: DVec2::new(6.0, 4.0), stroke };
+    let found = area(line.clone());
+    assert!((found - (6.0 + std::f64::consts::PI)).abs() < 0.1, "{found}");
+    let drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [255; 3], shapes: vec![line] };
+    assert!(svg::text(&drawing, 1.0).contains("stroke-linecap=\"round\""));
+    let page = pdf::bytes(&drawing, 1.0);
+    assert!(page.windows(4).any(|window| window == b"1 J\n"));
+}
+
+#[test]
 fn pixel_formats_read_back_as_the_bitmap() {
     let folder = tempfile::tempdir().unwrap();
     let drawing = example();

@@ -172,8 +172,8 @@ fn check_array<T>(
 
 /// One normal per vertex: the mean of the normals of its triangles, weighted by area.
 ///
-/// Computed in f64 from differences scaled to the largest one, so that neither huge nor tiny triangles overflow or
-/// vanish. A vertex without a triangle of positive area gets +z.
+/// Computed in f64, and scaled by the largest component before the length is taken, so that neither huge nor tiny
+/// triangles overflow or vanish. A vertex without a triangle of positive area gets +z.
 pub fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![glam::DVec3::ZERO; positions.len()];
     for corners in triangles {
