@@ -29,12 +29,12 @@ pub struct PairTimes {
 }
 
 impl PairTimes {
-    /// Whether the change is larger than what nine in ten rounds without any change came to.
+    /// Whether the change is larger than what about eight in ten rounds without any change came to.
     pub fn is_clear(&self) -> bool {
         self.change_ms.median.abs() > self.noise()
     }
 
-    /// Half of what the noise spans from its tenth to its ninetieth percentile, or the larger side of it.
+    /// The larger of |p10| and |p90| of the rounds without a change, ms: about eight in ten of them lie within.
     pub fn noise(&self) -> f64 {
         self.noise_ms.p10.abs().max(self.noise_ms.p90.abs())
     }

@@ -162,8 +162,8 @@ fn time(ui: &mut Ui, times: &PairTimes) {
     let color = if times.is_clear() { tokens(ui).text_strong } else { tokens(ui).text_weak };
     let verdict = if times.is_clear() { "larger than the noise" } else { "within the noise" };
     let help = format!(
-        "Medians of {} interleaved frames: A {}, B {}. The same settings against themselves differ by up to {} in nine of \
-         ten rounds, so the change is {verdict}.",
+        "Medians of {} interleaved frames: A {}, B {}. The same settings against themselves differ by up to {} in about \
+         eight of ten rounds, so the change is {verdict}.",
         times.a_ms.n,
         format::ms(times.a_ms.median),
         format::ms(times.b_ms.median),
