@@ -45,8 +45,8 @@ use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
 ///
-/// Without a command the window opens. Where there is no display, the whole workbench is drawn once into
-/// rasterscope.png instead.
+/// Without a command the window opens; without scene and options, too, it takes up scene, settings and view as they were
+/// left. Where there is no display, the whole workbench is drawn once into rasterscope.png instead.
 #[derive(Parser, Debug)]
 #[command(version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
 struct Cli {
@@ -62,6 +62,8 @@ const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot
 #[derive(Subcommand, Debug)]
 enum Command {
     /// Open the window, and fail where that is impossible
+    ///
+    /// Without scene and options it takes up scene, settings and view as they were left.
     #[command(after_help = EXIT_CODES)]
     Window(WindowArgs),
     /// Draw one frame, or one of its buffers, into a PNG

@@ -7,11 +7,12 @@ use rasterscope::inspect::scrub::Moment;
 use rasterscope::inspect::{Buffer, Intermediate, Stage};
 use rasterscope::pipeline::viewport::Viewport;
 
+use super::failure::Failure;
 use super::parse::{self, Either};
-use super::scene_args::SceneArgs;
+use super::scene_args::{SceneArgs, View};
 
 /// What the window shows of the frame.
-#[derive(Args, Clone, Debug, Default)]
+#[derive(Args, Clone, Debug, Default, PartialEq)]
 pub(crate) struct SeenArgs {
     /// The quantity to show instead of the colour
     #[arg(long, value_parser = parse::either::<Buffer, Intermediate>())]
@@ -59,4 +60,13 @@ pub(crate) struct WindowArgs {
     /// Column and row of the scene's pixel that is selected
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true, value_parser = parse::pixel)]
     pub(crate) at: Option<(u32, u32)>,
+}
+
+impl WindowArgs {
+    /// Reads everything; what is looked at is particular, too.
+    pub(crate) fn view(&self) -> Result<View, Failure> {
+        let view = self.scene.view()?;
+        let is_default = view.is_default && self.seen == SeenArgs::default() && self.at.is_none();
+        Ok(View { is_default, ..view })
+    }
 }

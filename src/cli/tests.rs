@@ -119,3 +119,12 @@ fn a_view_that_cannot_be_is_refused_with_its_reason() {
     let Some(Command::Window(args)) = cli.command else { panic!("it opens the window") };
     assert!(args.scene.view().unwrap_err().to_string().starts_with("--camera: missing field"));
 }
+
+#[test]
+fn only_a_start_without_options_takes_up_what_was_left() {
+    let takes_up = |line: &str| Cli::try_parse_from(words(line)).unwrap().start.view().unwrap().is_default;
+    assert!(takes_up("rasterscope"));
+    for asked in ["triangle", "--set wireframe=true", "--at 3,4", "--buffer depth", "--picture 320x200"] {
+        assert!(!takes_up(&format!("rasterscope {asked}")), "{asked}");
+    }
+}

@@ -15,12 +15,12 @@ const FALLBACK_PICTURE: &str = "rasterscope.png";
 
 /// Opens the window and returns when it is closed.
 pub(crate) fn run(args: &WindowArgs) -> Result<(), Failure> {
-    workbench::open(args.scene.view()?, args).map_err(Failure::NoWindow)
+    workbench::open(args.view()?, args).map_err(Failure::NoWindow)
 }
 
 /// Opens the window; draws the workbench into a picture where there can be none.
 pub(crate) fn run_or_draw(args: &WindowArgs) -> Result<(), Failure> {
-    let view = args.scene.view()?;
+    let view = args.view()?;
     let Err(reason) = workbench::open(view.clone(), args) else { return Ok(()) };
     let look = Look { at: args.at, ..Look::default() };
     let image = workbench::draw(view, &look, args.seen.clone(), None)?;
