@@ -13,7 +13,7 @@ pub enum Pattern {
         side: u32,
     },
     /// The pixel quartered, the quarters quartered, and so on `level` times: the same places as 2^`level` squares along an
-    /// axis, but square by square, as one that splits where it must would come by them (the source article's).
+    /// axis, but square by square, as one that splits where it must would come by them.
     Recursive {
         /// How often, at most [`Pattern::MOST_LEVELS`].
         level: u32,

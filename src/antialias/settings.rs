@@ -11,7 +11,7 @@ choice! {
     Method {
         None = "none", "None", "One sample at the pixel's centre: stairs along edges, and moiré where a pattern is finer than pixels.";
         Regular = "regular", "Supersampling, regular", "The middles of n × n squares of the pixel, all shaded, and their mean: simple, but edges that are nearly upright or level show only n steps.";
-        Recursive = "recursive", "Supersampling, recursive", "The pixel quartered again and again, as the source article does: the places of the regular grid, square by square. It splits everywhere, so the picture is that of the regular grid.";
+        Recursive = "recursive", "Supersampling, recursive", "The pixel quartered again and again, as some ray tracers do: the places of the regular grid, square by square. It splits everywhere, so the picture is that of the regular grid.";
         Jittered = "jittered", "Supersampling, jittered", "Somewhere in each of n × n squares, elsewhere in each pixel: what would be moiré becomes noise, which the eye forgives.";
         RotatedGrid = "rotated-grid", "Supersampling, rotated grid", "Four samples, each in a row and a column of its own: four steps along edges where the regular grid of four has two.";
         LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy", "The first points of Sobol's sequence: as many steps along any edge as there are samples. Converges fastest.";

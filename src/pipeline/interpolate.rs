@@ -58,7 +58,7 @@ pub(crate) fn weight_terms(triangle: &ScreenTriangle, sample: &Sample) -> Weight
     WeightTerms { q, sum, inverse_sum: 1.0 / sum }
 }
 
-/// Weights as an article prints them: from P = a·v02 + b·v01 in the coordinates of the first corner, b by the determinant,
+/// Weights as they are commonly published: from P = a·v02 + b·v01 in the coordinates of the first corner, b by the determinant,
 /// and then a by the x coordinates alone, which divides by v02.x. NaN or infinite where corners 0 and 2 stand above each other.
 fn published_weights(triangle: &ScreenTriangle, sample: &Sample) -> [f32; 3] {
     let [v0, v1, v2] = triangle.corners_px();

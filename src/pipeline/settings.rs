@@ -103,7 +103,7 @@ impl Rasterizer {
         Self::ALL.iter().copied().filter(|rasterizer| !rasterizer.is_published())
     }
 
-    /// Whether it is one that is kept with the faults of its publication.
+    /// Whether it is one that is kept with the faults that it is commonly published with.
     pub fn is_published(self) -> bool {
         matches!(self, Self::BoundingBoxPublished | Self::ScanlinePublished)
     }

@@ -1,7 +1,6 @@
-//! The cubic through four samples: the 4-point Lagrange polynomial of the source article.
+//! The cubic through four samples: the 4-point Lagrange polynomial.
 //!
-//! It reproduces cubics, but its slope jumps at the samples. As printed there, the last row of the column pass is read
-//! from the row before it (the weights still sum to one, so it shows only as an error on ramps); corrected here.
+//! It reproduces cubics, but its slope jumps at the samples.
 
 use super::separable::{Separable, Weights};
 
@@ -9,8 +8,8 @@ use super::separable::{Separable, Weights};
 pub static BICUBIC: Separable = Separable {
     id: "bicubic",
     name: "Bicubic",
-    help: "Fits a cubic through the four samples around, along rows and then columns (the source article's 4-point \
-           Lagrange cubic, not Catmull-Rom). Good on smooth detail, which stays sharper than bilinear. Overshoots at hard \
+    help: "Fits a cubic through the four samples around, along rows and then columns (the 4-point Lagrange \
+           cubic, not Catmull-Rom). Good on smooth detail, which stays sharper than bilinear. Overshoots at hard \
            edges by up to 6 % of their height, a dark or bright seam, and keeps the stairs of slanted edges.",
     weights: Weights::Four(weights),
     deringing: true,

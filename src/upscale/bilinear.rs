@@ -8,8 +8,7 @@ pub static BILINEAR: Separable = Separable {
     name: "Bilinear",
     help: "Joins samples by straight lines, along rows and then columns. Good on smooth shading: never leaves the range of \
            its neighbours, so it cannot ring. Blurs texture, and bends at every sample show as a lattice of faint \
-           crosses. One of the four methods of the source article, which truncates and leaves the border unfilled; here \
-           it is rounded and whole.",
+           crosses. Rounded, and filled in up to the border.",
     weights: Weights::Two(weights),
     deringing: false,
 };

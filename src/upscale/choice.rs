@@ -11,7 +11,7 @@ choice! {
     /// The numbers that are filtered.
     #[derive(PartialOrd, Ord)]
     Light {
-        Bytes = "bytes", "Bytes", "sRGB codes, as the source article does: what looks even is treated as even. Fast.";
+        Bytes = "bytes", "Bytes", "sRGB codes, as most programs do: what looks even is treated as even. Fast.";
         Linear = "linear", "Linear", "Linear light: physically right averages, but dark edges ring more. Several times slower.";
     }
 }

@@ -10,7 +10,7 @@ pub static CATMULL_ROM: Separable = Separable {
     id: "catmull-rom",
     name: "Catmull-Rom",
     help: "A spline through the samples with a steady slope, along rows and then columns; what Pillow calls bicubic. Good on \
-           natural pictures: as sharp as the article's cubic, without its kinks. Overshoots at hard edges by up to 7 % of \
+           natural pictures: as sharp as the Lagrange cubic of Bicubic, without its kinks. Overshoots at hard edges by up to 7 % of \
            their height. Source: Catmull and Rom (1974), in the form of Mitchell and Netravali (1988), B = 0, C = ½.",
     weights: Weights::Four(|t| weights(t, 0.0, 0.5)),
     deringing: true,

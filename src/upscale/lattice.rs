@@ -18,7 +18,7 @@ choice! {
     /// Where in its block a sample lies.
     #[derive(PartialOrd, Ord)]
     Anchor {
-        Corner = "corner", "Corner", "On the block's first pixel, which comes out unchanged, as in the source article.";
+        Corner = "corner", "Corner", "On the block's first pixel, which comes out unchanged.";
         Centre = "centre", "Centre", "In the block's middle, as resizing programs have it: nothing moves, but no pixel is drawn itself.";
     }
 }

@@ -4,7 +4,7 @@
 //! on. Samples lie on pixels of the full picture, which then come out unchanged unless a method smooths on purpose, or
 //! between them, as [`Lattice`] says.
 //!
-//! Methods filter sRGB codes, as the source article does, or linear light, which is physically right but rings darker at
+//! Methods filter sRGB codes, as most programs do, or linear light, which is physically right but rings darker at
 //! edges. A picture is the same bit for bit whatever the number of threads and whatever the processor.
 //! [`Upscaler::taps`] tells what a pixel is made of, and [`Upscaler::pixel`] makes it alone by the same arithmetic.
 //!

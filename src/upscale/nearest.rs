@@ -31,8 +31,7 @@ impl Upscaler for Nearest {
     fn help(&self) -> &'static str {
         "Repeats each sample over its block. The cheapest, and good for finding out what was drawn: invents no colour. \
          Edges turn into stairs as large as the block; anchored at the corner, the picture moves right and down by \
-         (scale − 1)/2 px, too. One of the four methods of the source article, which leaves the last blocks unfilled; \
-         here the picture is whole."
+         (scale − 1)/2 px, too. The last blocks are filled in even where they are cut off."
     }
 
     fn offers(&self) -> Offers {
@@ -61,7 +60,7 @@ impl Upscaler for Nearest {
     }
 }
 
-/// The sample that an output pixel copies: anchored at the corner the last one at or before it, as published, else the
+/// The sample that an output pixel copies: anchored at the corner the last one at or before it, else the
 /// nearest; of `samples`.
 fn source(lattice: Lattice, place: Place, samples: u32) -> u32 {
     match lattice.anchor {

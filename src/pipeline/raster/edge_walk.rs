@@ -1,6 +1,6 @@
 //! Edge walking: down the longest edge, and on every row from there towards the other two until the triangle ends.
 //!
-//! The published form walks the *pixels* of the long edge as a line; a flat one has several on a row, so rows are filled
+//! The simple form walks the *pixels* of the long edge as a line; a flat one has several on a row, so rows are filled
 //! again and again, and a rounded start may lie outside. Here it walks rows, and starts each at the first pixel inside the
 //! long edge. Where the row ends is not computed but met: one sample beyond the triangle is looked at per row.
 

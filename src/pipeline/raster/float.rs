@@ -1,4 +1,4 @@
-//! Floating point, f32 or f64, on corners as they are: what most articles do, made as robust as it gets.
+//! Floating point, f32 or f64, on corners as they are: what most tutorials do, made as robust as it gets.
 //!
 //! Both triangles of a shared edge compute from its upper end, so they see exactly opposite values and agree on its side,
 //! right or wrong. Where a row crosses an edge is a weighted mean of the ends, which neither divides by a vanishing height

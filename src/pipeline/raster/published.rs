@@ -1,4 +1,4 @@
-//! Two rasterizers as articles print them, with their faults: to see what the faults do. Nothing else uses them.
+//! Two rasterizers as tutorials commonly publish them, with their faults: to see what the faults do. Nothing else uses them.
 //!
 //! They compute in f64 whatever the arithmetic, so that what shows is the method's fault and not the numbers'.
 

@@ -3,12 +3,12 @@
 //! ```text
 //! recipes × scenes ── sweep ──┬── errors against a named reference ──┐
 //!                             ├── times in interleaved rounds ───────┼── tradeoff ── page, csv, JSON
-//!                             └── skipping: the published way ───────┘
+//!                             └── skipping: passing over ────────────┘
 //! ```
 //!
 //! [`sweep`] draws each recipe once for its error and many times for its time; [`tradeoff`] tells which are beaten by
-//! another in both; [`skipping`] draws fewer pixels the way that was published, by passing them over inside the loop, so
-//! that its cost can be set beside that of visiting fewer. The report is plain data; [`page`] and [`csv`] write it.
+//! another in both; [`skipping`] draws fewer pixels the simple way, by passing them over inside the loop, so that
+//! its cost can be set beside that of visiting fewer. The report is plain data; [`page`] and [`csv`] write it.
 
 pub mod csv;
 

@@ -68,7 +68,7 @@ fn section(scene: &SceneReport) -> io::Result<String> {
 
 fn shares(shares: &[Share]) -> String {
     format!(
-        "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>passing pixels over inside the loop, as published</span>\
+        "<figure>{}<div class=\"legend key\"><span class=\"skip\"><i></i>passing pixels over inside the loop</span>\
          <span class=\"visit\"><i></i>visiting the wanted pixels alone</span><span class=\"dashed\"><i></i>of these the raster \
          part; what lies above is shading</span></div><figcaption>Both ways draw the same samples, triangle after triangle on one \
          thread, by the same edge functions, depth test and shading. Passing over saves shading only: every pixel is still come \

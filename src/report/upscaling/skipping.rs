@@ -1,6 +1,6 @@
-//! Fewer pixels, two ways: visited and passed over inside the loop, as the source article does, or not visited at all.
+//! Fewer pixels, two ways: visited and passed over inside the loop, as simple renderers do, or not visited at all.
 //!
-//! The published loop walks the box around a triangle pixel by pixel and passes over those that are not wanted; it saves
+//! The simple loop walks the box around a triangle pixel by pixel and passes over those that are not wanted; it saves
 //! their shading, but rasterization still comes by every pixel. A [`SampleGrid`] walks the wanted samples alone. Both give the
 //! same samples, and here both are timed on one thread, with the same edge functions, depth test and shading.
 
@@ -124,7 +124,7 @@ fn draw_visiting(
     frame
 }
 
-/// The published loop: every pixel of the box around every triangle is visited, and those that are not wanted are passed over.
+/// The simple loop: every pixel of the box around every triangle is visited, and those that are not wanted are passed over.
 fn draw_skipping(
     scene: &Scene,
     geometry: &Geometry,

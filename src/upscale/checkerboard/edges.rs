@@ -3,9 +3,9 @@
 //! A pixel of a missing square lies between two drawn ones in its row and two in its column, one of each pair one pixel
 //! away and the other two. Each pair gives a value by a straight line; the two values count the more the less their pair
 //! differs in luma: with the squared differences dh² and dv² the row's counts for (1 + dv²) / (2 + dh² + dv²). Where a pair
-//! is not complete, at borders, the plain mean of the published method stands.
+//! is not complete, at borders, the plain mean of `checkerboard` stands.
 
-use super::published::{CHECKERBOARD, mean_of_sources};
+use super::mean::{CHECKERBOARD, mean_of_sources};
 use super::squares::{Around, Fill, Run, channel, fill, pixels};
 use super::{At, BEHIND, OFFERS, TOUCHING, neighbours, packed_column};
 use crate::image::{Image, Rgba8};

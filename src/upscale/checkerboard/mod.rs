@@ -11,13 +11,13 @@
 //! ```
 
 mod edges;
-mod published;
+mod mean;
 mod squares;
 mod surfaces;
 mod temporal;
 
 pub use edges::CHECKERBOARD_EDGES;
-pub use published::CHECKERBOARD;
+pub use mean::CHECKERBOARD;
 pub use surfaces::CHECKERBOARD_SURFACES;
 pub use temporal::CHECKERBOARD_TEMPORAL;
 

@@ -2,7 +2,7 @@
 //!
 //! Which object a pixel shows, and how far away, is known of every pixel: that is found without shading. A missing pixel is
 //! the mean of those of the four drawn pixels around it, two in its row and two in its column, that show its object at about
-//! its distance, each counting the more the nearer it is. If none does, the published mean stands.
+//! its distance, each counting the more the nearer it is. If none does, the plain mean stands.
 
 use arrayvec::ArrayVec;
 

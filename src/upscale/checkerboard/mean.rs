@@ -1,8 +1,7 @@
 //! Half of the picture drawn, as a checkerboard of 2×2-pixel squares; the other half from its neighbours.
 //!
-//! Every pixel of a missing square touches two drawn pixels: one beside it, one above or below. It becomes their mean,
-//! as the source article has it. Where the picture ends there may be one or none; the rule that covers them all is
-//! *the mean of the nearest drawn pixels*:
+//! Every pixel of a missing square touches two drawn pixels: one beside it, one above or below. It becomes their mean. Where
+//! the picture ends there may be one or none; the rule that covers them all is *the mean of the nearest drawn pixels*:
 //!
 //! ```text
 //!   a a . . e e      . at column 2, row 1 = mean of the a beside it and the c below it
@@ -39,8 +38,7 @@ impl Upscaler for Checkerboard {
         "Draws the 2×2-pixel squares of one colour of a checkerboard, half of the picture; every other pixel becomes \
          the mean of its two drawn neighbours, one beside it and one above or below. Good where little changes within \
          two pixels. Each missing pixel is filled from one diagonal side, so slanted edges fray into teeth and thin \
-         lines break up. One of the four methods of the source article, which leaves the border stale and truncates; \
-         here the picture is whole and rounded."
+         lines break up. Means are rounded, and borders filled in, too."
     }
 
     fn offers(&self) -> Offers {
