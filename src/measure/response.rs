@@ -24,7 +24,7 @@ pub struct Responses {
     pub impulse: Vec<[f64; 2]>,
     /// Across a vertical edge, dark at the left.
     pub step: Vec<[f64; 2]>,
-    /// What rings grow to when they become finer from the middle, of 2 px at the border, and are sampled on the way.
+    /// Of rings that become finer from the middle, down to 2 px at the border.
     pub zone_plate: Image<Rgba8>,
     /// The same with every pixel drawn.
     pub zone_plate_native: Image<Rgba8>,

@@ -68,7 +68,7 @@ impl Window {
     }
 }
 
-/// Default vertical field of view: 45°, near a 50 mm lens's diagonal on a desktop window.
+/// Default vertical field of view: 45°, about what a 50 mm lens sees along the diagonal of a 35 mm film.
 pub const DEFAULT_FOV_Y: f32 = FRAC_PI_4;
 
 /// Closest that orbiting may come to straight up or down, radians: at the pole the up vector would lose its meaning.

@@ -15,7 +15,7 @@ pub struct MeshData {
     pub name: String,
     /// One per vertex, model space.
     pub positions: Vec<Vec3>,
-    /// One per vertex, unit length.
+    /// One per vertex, unit length, or none at all: then they are computed.
     pub normals: Vec<Vec3>,
     /// One per vertex, or none at all. v runs down the picture (already flipped).
     pub uvs: Vec<Vec2>,

@@ -60,8 +60,8 @@ impl Upscaler for Nearest {
     }
 }
 
-/// The sample that an output pixel copies: anchored at the corner the last one at or before it, else the
-/// nearest; of `samples`.
+/// The sample that an output pixel copies: anchored at the corner the last one at or before it, else the nearest;
+/// of `samples`.
 fn source(lattice: Lattice, place: Place, samples: u32) -> u32 {
     match lattice.anchor {
         Anchor::Corner => (place.cell as u32).min(samples.saturating_sub(1)),

@@ -209,7 +209,7 @@ impl<'a> TextureReader<'a> {
         }
     }
 
-    /// Asks for texels that every so manieth of sixteen samples will read.
+    /// Asks for texels that every `step`th of sixteen samples will read.
     #[inline(always)]
     pub(super) fn prefetch(&self, taps: &Taps, step: usize) {
         for place in taps.index[0].into_iter().step_by(step) {

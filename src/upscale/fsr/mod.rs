@@ -21,7 +21,7 @@ pub static FSR1: Fsr1 = Fsr1;
 /// See [`FSR1`].
 pub struct Fsr1;
 
-/// The pixel itself and those beside it, in the order of [`rcas::sharpen`].
+/// The pixel itself and those beside it, in the order of [`rcas::pixel`].
 const CROSS: [(i64, i64); 5] = [(0, -1), (-1, 0), (0, 0), (1, 0), (0, 1)];
 
 /// The strength of sharpening, in [0, 1].
