@@ -11,7 +11,7 @@ use super::screenshot::Look;
 use super::seen_args::{SeenArgs, WindowArgs};
 
 const BUILT_WITHOUT: &str = "this program was built without its window (feature `ui`); \
-    the commands render, pixel, case and scenes work";
+    all commands but window, screenshot and bench --window work";
 
 /// There is no window to open.
 pub(crate) fn open(_view: View, _args: &WindowArgs) -> Result<(), String> {
