@@ -284,8 +284,9 @@ impl SamplingLesson {
         if let Some(mask) = self.method.mask() {
             let points = self.picture(SamplingMethod::Point, 0.0);
             let terms: Vec<_> = mask.terms_at(&points, self.chosen).collect();
-            for (row, three) in terms.chunks(3).enumerate() {
-                let terms: Vec<_> = three
+            let side = 2 * mask.reach() as usize + 1;
+            for (row, terms) in terms.chunks(side).enumerate() {
+                let terms: Vec<_> = terms
                     .iter()
                     .map(|(weight, value)| format!("{} × {}", number(*weight, 3), number(*value, 2)))
                     .collect();

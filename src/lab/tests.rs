@@ -134,6 +134,16 @@ fn a_picture_becomes_the_canvas_of_the_pages_that_have_one() {
 }
 
 #[test]
+fn a_mask_is_told_row_by_row() {
+    for (method, side) in [(SamplingMethod::Blur, 3), (SamplingMethod::Motion, 5)] {
+        let recording = SamplingLesson { method, ..SamplingLesson::default() }.record();
+        let rows: Vec<_> = recording.facts.iter().filter(|(name, _)| name.starts_with("mask, row ")).collect();
+        assert_eq!(rows.len(), side, "{method:?}");
+        assert!(rows.iter().all(|(_, terms)| terms.matches('×').count() == side), "{method:?}: {rows:?}");
+    }
+}
+
+#[test]
 fn blur_is_set_against_points_at_equal_time() {
     for scene in [SamplingScene::Edge, SamplingScene::ZonePlate, SamplingScene::Picture] {
         let comparison = SamplingLesson { scene, ..SamplingLesson::default() }.compare();
