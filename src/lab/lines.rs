@@ -88,10 +88,10 @@ fn strip([from, to]: [DVec2; 2]) -> Option<[DVec2; 4]> {
     Some([from - across, to - across, to + across, from + across])
 }
 
-/// Distance of a pixel from the line through both ends, px.
+/// Distance of a pixel from the line through both ends, px; from the point that they are if they are one.
 fn distance([from, to]: [DVec2; 2], (x, y): (i64, i64)) -> f64 {
-    let along = to - from;
-    (along.perp_dot(DVec2::new(x as f64, y as f64) - from) / along.length()).abs()
+    let (along, place) = (to - from, DVec2::new(x as f64, y as f64) - from);
+    if along == DVec2::ZERO { place.length() } else { (along.perp_dot(place) / along.length()).abs() }
 }
 
 impl LineLesson {
@@ -135,8 +135,11 @@ impl LineLesson {
         if self.clip {
             let [from, to] = ends;
             recording.figure.push(Mark::Line(from + 0.5, to + 0.5, Tone::Focus));
-            let share = |end: DVec2| (end - self.ends[0]).length() / (self.ends[1] - self.ends[0]).length();
-            recording.fact("part inside", format!("t from {} to {}", number(share(from), 3), number(share(to), 3)));
+            let length = (self.ends[1] - self.ends[0]).length();
+            if length > 0.0 {
+                let share = |end: DVec2| number((end - self.ends[0]).length() / length, 3);
+                recording.fact("part inside", format!("t from {} to {}", share(from), share(to)));
+            }
         }
         if let Some(strip) = strip(ends).filter(|_| self.method.weight().is_some()) {
             recording.figure.push(Mark::Outline(strip.map(|corner| corner + 0.5).to_vec(), Tone::Weak));

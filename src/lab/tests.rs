@@ -144,6 +144,17 @@ fn a_mask_is_told_row_by_row() {
 }
 
 #[test]
+fn a_line_without_length_is_told_in_numbers() {
+    for method in LineMethod::ALL {
+        for clip in [false, true] {
+            let lesson = LineLesson { ends: [DVec2::new(7.0, 9.0); 2], method: *method, clip, ..LineLesson::default() };
+            let recording = format!("{:?}", lesson.record());
+            assert!(!recording.contains("NaN"), "{method:?}: {recording}");
+        }
+    }
+}
+
+#[test]
 fn blur_is_set_against_points_at_equal_time() {
     for scene in [SamplingScene::Edge, SamplingScene::ZonePlate, SamplingScene::Picture] {
         let comparison = SamplingLesson { scene, ..SamplingLesson::default() }.compare();
