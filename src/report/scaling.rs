@@ -48,25 +48,24 @@ fn speed_up(series: &Series, point: &Point) -> Option<f64> {
     Some(series.points.first()?.ms.median / point.ms.median)
 }
 
-/// What the line through the ends of a series says, in words.
-pub fn finding(series: &Series) -> String {
+/// What the line through the ends of a series says, in words; none of one thread alone.
+pub fn finding(series: &Series) -> Option<String> {
     let View { one, .. } = view(series.quantity);
     if series.quantity == Quantity::Threads {
-        let last = series.points.last().and_then(|point| Some((point.value, speed_up(series, point)?)));
-        return last.map_or_else(String::new, |(threads, times)| {
-            format!("{threads} threads are {times:.2} times as fast as one.")
-        });
+        let last = series.points.last().filter(|point| point.value > 1.0)?;
+        let times = speed_up(series, last)?;
+        return Some(format!("{} threads are {times:.2} times as fast as one.", last.value));
     }
-    let Some(line) = series.line() else { return format!("Cost does not grow with the number of {one}s.") };
+    let Some(line) = series.line() else { return Some(format!("Cost does not grow with the number of {one}s.")) };
     let each = duration(line.ns_each);
     if line.fixed_ms <= 0.0 {
-        return format!("{each} for each {one}, and nothing besides.");
+        return Some(format!("{each} for each {one}, and nothing besides."));
     }
-    format!(
+    Some(format!(
         "{:.3} ms however many {one}s, and {each} for each. Both parts are equal at {}: below, cost hardly depends on their number.",
         line.fixed_ms,
         short(line.bend())
-    )
+    ))
 }
 
 /// What a series is held against: the line through its ends, or n threads that are n times as fast as one. Values and
@@ -176,7 +175,9 @@ pub fn text(scaling: &Scaling) -> String {
                 point.bytes as f64 / 1e6
             );
         }
-        let _ = writeln!(text, "{}", finding(series));
+        if let Some(finding) = finding(series) {
+            let _ = writeln!(text, "{finding}");
+        }
     }
     text
 }
@@ -257,7 +258,7 @@ fn section(series: &Series) -> String {
          <div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>{}</th><th>median ms</th><th>p10</th><th>p90</th>\
          {each}<th>MB</th></tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n</section>\n",
         escaped(of),
-        escaped(&finding(series)),
+        escaped(&finding(series).unwrap_or_default()),
         drawing(series),
         if guide(series).is_empty() { "" } else { guide_words(series.quantity) },
         series.quantity.name()
@@ -319,11 +320,13 @@ mod tests {
     fn fixed_and_growing_cost_are_told_in_words() {
         let scaling = scaling();
         assert_eq!(
-            finding(&scaling.series[0]),
+            finding(&scaling.series[0]).unwrap(),
             "2.000 ms however many triangles, and 1000 ns for each. Both parts are equal at 2000: below, cost hardly depends on \
              their number."
         );
-        assert_eq!(finding(&scaling.series[1]), "2 threads are 1.60 times as fast as one.");
+        assert_eq!(finding(&scaling.series[1]).unwrap(), "2 threads are 1.60 times as fast as one.");
+        let alone = Series { points: scaling.series[1].points[..1].to_vec(), ..scaling.series[1].clone() };
+        assert_eq!(finding(&alone), None, "one thread is held against no other");
         assert!(text(&scaling).contains("        1000      3.000"), "{}", text(&scaling));
     }
 

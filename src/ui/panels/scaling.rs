@@ -52,7 +52,9 @@ pub fn ui(ui: &mut Ui, session: &Session) {
             ui.vertical(|ui| {
                 ui.set_width(size.x);
                 plot(ui, series, size);
-                ui.label(RichText::new(finding(series)).small().color(tokens(ui).text_weak));
+                if let Some(finding) = finding(series) {
+                    ui.label(RichText::new(finding).small().color(tokens(ui).text_weak));
+                }
             });
         }
     });
