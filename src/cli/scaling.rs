@@ -27,7 +27,7 @@ pub(crate) struct ScalingArgs {
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1000..=10_000_000))]
     most_triangles: u32,
 
-    /// Up to how many threads; as many as the machine runs at once if not given
+    /// Up to how many threads, from 1 in powers of two; as many as the machine runs at once if not given
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
 

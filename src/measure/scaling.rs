@@ -64,8 +64,8 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// From 10³ triangles to `most_triangles` in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1 to 64 layers, one thread to
-    /// `threads` ≥ 1.
+    /// From 10³ triangles to `most_triangles` in powers of ten, 320 × 180 to 3840 × 2160 pixels, 1 to 64 layers, and 1, 2, 4 …
+    /// threads up to `threads` ≥ 1.
     pub fn new(recipe: Recipe, most_triangles: usize, threads: usize, rounds: usize) -> Self {
         let powers = (3..=9).map(|power| 10_usize.pow(power)).take_while(|n| *n <= most_triangles);
         let size = |(width, height)| Viewport { width, height };
@@ -76,7 +76,7 @@ impl Plan {
             triangles: powers.collect(),
             sizes: sizes.map(size).into(),
             layers: (0..=6).map(|power| 1 << power).collect(),
-            threads: (1..=threads.max(1)).collect(),
+            threads: (0..).map(|power| 1 << power).take_while(|n| *n < threads).chain([threads.max(1)]).collect(),
             shared_triangles: 100_000,
             rounds,
         }
@@ -168,9 +168,13 @@ struct Run<'a> {
 /// measured, and the share of it that is done.
 pub fn measure(plan: &Plan, progress: &dyn Fn(Quantity, f32), cancel: &AtomicBool) -> Result<Scaling, ScalingError> {
     let pool = |threads: &usize| rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
-    let pools = plan.threads.iter().map(pool).collect::<Result<Vec<_>, _>>()?;
     let mut series = Vec::new();
     for quantity in Quantity::ALL {
+        let counts = match quantity {
+            Quantity::Threads => &plan.threads[..],
+            _ => &plan.threads[plan.threads.len().saturating_sub(1)..],
+        };
+        let pools = counts.iter().map(pool).collect::<Result<Vec<_>, _>>()?;
         let mut runs = runs(plan, quantity, &pools);
         for round in 0..=plan.rounds {
             for run in &mut runs {
@@ -308,5 +312,8 @@ mod tests {
         let plan = Plan::new(Recipe::default(), 10_000_000, 3, 5);
         assert_eq!(plan.triangles, [1000, 10_000, 100_000, 1_000_000, 10_000_000]);
         assert_eq!((plan.threads, plan.layers.last()), (vec![1, 2, 3], Some(&64)));
+        let threads = |most| Plan::new(Recipe::default(), 1000, most, 1).threads;
+        assert_eq!((threads(1), threads(16)), (vec![1], vec![1, 2, 4, 8, 16]));
+        assert!(threads(1024).iter().sum::<usize>() < 2 * 1024, "not one more for each");
     }
 }
