@@ -11,7 +11,8 @@ use super::warnings::Warnings;
 use crate::image::file;
 use crate::scene::{Library, Texture, TextureId};
 
-/// Most bytes that the textures of one model may take in memory.
+/// Most bytes that the textures of one model may take as codes, 4 for each texel. Drawing keeps copies besides: of another 4
+/// bytes for each texel where light is computed in codes, of 16 in linear light; with mip maps of some 7 and 25.
 const BUDGET_BYTES: usize = 512 << 20;
 
 /// The textures of one model.
