@@ -16,7 +16,7 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::interpolate::interpolate;
 use crate::pipeline::raster::{Fixed, Triangle};
-use crate::pipeline::settings::{Rasterizer, Settings};
+use crate::pipeline::settings::{Arithmetic, Rasterizer, Settings};
 use crate::pipeline::shade::Shader;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
@@ -64,9 +64,9 @@ pub fn applies(scene: &Scene, recipe: &Recipe, camera: &Camera, viewport: Viewpo
     geometry.plans.iter().all(|plan| plan.transparency() == Transparency::Opaque)
 }
 
-/// The settings that both ways are drawn by.
+/// The settings that both ways are drawn by: the published loop here knows this arithmetic alone.
 fn settings(recipe: &Recipe) -> Settings {
-    Settings { rasterizer: Rasterizer::BoundingBox, ..recipe.pipeline }
+    Settings { rasterizer: Rasterizer::BoundingBox, arithmetic: Arithmetic::Fixed, ..recipe.pipeline }
 }
 
 /// Times both ways at every share, in rounds that run everything once, after one that does not count. `None` if it was
@@ -192,7 +192,9 @@ mod tests {
     #[test]
     fn both_ways_draw_the_same_samples() {
         let scene = builtin::by_id("chess").unwrap().build();
-        let settings = settings(&Recipe::default());
+        let mut recipe = Recipe::default();
+        recipe.pipeline.arithmetic = Arithmetic::F32;
+        let settings = settings(&recipe);
         let viewport = Viewport { width: 96, height: 64 };
         let geometry = prepare(&scene, &scene.home, &settings, viewport, &mut ());
         for grid in GRIDS {
