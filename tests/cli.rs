@@ -950,7 +950,14 @@ fn diff_counts_the_pixels_that_two_pictures_differ_in() {
     }
     let none = run(&folder, &[&common[..], &["--against", "execution=classic"]].concat());
     assert!(stdout(&none).contains("color: 0 of 6144 pixels changed (0.0000 %)"), "{}", stdout(&none));
-    assert_failure(&run(&folder, &[&common[..], &["--against", "fill_rule=x"]].concat()), 2, "--against fill_rule: ");
+}
+
+#[test]
+fn a_setting_to_compare_with_that_cannot_be_used_is_named() {
+    for args in [&["diff"][..], &["screenshot", "-o", "out.png"]] {
+        let args = [args, &["--against", "fill_rule=x"]].concat();
+        assert_failure(&run(&folder(), &args), 2, "--against fill_rule: ");
+    }
 }
 
 #[test]

@@ -62,9 +62,7 @@ struct Told {
 pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let view = args.frame.view()?;
     let size = args.frame.size();
-    let b = view.recipe;
-    let mut a = b;
-    a.set_all(&args.against).map_err(|error| Failure::Usage(format!("--against {error}")))?;
+    let (a, b) = (view.against(&args.against)?, view.recipe);
     let frame = |recipe: &Recipe| Renderer::default().render_settled(&view.scene, &view.camera, recipe, size);
     let (before, after) = (frame(&a), frame(&b));
     let (changed, marked) = compared(args.buffer, &view, (&a, &before), (&b, &after))?;

@@ -75,6 +75,15 @@ pub(crate) struct View {
     pub(crate) is_default: bool,
 }
 
+impl View {
+    /// The recipe with what `--against` changes.
+    pub(crate) fn against(&self, settings: &[String]) -> Result<Recipe, Failure> {
+        let mut recipe = self.recipe;
+        recipe.set_all(settings).map_err(|error| Failure::Usage(format!("--against {error}")))?;
+        Ok(recipe)
+    }
+}
+
 impl SceneArgs {
     /// Reads everything; warnings of the loader go to standard error.
     pub(crate) fn view(&self) -> Result<View, Failure> {

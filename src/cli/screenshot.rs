@@ -221,8 +221,7 @@ fn scale(text: &str) -> Result<f32, String> {
 /// Draws the workbench into a file.
 pub(crate) fn run(args: &ScreenshotArgs) -> Result<(), Failure> {
     let view = args.scene.view()?;
-    let mut against = view.recipe;
-    against.set_all(&args.against)?;
+    let against = view.against(&args.against)?;
     let against = (!args.against.is_empty()).then_some(against);
     save(&workbench::draw(view, &args.look, args.seen.clone(), against)?, &args.output)
 }
