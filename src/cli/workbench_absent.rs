@@ -10,8 +10,8 @@ use super::scene_args::View;
 use super::screenshot::Look;
 use super::seen_args::{SeenArgs, WindowArgs};
 
-const BUILT_WITHOUT: &str = "this program was built without its window (feature `ui`); \
-    all commands but window, screenshot and bench --window work";
+const BUILT_WITHOUT: &str = "this program was built without its window (feature `ui`), \
+    and so without `window`, `screenshot` and `bench --window`";
 
 /// There is no window to open.
 pub(crate) fn open(_view: View, _args: &WindowArgs) -> Result<(), String> {
