@@ -140,36 +140,6 @@ fn sobol(index: u32) -> [f64; 2] {
     [index.reverse_bits(), second].map(|bits| f64::from(bits) / (1_u64 << 32) as f64)
 }
 
-/// How much a place near a pixel counts for it: filters of unit volume around the pixel's centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum AreaFilter {
-    /// The pixel itself, all of it alike.
-    Box,
-    /// Falls off straight along both axes, to nothing one pixel away: never lets a thin line vanish between pixels.
-    Pyramid,
-    /// Falls off straight in all directions alike, to nothing one pixel away.
-    Cone,
-}
-
-impl AreaFilter {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Box, Self::Pyramid, Self::Cone];
-
-    /// How far from the centre it reaches, px.
-    pub fn reach_px(self) -> f64 {
-        if self == Self::Box { 0.5 } else { 1.0 }
-    }
-
-    /// Weight per px² at a distance from the pixel's centre, px.
-    pub fn weight(self, dx: f64, dy: f64) -> f64 {
-        match self {
-            Self::Box => f64::from(u8::from((-0.5..0.5).contains(&dx) && (-0.5..0.5).contains(&dy))),
-            Self::Pyramid => (1.0 - dx.abs()).max(0.0) * (1.0 - dy.abs()).max(0.0),
-            Self::Cone => (1.0 - dx.hypot(dy)).max(0.0) * 3.0 / std::f64::consts::PI,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -249,19 +219,6 @@ mod tests {
         assert_ne!(pattern.offsets(3, 5), Pattern::Jittered { side: 4, seed: 2 }.offsets(3, 5));
         for (index, [x, y]) in pattern.offsets(3, 5).into_iter().enumerate() {
             assert_eq!(((x * 4.0) as usize, (y * 4.0) as usize), (index % 4, index / 4));
-        }
-    }
-
-    #[test]
-    fn filters_have_unit_volume_within_their_reach() {
-        const STEPS: i32 = 600;
-        for filter in AreaFilter::ALL {
-            let place = |step: i32| (f64::from(step) + 0.5) / f64::from(STEPS) * 3.0 - 1.5;
-            let all = || (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (place(i), place(j))));
-            let volume: f64 = all().map(|(x, y)| filter.weight(x, y)).sum::<f64>() * (3.0 / f64::from(STEPS)).powi(2);
-            assert!((volume - 1.0).abs() < 0.01, "{filter:?}: {volume}");
-            let beyond = |(x, y): &(f64, f64)| x.abs().max(y.abs()) > filter.reach_px();
-            assert!(all().filter(beyond).all(|(x, y)| filter.weight(x, y) == 0.0), "{filter:?}");
         }
     }
 }
