@@ -94,12 +94,6 @@ impl Frame {
         Drawn { color, seen: seen(self.surfaces.as_deref(), &self.camera, self.past.as_deref()) }
     }
 
-    /// The camera that saw what was really drawn: that of the view, unless fewer pixels were drawn or samples lie elsewhere.
-    pub fn drawn_by(&self, recipe: &Recipe) -> Camera {
-        let (sampling, place) = sampling_after(self.past.as_deref(), recipe);
-        camera_of(&self.camera, sampling, self.viewport, place)
-    }
-
     /// Whether the next frame of the same view may be better, as the upscaler knows more by then.
     pub fn wants_another(&self, recipe: &Recipe) -> bool {
         let before = self.past.as_ref().filter(|past| past.camera == self.camera).map_or(0, |past| past.still);

@@ -132,9 +132,7 @@ pub fn redraw<O: Observer>(
 /// The geometry stages of a frame once more, watched: all triangles, even if the frame's own list was cut short. `recipe`
 /// may differ from the frame's own in anything but the upscaler.
 pub fn prepare_again<O: Observer>(scene: &Scene, recipe: &Recipe, frame: &Frame, observer: &mut O) -> Geometry {
-    let (_, place) = sampling_after(frame.past.as_deref(), recipe);
-    let seen_by = camera_of(&frame.camera, frame.sampling, frame.viewport, place);
-    prepare(scene, &seen_by, &recipe.pipeline, frame.raster, observer)
+    prepare(scene, &frame.drawn_from(recipe), &recipe.pipeline, frame.raster, observer)
 }
 
 pub(super) fn draw_pixels<O: Observer>(

@@ -192,7 +192,7 @@ fn position_px(raster: Viewport, vertex: &ClipVertex) -> [f32; 2] {
 impl Survey {
     /// Of a frame that `recipe` made of `scene`.
     pub fn of(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Self {
-        let camera = frame.drawn_by(recipe);
+        let camera = frame.drawn_from(recipe);
         let mut found = Found::default();
         for (index, first) in scene.first_triangles().into_iter().enumerate() {
             found.append(Draw::new(scene, recipe, frame, &camera, index, first).found());
@@ -202,7 +202,7 @@ impl Survey {
 
     /// Whether it is of a frame, too, that the same recipe made of the same scene: of the same view, all of it or a moment.
     pub fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
-        self.camera == frame.drawn_by(recipe) && self.raster == frame.raster
+        self.camera == frame.drawn_from(recipe) && self.raster == frame.raster
     }
 
     /// The triangles that ended before the rasterizer and would have been at a drawn pixel, and those that are nowhere.
