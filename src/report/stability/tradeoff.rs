@@ -8,6 +8,7 @@ use super::column::Column;
 use super::metric::Metric;
 use super::sweep::{Cell, ClassReport, Report};
 use super::timing::Spread;
+use crate::report::upscaling::tradeoff::dominated_by;
 
 /// A configuration by its time and its error.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,9 +77,8 @@ fn points(
 
 fn mark_optimal(points: &mut [Point]) {
     let places: Vec<(f64, f64)> = points.iter().map(|point| (point.ns.median, point.error)).collect();
-    for (point, (ns, error)) in points.iter_mut().zip(&places) {
-        let beats = |(n, e): &(f64, f64)| n <= ns && e <= error && (n < ns || e < error);
-        point.optimal = point.not_finite == 0.0 && !places.iter().any(beats);
+    for (point, by) in points.iter_mut().zip(dominated_by(&places)) {
+        point.optimal = point.not_finite == 0.0 && by.is_none();
     }
 }
 
