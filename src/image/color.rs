@@ -170,11 +170,6 @@ pub fn decode_byte(code: u8) -> f32 {
     TABLES.linear_of_code[code as usize]
 }
 
-/// The 8-bit sRGB code nearest to linear light; see [`Tables::encode`].
-pub fn encode_byte(linear: f32) -> u8 {
-    TABLES.encode(linear)
-}
-
 /// The 8-bit code of a value in [0, 1], rounded half up; clamps, and gives 0 for NaN.
 #[inline]
 pub fn quantize(value: f32) -> u8 {
@@ -194,6 +189,10 @@ pub fn luma([r, g, b, _]: [u8; 4]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn encode_byte(linear: f32) -> u8 {
+        TABLES.encode(linear)
+    }
 
     /// The least linear value nearest to a code: it is half a code below it.
     fn least_of_code(code: u8) -> f32 {

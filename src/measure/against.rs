@@ -21,7 +21,7 @@ pub struct Figures {
 pub fn figures(picture: &Image<Rgba8>, reference: &Image<Rgba8>) -> Option<(Figures, Image<f32>)> {
     let codes = compare(picture, reference)?;
     let map = flip::map(picture, reference)?;
-    Some((Figures { codes, flip: mean(&map) }, map))
+    Some((Figures { codes, flip: flip::mean(&map) }, map))
 }
 
 /// The same within a rectangle. FLIP there knows what lies around, SSIM does not. `None` if nothing of the pictures lies
@@ -33,10 +33,6 @@ pub fn figures_within(
     flip: &Image<f32>,
 ) -> Option<Figures> {
     Some(Figures { codes: region.compare(picture, reference)?, flip: region.mean(flip)? })
-}
-
-fn mean(errors: &Image<f32>) -> f64 {
-    errors.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / errors.pixels().len() as f64
 }
 
 #[cfg(test)]

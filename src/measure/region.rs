@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::{ImageError, compare};
+use super::flip;
 use crate::image::{Image, Rgba8};
 
 /// A rectangle of pixels.
@@ -36,10 +37,9 @@ impl Region {
         compare(&self.of(a)?, &self.of(b)?)
     }
 
-    /// Mean within, of errors of pixels such as [`super::flip::map`] gives: these know what lies around.
+    /// Mean within, of errors of pixels such as [`flip::map`] gives: these know what lies around.
     pub fn mean(self, errors: &Image<f32>) -> Option<f64> {
-        let part = self.of(errors)?;
-        Some(part.pixels().iter().map(|error| f64::from(*error)).sum::<f64>() / part.pixels().len() as f64)
+        Some(flip::mean(&self.of(errors)?))
     }
 }
 

@@ -123,20 +123,6 @@ impl Headless {
     }
 }
 
-/// Runs `ui` for `passes` passes without input, in the dark theme, and paints the last.
-pub fn run_headless(
-    size_points: Vec2,
-    pixels_per_point: f32,
-    passes: usize,
-    mut ui: impl FnMut(&mut egui::Ui),
-) -> Image<Rgba8> {
-    let mut headless = Headless::new(size_points, pixels_per_point, egui::Theme::Dark);
-    for _ in 0..passes {
-        headless.pass(Vec::new(), &mut ui);
-    }
-    headless.picture()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,9 +130,13 @@ mod tests {
     #[test]
     fn the_same_interface_gives_the_same_picture_of_the_asked_size() {
         let paint = || {
-            run_headless(Vec2::new(90.0, 33.0), 1.5, 3, |ui| {
-                ui.label("deterministic");
-            })
+            let mut headless = Headless::new(Vec2::new(90.0, 33.0), 1.5, egui::Theme::Dark);
+            for _ in 0..3 {
+                headless.pass(Vec::new(), |ui| {
+                    ui.label("deterministic");
+                });
+            }
+            headless.picture()
         };
         let picture = paint();
         assert_eq!(picture.size(), (135, 50));
