@@ -5,7 +5,6 @@ use rasterscope::chain::Renderer;
 use rasterscope::math::lanes::Lanes;
 use rasterscope::measure::bench::{BenchReport, bench};
 use rasterscope::measure::timing::Summary;
-use serde::Serialize;
 
 use super::bench_scrub;
 use super::bench_verify;
@@ -71,17 +70,17 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let (view, size) = (args.frame.view()?, args.frame.size());
     if args.window {
         let costs = bench_window::measure(view, size, args.frames as usize)?;
-        return if args.json { print_json(&costs) } else { output::print(&bench_window::table(&costs, size)) };
+        return if args.json { output::print_json(&costs) } else { output::print(&bench_window::table(&costs, size)) };
     }
     if args.scrub {
         let report = bench_scrub::measure(&view, size, args.frames as usize);
-        return if args.json { print_json(&report) } else { output::print(&bench_scrub::table(&report)) };
+        return if args.json { output::print_json(&report) } else { output::print(&bench_scrub::table(&report)) };
     }
     if args.verify {
         let threads = args.threads.map(usize::from);
         let found = bench_verify::verify(&view, size, threads)?;
         if args.json {
-            print_json(&found)
+            output::print_json(&found)
         } else {
             output::print(&bench_verify::table(&view.scene.name, size, &found))
         }?;
@@ -100,14 +99,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         pool.install(|| bench(&view.scene, moving, &view.recipe, size, args.frames as usize, Renderer::on(lanes)));
     let Some(report) = report else { return Ok(()) };
     if args.json {
-        return print_json(&report);
+        return output::print_json(&report);
     }
     output::print(&table(&report))
-}
-
-fn print_json(report: &impl Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string_pretty(report).map_err(|e| Failure::Output(e.into()))?;
-    output::print(&(json + "\n"))
 }
 
 fn table(report: &BenchReport) -> String {

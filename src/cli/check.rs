@@ -32,8 +32,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<(), Failure> {
     // Nobody cancels but with the program.
     let Some(report) = check(&scene, &recipe, &frame, wanted, &|_| {}, &AtomicBool::new(false)) else { return Ok(()) };
     if args.json {
-        let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
-        output::print(&(json + "\n"))?;
+        output::print_json(&report)?;
     } else {
         output::print(&table(&report))?;
     }

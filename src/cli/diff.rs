@@ -80,8 +80,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         write_png(path, &marked)?;
     }
     if args.json {
-        let json = serde_json::to_string_pretty(&told).map_err(|e| Failure::Output(e.into()))?;
-        return output::print(&(json + "\n"));
+        return output::print_json(&told);
     }
     let written = args.output.as_deref().map(output::display);
     output::print(&(text(&told) + &written.map(|path| format!("{path}: the changed pixels\n")).unwrap_or_default()))

@@ -49,8 +49,7 @@ pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
             balanced: fates.account.is_balanced(),
             account: &fates.account,
         };
-        let json = serde_json::to_string_pretty(&told).map_err(|e| Failure::Output(e.into()))?;
-        return output::print(&(json + "\n"));
+        return output::print_json(&told);
     }
     output::print(&(format!("{}, {width} × {height} px\n", scene.name) + &text(&fates)))
 }

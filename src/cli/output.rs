@@ -4,6 +4,8 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write as _, stderr, stdout};
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::failure::Failure;
 
 /// Writes results. A reader that has gone away (`| head`) has what it wanted and is no failure.
@@ -13,6 +15,16 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Failure::Output(e)),
         _ => Ok(()),
     }
+}
+
+/// A result as JSON, laid out for people and with a line's end after it.
+pub(crate) fn json(result: &impl Serialize) -> Result<String, Failure> {
+    Ok(serde_json::to_string_pretty(result).map_err(|e| Failure::Output(e.into()))? + "\n")
+}
+
+/// Writes a result as JSON.
+pub(crate) fn print_json(result: &impl Serialize) -> Result<(), Failure> {
+    print(&json(result)?)
 }
 
 /// Writes one line about something wrong. Where even that cannot be written there is nobody left to tell.

@@ -7,8 +7,6 @@ use clap::Args;
 use rasterscope::inspect::{Survey, Trace, explain};
 use rasterscope::measure::timing::summarize;
 
-use serde::Serialize;
-
 use super::failure::Failure;
 use super::pixel_text::describe;
 use super::scene_args::{Drawn, FrameArgs};
@@ -78,7 +76,7 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let survey = Survey::of(&scene, &recipe, &frame);
     let report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;
     if !args.trace {
-        return if args.json { print_json(&report) } else { output::print(&describe(&report)) };
+        return if args.json { output::print_json(&report) } else { output::print(&describe(&report)) };
     }
     let fragment = args.fragment.map(|number| number as usize - 1);
     if let Some(number) = args.fragment.filter(|number| *number as usize > report.fragments.len()) {
@@ -87,16 +85,11 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
     let make = || Trace::of(&scene, &recipe, &frame, &report, fragment);
     let trace = make();
     if args.json {
-        print_json(&trace)?;
+        output::print_json(&trace)?;
     } else {
         output::print(&trace.to_string())?;
     }
     args.times.map_or(Ok(()), |times| print_time(times, make))
-}
-
-fn print_json(value: &impl Serialize) -> Result<(), Failure> {
-    let json = serde_json::to_string_pretty(value).map_err(|e| Failure::Output(e.into()))?;
-    output::print(&(json + "\n"))
 }
 
 /// How long a trace takes.

@@ -77,8 +77,7 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let savings = savings.flatten();
     if args.json {
         let planned = Planned { scene: &scene.name, size: [width, height], frame, groups: &groups, savings };
-        let json = serde_json::to_string_pretty(&planned).map_err(|e| Failure::Output(e.into()))?;
-        return output::print(&(json + "\n"));
+        return output::print_json(&planned);
     }
     let head = format!("{}, {width} × {height} px\n", scene.name);
     let told = groups.iter().map(|group| format!("\n{}", text(group)));
@@ -109,8 +108,7 @@ fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Resu
     };
     let rows: Vec<Row> = views.into_iter().enumerate().filter_map(measure).collect();
     if args.json {
-        let json = serde_json::to_string_pretty(&rows).map_err(|e| Failure::Output(e.into()))?;
-        return output::print(&(json + "\n"));
+        return output::print_json(&rows);
     }
     output::print(&table(&rows, viewport, rayon::current_num_threads()))
 }

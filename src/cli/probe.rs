@@ -103,7 +103,7 @@ fn json(found: &ProbeResult) -> Result<String, Failure> {
     let (width, height) = (viewport.width, viewport.height);
     let (summary, ranking) = (found.summary(), &found.ranking[..]);
     let told = Told { scene: &scene.name, width, height, probe: found.probe, summary, ranking };
-    Ok(serde_json::to_string_pretty(&told).map_err(|e| Failure::Output(e.into()))? + "\n")
+    output::json(&told)
 }
 
 fn text(found: &ProbeResult) -> String {

@@ -66,12 +66,12 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     }
     // Nobody cancels.
     let Some(report) = report else { return Ok(()) };
-    let json = serde_json::to_string_pretty(&report).map_err(|e| Failure::Output(e.into()))?;
+    let json = output::json(&report)?;
     std::fs::create_dir_all(&args.output).map_err(|source| file_failure(&args.output, source))?;
     let index = args.output.join("index.html");
     write(&index, &page(&report).map_err(|source| file_failure(&index, source))?)?;
     write(&args.output.join("report.csv"), &csv(&report))?;
-    write(&args.output.join("report.json"), &(json + "\n"))?;
+    write(&args.output.join("report.json"), &json)?;
     let rows = report.scenes.iter().map(|scene| scene.rows.len()).sum::<usize>();
     output::print(&format!("{}: {rows} rows, with report.csv and report.json\n", output::display(&index)))
 }

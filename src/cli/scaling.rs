@@ -63,10 +63,9 @@ pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
 
 fn write_all(folder: &Path, scaling: &Scaling) -> Result<(), Failure> {
     let failed = |path: &Path, source| Failure::ResultFile { path: path.to_owned(), source };
-    let json = serde_json::to_string_pretty(scaling).map_err(|e| Failure::Output(e.into()))?;
+    let json = output::json(scaling)?;
     std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
-    for (name, content) in [("index.html", page(scaling)), ("scaling.csv", csv(scaling)), ("scaling.json", json + "\n")]
-    {
+    for (name, content) in [("index.html", page(scaling)), ("scaling.csv", csv(scaling)), ("scaling.json", json)] {
         let path = folder.join(name);
         std::fs::write(&path, content).map_err(|source| failed(&path, source))?;
     }

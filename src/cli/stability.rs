@@ -97,8 +97,7 @@ fn or_all<T: Clone>(chosen: &[T], all: Vec<T>) -> Vec<T> {
 
 fn render(args: &StabilityArgs, report: &Report) -> Result<String, Failure> {
     if args.json {
-        let json = serde_json::to_string_pretty(report).map_err(|e| Failure::Output(e.into()))?;
-        Ok(json + "\n")
+        output::json(report)
     } else if args.csv {
         Ok(csv(report))
     } else if args.html {
