@@ -263,6 +263,8 @@ fn twin_work(twins: &[Twin], column: Column) -> Work<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+
     use super::*;
 
     #[test]
@@ -276,19 +278,19 @@ mod tests {
     }
 
     #[test]
-    fn longer_work_takes_longer_and_rounds_are_as_many_as_said() {
-        let work = |turns: u32| -> Work<'_> {
-            Box::new(move || {
-                (0..turns).for_each(|turn| {
-                    black_box(turn);
-                });
-            })
-        };
-        let seconds = interleaved(&[work(2000), work(200_000)], &AtomicBool::new(false)).unwrap();
-        let median = |index: usize| spread(&seconds[index], 1).unwrap().median;
-        assert!(median(1) > 5.0 * median(0), "{} {}", median(0), median(1));
-        assert!((FEWEST_ROUNDS..=MOST_ROUNDS).contains(&seconds[0].len()));
-        assert_eq!(interleaved(&[work(1)], &AtomicBool::new(true)), None);
+    fn every_work_is_run_as_often_in_each_round_and_rounds_are_as_many_as_said() {
+        let runs = [Cell::new(0), Cell::new(0)];
+        let works = runs.each_ref().map(|runs| -> Work<'_> { Box::new(move || runs.set(runs.get() + 1)) });
+        let seconds = interleaved(&works, &AtomicBool::new(false)).unwrap();
+        let rounds = seconds[0].len();
+        assert!((FEWEST_ROUNDS..=MOST_ROUNDS).contains(&rounds));
+        for (seconds, runs) in seconds.iter().zip(&runs) {
+            assert_eq!(seconds.len(), rounds);
+            // Once to warm up, and once to find how often.
+            let counted = runs.get() - 2;
+            assert!(counted >= rounds && counted.is_multiple_of(rounds), "{counted} in {rounds}");
+        }
+        assert_eq!(interleaved(&works, &AtomicBool::new(true)), None);
     }
 
     #[test]

@@ -140,6 +140,8 @@ impl Incidence {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
 
     fn filled(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
@@ -187,15 +189,15 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_shared_by_a_hundred_thousand_faces_is_quick() {
+    fn a_vertex_shared_by_a_hundred_thousand_faces_has_few_directions() {
         let count = 100_000;
         let around = (0..count).map(|i| (i as f32 / count as f32 * std::f32::consts::TAU).sin_cos());
         let positions: Vec<_> =
             std::iter::once(Vec3::Z * 3.0).chain(around.map(|(y, x)| Vec3::new(x, y, 0.0))).collect();
         let triangles: Vec<_> = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
-        let start = std::time::Instant::now();
-        let (_, normals) = filled(&positions, &triangles);
-        assert!(start.elapsed().as_secs_f32() < 2.0, "{:?}", start.elapsed());
+        let (triangles, normals) = filled(&positions, &triangles);
+        let tip: HashSet<u32> = triangles.iter().map(|[tip, ..]| tip.normal).collect();
+        assert!(tip.len() < 300, "{}", tip.len());
         assert!(normals.iter().all(|n| n.is_normalized()));
     }
 }
