@@ -3,7 +3,8 @@
 use super::edge_number::EdgeNumber;
 use super::setup::{Edges, Setup};
 use crate::math::lanes::*;
-use crate::pipeline::depth::{Comparison, DepthEncoding};
+use crate::pipeline::depth::{Comparison, DepthEncoding, DepthScale, clear_value};
+use crate::pipeline::settings::Settings;
 
 /// How depths are stored and compared in all tiles of a frame.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +20,18 @@ pub(super) struct DepthRules {
 }
 
 impl DepthRules {
+    /// Of a frame whose depths are asked for when it is done, or not.
+    pub(super) fn new(settings: &Settings, scale: &DepthScale, asked_for: bool) -> Self {
+        let comparison = Comparison::of(settings);
+        Self {
+            comparison,
+            encoding: scale.encoding(),
+            linear_in_space: scale.is_linear_in_space(),
+            clear: clear_value(settings),
+            stored: comparison != Comparison::Always || asked_for,
+        }
+    }
+
     /// What most frames have: with `COMMON`, of rules that are, the compiler knows it.
     #[inline(always)]
     pub(super) fn known<const COMMON: bool>(self) -> Self {

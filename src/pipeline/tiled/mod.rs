@@ -72,16 +72,16 @@ use pixel_samples::Samples;
 use queue::Queue;
 use record::{Entrants, Slot};
 pub use report::{TiledCounts, TiledReport, TiledTimes};
-use runs::{load, share_out};
+use runs::{Run, load, share_out};
 use see_through_samples::SeenThrough;
 use setup::{Origin, Setup};
 use shade::{Canvas, Shaded, shade_tile};
 use shader::{DrawShader, Light};
-use target::{Target, TileMemory, TileRows, lock, picture_rows};
+use target::{PictureRows, Target, TileMemory, TileRows, lock, picture_rows};
 use tile::{Tile, TileCounts};
 
 use super::clip::guard_band_widening;
-use super::depth::{Comparison, DepthScale, clear_value};
+use super::depth::DepthScale;
 use super::framebuffer::Framebuffer;
 use super::grid::SampleGrid;
 use super::plan::{DrawPlan, Part};
@@ -202,7 +202,7 @@ pub fn draw(
     camera: &Camera,
     settings: &Settings,
     viewport: Viewport,
-    (frame, samples): (&mut Framebuffer, PixelSamples<'_>),
+    (framebuffer, samples): (&mut Framebuffer, PixelSamples<'_>),
     memory: &mut Memory,
     lanes: Lanes,
 ) -> TiledReport {
@@ -215,30 +215,24 @@ pub fn draw(
     geometry::transform(&draws, settings, viewport, &scale, widening, lanes, arrays);
     let transformed = Instant::now();
 
-    let packed = frame.color.size();
-    let lattice = Lattice::new(frame.grid).with_samples(&samples.offsets());
-    let samples = Samples::new(samples, frame.grid, frame.depth.is_some());
+    let packed = framebuffer.color.size();
+    let lattice = Lattice::new(framebuffer.grid).with_samples(&samples.offsets());
+    let samples = Samples::new(samples, framebuffer.grid, framebuffer.depth.is_some());
     let tile_counts = ((packed.0 as usize).div_ceil(TILE), (packed.1 as usize).div_ceil(TILE));
     Binning { draws: &draws, arrays, settings, viewport, scale, lattice, packed, tiles: tile_counts }
         .run(lanes, chunks);
     let binned = Instant::now();
 
-    let comparison = Comparison::of(settings);
-    let [r, g, b] = scene.background;
-    let Framebuffer { grid, color, depth, .. } = frame;
+    let Framebuffer { grid, color, depth, .. } = framebuffer;
+    let rules = DepthRules::new(settings, &scale, depth.is_some());
     let shaders = shaders(scene, settings, &draws);
-    let job = Frame {
+    let [r, g, b] = scene.background;
+    let frame = Frame {
         settings,
         grid: *grid,
         lattice,
         scale,
-        rules: DepthRules {
-            comparison,
-            encoding: scale.encoding(),
-            linear_in_space: scale.is_linear_in_space(),
-            clear: clear_value(settings),
-            stored: comparison != Comparison::Always || depth.is_some(),
-        },
+        rules,
         background: [r, g, b, 255],
         draws: &draws,
         arrays,
@@ -251,50 +245,7 @@ pub fn draw(
         samples,
     };
     let work = Work::default();
-    let threads = rayon::current_num_threads();
-    let (runs, rows) = (share_out(chunks, tile_counts, threads), picture_rows(color, depth.as_mut()));
-    let next_run = AtomicUsize::new(0);
-    let draw_tile = |workspace: &mut Workspace, target: Target<'_>| match &job.samples {
-        Samples::Centre => on_lanes!(lanes, simd => job.draw_tile(simd, workspace, target, &work)),
-        Samples::Multisampled(planes) => {
-            on_lanes!(lanes, simd => job.draw_samples(simd, planes, workspace, target, &work));
-        }
-        Samples::Jittered(samples) => {
-            on_lanes!(lanes, simd => job.draw_jittered(simd, samples, workspace, target, &work));
-        }
-    };
-    let draw_runs = || {
-        let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
-        let mut workspace = taken.unwrap_or_else(Workspace::new);
-        let mut memory = workspace.memory.take();
-        while let Some(run) = runs.get(next_run.fetch_add(1, Ordering::Relaxed)) {
-            let rows = &rows[run.row];
-            let tiles = run.columns.clone().map(|column| ((column, run.row), run.row * tile_counts.0 + column));
-            if run.load == 0 {
-                let nothing = (job.background, job.rules.clear);
-                on_lanes!(lanes, simd => lock(rows).clear(simd, &run.columns, nothing));
-            } else if run.columns.len() == tile_counts.0 {
-                let mut rows = lock(rows);
-                on_lanes!(lanes, simd => rows.fill(simd, job.background));
-                for (place, number) in tiles {
-                    draw_tile(&mut workspace, rows.target(place, number));
-                }
-            } else {
-                let memory = memory.get_or_insert_with(TileMemory::new);
-                for tile in tiles {
-                    memory.draw(lanes, tile, rows, job.background, |target| draw_tile(&mut workspace, target));
-                }
-            }
-        }
-        if let Ok(mut all) = workspaces.lock() {
-            all.push(Workspace { memory, ..workspace });
-        }
-    };
-    rayon::scope(|scope| {
-        for _ in 0..threads {
-            scope.spawn(|_| draw_runs());
-        }
-    });
+    frame.draw_tiles(lanes, tile_counts, &picture_rows(color, depth.as_mut()), workspaces, &work);
     let tiles_time = binned.elapsed();
     let times = TiledTimes {
         transform: transformed - start,
@@ -302,19 +253,7 @@ pub fn draw(
         rasterize: work.share_of_rasterizing(tiles_time),
         shade: tiles_time - work.share_of_rasterizing(tiles_time),
     };
-    let considered = draws.iter().map(|draw| draw.mesh.triangles.len() as u64).sum();
-    let counts = TiledCounts {
-        triangles_in: scene.triangle_count() as u64,
-        considered,
-        rasterized: chunks.iter().map(|chunk| chunk.rasterized as u64).sum(),
-        kept: chunks.iter().map(|chunk| chunk.kept() as u64).sum(),
-        binned: chunks.iter().map(|chunk| chunk.binned() as u64).sum(),
-        visited: work.visited.into_inner(),
-        plain: work.plain.into_inner(),
-        shaded: work.shaded.into_inner(),
-        texels: work.texels.into_inner(),
-        vertices: draws.iter().map(|draw| draw.kept.vertices.count() as u64).sum(),
-    };
+    let counts = frame.counts(scene.triangle_count() as u64, work);
     TiledReport { plans, times, counts }
 }
 
@@ -434,6 +373,94 @@ fn shaders<'a>(scene: &'a Scene, settings: &'a Settings, draws: &[Draw<'_>]) -> 
 }
 
 impl Frame<'_> {
+    /// Draws all tiles into rows of them, on all threads.
+    fn draw_tiles(
+        &self,
+        lanes: Lanes,
+        tile_counts: (usize, usize),
+        rows: &[Mutex<PictureRows<'_>>],
+        workspaces: &Mutex<Vec<Workspace>>,
+        work: &Work,
+    ) {
+        let threads = rayon::current_num_threads();
+        let runs = share_out(self.chunks, tile_counts, threads);
+        let next_run = AtomicUsize::new(0);
+        let draw_runs = || {
+            let taken = workspaces.lock().ok().and_then(|mut all| all.pop());
+            let mut workspace = taken.unwrap_or_else(Workspace::new);
+            while let Some(run) = runs.get(next_run.fetch_add(1, Ordering::Relaxed)) {
+                self.draw_run(lanes, run, tile_counts.0, &rows[run.row], &mut workspace, work);
+            }
+            if let Ok(mut all) = workspaces.lock() {
+                all.push(workspace);
+            }
+        };
+        rayon::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|_| draw_runs());
+            }
+        });
+    }
+
+    /// Draws some tiles of a row that has `columns` of them.
+    fn draw_run(
+        &self,
+        lanes: Lanes,
+        run: &Run,
+        columns: usize,
+        rows: &Mutex<PictureRows<'_>>,
+        workspace: &mut Workspace,
+        work: &Work,
+    ) {
+        let tiles = run.columns.clone().map(|column| ((column, run.row), run.row * columns + column));
+        if run.load == 0 {
+            let nothing = (self.background, self.rules.clear);
+            on_lanes!(lanes, simd => lock(rows).clear(simd, &run.columns, nothing));
+        } else if run.columns.len() == columns {
+            let mut rows = lock(rows);
+            on_lanes!(lanes, simd => rows.fill(simd, self.background));
+            for (place, number) in tiles {
+                self.draw_target(lanes, workspace, rows.target(place, number), work);
+            }
+        } else {
+            let mut memory = workspace.memory.take().unwrap_or_else(TileMemory::new);
+            for tile in tiles {
+                let draw = |target: Target<'_>| self.draw_target(lanes, workspace, target, work);
+                memory.draw(lanes, tile, rows, self.background, draw);
+            }
+            workspace.memory = Some(memory);
+        }
+    }
+
+    /// Draws and shades a tile.
+    fn draw_target(&self, lanes: Lanes, workspace: &mut Workspace, target: Target<'_>, work: &Work) {
+        match &self.samples {
+            Samples::Centre => on_lanes!(lanes, simd => self.draw_tile(simd, workspace, target, work)),
+            Samples::Multisampled(planes) => {
+                on_lanes!(lanes, simd => self.draw_samples(simd, planes, workspace, target, work));
+            }
+            Samples::Jittered(samples) => {
+                on_lanes!(lanes, simd => self.draw_jittered(simd, samples, workspace, target, work));
+            }
+        }
+    }
+
+    /// What was counted on the way from `triangles_in` to pixels.
+    fn counts(&self, triangles_in: u64, work: Work) -> TiledCounts {
+        TiledCounts {
+            triangles_in,
+            considered: self.draws.iter().map(|draw| draw.mesh.triangles.len() as u64).sum(),
+            rasterized: self.chunks.iter().map(|chunk| chunk.rasterized as u64).sum(),
+            kept: self.chunks.iter().map(|chunk| chunk.kept() as u64).sum(),
+            binned: self.chunks.iter().map(|chunk| chunk.binned() as u64).sum(),
+            visited: work.visited.into_inner(),
+            plain: work.plain.into_inner(),
+            shaded: work.shaded.into_inner(),
+            texels: work.texels.into_inner(),
+            vertices: self.draws.iter().map(|draw| draw.kept.vertices.count() as u64).sum(),
+        }
+    }
+
     #[inline(always)]
     fn draw_tile<S: Simd>(&self, simd: S, workspace: &mut Workspace, mut target: Target<'_>, work: &Work) {
         let start = Instant::now();
