@@ -70,7 +70,7 @@ impl Column {
         }
     }
 
-    /// Whether it is kept with the faults of its publication.
+    /// Whether it is commonly published with faults, and kept so.
     pub fn is_published(self) -> bool {
         match self {
             Self::Coverage(by) => by.rasterizer.is_published(),

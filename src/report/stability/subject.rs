@@ -63,7 +63,7 @@ impl Weighting {
     }
 }
 
-/// Whether a formula for weights is kept with the faults of its publication.
+/// Whether a formula for weights is commonly published with faults, and kept so.
 pub fn is_published(interpolation: Interpolation) -> bool {
     interpolation == Interpolation::Published
 }

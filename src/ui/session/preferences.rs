@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(Preferences::read(&kept.write()), kept);
         let mut stored: Value = serde_json::from_str(&kept.write()).unwrap();
         for (place, damaged) in [
-            ("/recipe/pipeline/culling", json!("of another version")),
+            ("/recipe/culling", json!("of another version")),
             ("/bookmarks/1/place/camera", json!(null)),
             ("/size", json!("as large as the moon")),
             ("/watched", json!("none")),
