@@ -241,7 +241,8 @@ impl<S: Simd> EdgeRows<S> for ExactRows<'_, S> {
     }
 }
 
-/// Shades a row by the classic way's own functions.
+/// Shades a row by the classic way's own functions. Never a part of the code on lanes around it, which would spill registers.
+#[inline(never)]
 pub(super) fn one_by_one(
     frame: &Frame<'_>,
     shader: &DrawShader<'_>,
