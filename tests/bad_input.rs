@@ -3,6 +3,8 @@
 
 #![expect(clippy::print_stderr, reason = "a test that had nothing to read says so, and the table prints its count")]
 
+mod samples;
+
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -26,8 +28,7 @@ struct Row {
 }
 
 fn samples() -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
-    let folder = std::env::var_os("RASTERSCOPE_SAMPLES").map_or_else(|| PathBuf::from(default), PathBuf::from);
+    let folder = samples::folder();
     let found = folder.join("bad/INDEX.md").is_file();
     if !found {
         eprintln!("no samples at {}: only the inline cases were tested", folder.display());

@@ -1,5 +1,8 @@
 //! Exact cases kept outside the crate: one file per case, and beside it the answer in exact arithmetic.
 
+#[path = "../samples/mod.rs"]
+mod samples;
+
 use std::path::PathBuf;
 
 use serde_json::Value;
@@ -16,9 +19,7 @@ pub(crate) struct Sample {
 
 /// All cases of these kinds, by name. Empty, with a word on stderr, without the folder.
 pub(crate) fn of_kinds(kinds: &[&str]) -> Vec<Sample> {
-    let samples = std::env::var_os("RASTERSCOPE_SAMPLES")
-        .map_or_else(|| PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared")), PathBuf::from);
-    let folder = samples.join("cases");
+    let folder = samples::folder().join("cases");
     let Ok(entries) = std::fs::read_dir(folder.join("cases")) else {
         eprintln!("no exact cases in {}: nothing checked", folder.display());
         return Vec::new();

@@ -3,6 +3,9 @@
 
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
+#[path = "../samples/mod.rs"]
+mod samples;
+
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
@@ -44,8 +47,7 @@ impl Drop for NameSeedOnPanic {
 /// Where the models are; `None`, and says so, where there are none.
 #[expect(clippy::print_stderr, reason = "a test that had nothing to read says so")]
 pub(crate) fn models() -> Option<PathBuf> {
-    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared");
-    let folder = std::env::var_os("RASTERSCOPE_SAMPLES").map_or_else(|| PathBuf::from(default), PathBuf::from);
+    let folder = samples::folder();
     let found = folder.join("models/SOURCES.md").is_file();
     if !found {
         eprintln!("no samples at {}: nothing was tested", folder.display());
