@@ -174,7 +174,6 @@ impl Shown<'_> {
         let as_at_first = self.display == Display::default();
         match (self.stage, self.captured) {
             (Some(stage), _) if as_at_first => stage.clone(),
-            (None, Some(captured)) if as_at_first => captured.picture(self.frame, self.range()),
             (None, None) => self.display.picture(self.buffer, self.frame, self.buffers, self.range()),
             _ => self.display.picture_of(None, self.frame.image().size(), self.range(), |x, y| self.value(x, y)),
         }

@@ -3,11 +3,9 @@
 //! The frame is drawn once more, watched; of each sample the fragment that was written last tells. Numbers come from the same
 //! functions that drew.
 
-use super::stages::NOT_DRAWN;
-use super::view::{Range, Value, magnitude_color};
+use super::view::{Range, Value};
 use crate::chain::{Frame, Recipe, redraw};
-use crate::image::Image;
-use crate::image::Rgba8;
+use crate::image::{Image, Rgba8};
 use crate::pipeline::Until;
 use crate::pipeline::depth::{DepthEncoding, DepthScale, depth_at};
 use crate::pipeline::interpolate::{Fragment, affine_weights, uv_gradient};
@@ -55,9 +53,6 @@ pub(crate) fn inv_w_at(triangle: &ScreenTriangle, sample: &Sample) -> f32 {
     lambda.iter().zip(&triangle.vertices).map(|(lambda, vertex)| lambda * vertex.inv_w).sum()
 }
 
-/// Colour of what is no finite number; no other number has it.
-pub const NOT_FINITE: Rgba8 = [255, 0, 220, 255];
-
 /// One number of every sample of a frame.
 #[derive(Clone, Debug)]
 pub struct Captured {
@@ -77,17 +72,6 @@ impl Captured {
     /// The ends of the colour map: least and greatest finite number.
     pub fn range(&self) -> Option<Range> {
         Range::fit(self.values.pixels().iter().filter_map(|value| *value))
-    }
-
-    /// As a full picture.
-    pub fn picture(&self, frame: &Frame, range: Option<Range>) -> Image<Rgba8> {
-        let range = range.unwrap_or(Range { low: 0.0, high: 1.0 });
-        let (width, height) = frame.image().size();
-        Image::from_fn(width, height, |x, y| match self.value(frame, x, y) {
-            Value::Number(number) if number.is_finite() => magnitude_color(range.position(number)),
-            Value::Number(_) => NOT_FINITE,
-            _ => NOT_DRAWN,
-        })
     }
 }
 
@@ -191,6 +175,7 @@ impl Observer for Capture<'_> {
 mod tests {
     use super::*;
     use crate::chain::run;
+    use crate::inspect::display::{Display, NOT_A_NUMBER};
     use crate::inspect::trace::Trace;
     use crate::inspect::{Buffer, inspect};
     use crate::pipeline::settings::{DepthFormat, Filter, Interpolation};
@@ -257,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_finite_has_a_colour_of_its_own() {
+    fn what_is_no_number_has_a_colour_of_its_own() {
         let scene = builtin::by_id("triangle").unwrap().build();
         let mut recipe = Recipe::default();
         recipe.pipeline.interpolation = Interpolation::Published;
@@ -267,8 +252,9 @@ mod tests {
         captured.values.pixels_mut()[place] = Some(f32::NAN);
         let range = captured.range();
         assert!(range.is_some_and(|range| range.low.is_finite() && range.high.is_finite()));
-        let picture = captured.picture(&frame, range);
-        assert_eq!(picture.pixels()[place], NOT_FINITE);
-        assert_eq!(picture.pixels().iter().filter(|pixel| **pixel == NOT_FINITE).count(), 1);
+        let picture =
+            Display::default().picture_of(None, frame.image().size(), range, |x, y| captured.value(&frame, x, y));
+        assert_eq!(picture.pixels()[place], NOT_A_NUMBER);
+        assert_eq!(picture.pixels().iter().filter(|pixel| **pixel == NOT_A_NUMBER).count(), 1);
     }
 }

@@ -26,12 +26,16 @@ impl Changes {
         (a, a_buffers): (&Frame, Option<&Buffers>),
         (b, b_buffers): (&Frame, Option<&Buffers>),
     ) -> Option<Self> {
-        let (width, height) = a.image().size();
-        ((width, height) == b.image().size()).then(|| {
-            Self::of_mask(Image::from_fn(width, height, |x, y| {
-                !same(value(buffer, a, a_buffers, x, y), value(buffer, b, b_buffers, x, y))
-            }))
-        })
+        let a_value = |x, y| value(buffer, a, a_buffers, x, y);
+        Self::of_values((a.image().size(), a_value), (b.image().size(), |x, y| value(buffer, b, b_buffers, x, y)))
+    }
+
+    /// By the values at the pixels of two pictures, whose sizes are given. `None` if these are different.
+    pub fn of_values(
+        (a_size, a): ((u32, u32), impl Fn(u32, u32) -> Value),
+        (b_size, b): ((u32, u32), impl Fn(u32, u32) -> Value),
+    ) -> Option<Self> {
+        (a_size == b_size).then(|| Self::of_mask(Image::from_fn(a_size.0, a_size.1, |x, y| !same(a(x, y), b(x, y)))))
     }
 
     /// By colours, without alpha. `None` if the pictures are of different sizes.
@@ -119,6 +123,14 @@ mod tests {
             let changes = Changes::of_buffer(buffer, (&a.0, Some(&a.1)), (&b.0, Some(&b.1))).unwrap();
             assert_eq!((changes.count, changes.beside(None, true)), (0, None), "{buffer:?}");
         }
+    }
+
+    #[test]
+    fn values_that_no_colour_tells_apart_are_others() {
+        let of = |number: f32| move |x: u32, _: u32| Value::Number(if x == 1 { number } else { f32::NAN });
+        let changes = |number| Changes::of_values(((3, 2), of(1.0)), ((3, 2), of(number))).unwrap().count;
+        assert_eq!((changes(1.0), changes(1.0_f32.next_up())), (0, 2));
+        assert!(Changes::of_values(((3, 2), of(1.0)), ((2, 3), of(1.0))).is_none());
     }
 
     #[test]

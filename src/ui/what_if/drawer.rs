@@ -121,18 +121,14 @@ fn settled(engine: &mut Engine, request: Request) -> View {
 
 fn changes(before: &View, after: &View) -> Option<Changes> {
     match after.request.shown {
-        Shown::Buffer(buffer) => Changes::of_buffer(
-            buffer,
-            (&before.frame, before.buffers.as_deref()),
-            (&after.frame, after.buffers.as_deref()),
-        ),
         Shown::Stage(_) => match (&before.looked.stage, &after.looked.stage) {
             (Some(before), Some(after)) => Changes::of_pictures(before, after),
             _ => Changes::of_pictures(&before.picture, &after.picture),
         },
-        Shown::Intermediate(_) => {
-            Changes::of_pictures(&like(before, after).unwrap_or_else(|| before.picture.clone()), &after.picture)
-        }
+        Shown::Buffer(_) | Shown::Intermediate(_) => Changes::of_values(
+            (before.picture.size(), |x, y| before.value(x, y)),
+            (after.picture.size(), |x, y| after.value(x, y)),
+        ),
     }
 }
 
@@ -147,7 +143,9 @@ fn like(before: &View, after: &View) -> Option<Arc<Image<Rgba8>>> {
         Shown::Buffer(buffer) => {
             Some(look.display.picture(buffer, &before.frame, before.buffers.as_deref(), after.range))
         }
-        Shown::Intermediate(_) => before.captured.as_ref().map(|captured| captured.picture(&before.frame, after.range)),
+        Shown::Intermediate(_) => {
+            Some(look.display.picture_of(None, before.picture.size(), after.range, |x, y| before.value(x, y)))
+        }
         Shown::Stage(_) => None,
     }
     .map(Arc::new)
