@@ -359,8 +359,10 @@ impl Workbench {
             Command::Lab(lab::Change::Save(end)) => self.save_drawing(ui, end),
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
             Command::SaveData => {
-                let (stem, write) = range::save::data(&self.session);
-                self.save(ui, (stem, "pfm"), write);
+                if let Some(view) = what_if::seen(ui, &self.session) {
+                    let (stem, write) = range::save::data(view.clone());
+                    self.save(ui, (stem, "pfm"), write);
+                }
             }
             Command::SavePicture => self.save_picture(ui),
             Command::SaveOutline(kind, end) => self.save_outline(ui, kind, end),

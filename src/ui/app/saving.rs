@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use eframe::egui::{self, Ui};
 
@@ -10,6 +11,7 @@ use super::Workbench;
 use crate::case::MinimalCase;
 use crate::drawing;
 use crate::image::file::write_png;
+use crate::image::{Image, Rgba8};
 use crate::inspect::outline::{OutlineKind, outline};
 use crate::lab::drawing::write_recording;
 use crate::pipeline::settings::Choice as _;
@@ -17,6 +19,7 @@ use crate::ui::engine::Request;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Level;
 use crate::ui::task::{Listening, Task};
+use crate::ui::what_if;
 
 impl Workbench {
     /// Writes all frame times into the current folder.
@@ -47,8 +50,7 @@ impl Workbench {
 
     /// Writes the picture.
     pub(super) fn save_picture(&mut self, ui: &Ui) {
-        let Some(view) = &self.session.view else { return };
-        let picture = view.picture.clone();
+        let Some(picture) = self.shown_picture(ui) else { return };
         self.save(ui, ("picture", "png"), move |path| write_png(path, &picture).map_err(|error| error.to_string()));
     }
 
@@ -80,11 +82,17 @@ impl Workbench {
         }
     }
 
+    /// The picture that the canvas shows.
+    fn shown_picture(&self, ui: &Ui) -> Option<Arc<Image<Rgba8>>> {
+        let view = what_if::seen(ui, &self.session)?;
+        Some(self.session.probing.picture(view).unwrap_or(&view.picture).clone())
+    }
+
     pub(super) fn copy_picture(&mut self, ui: &Ui) {
-        if let Some(view) = &self.session.view {
-            let (width, height) = view.picture.size();
+        if let Some(picture) = self.shown_picture(ui) {
+            let (width, height) = picture.size();
             let size = [width as usize, height as usize];
-            ui.ctx().copy_image(egui::ColorImage::from_rgba_premultiplied(size, view.picture.as_bytes()));
+            ui.ctx().copy_image(egui::ColorImage::from_rgba_premultiplied(size, picture.as_bytes()));
             self.session.report(Level::Info, format!("Copied the picture, {width} × {height} px"));
         }
     }
