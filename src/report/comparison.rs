@@ -37,7 +37,7 @@ pub enum Agreement {
 }
 
 impl Comparison {
-    /// Answers part number `part` of a case. `Err` says in one sentence why there is no picture.
+    /// Answers part number `part` of a case. `Err` says why there is no picture, or has the numbers that are the answer.
     pub fn new(case: &Case, part: usize, options: Options) -> Result<Self, String> {
         let answer = answer(case, options).map_err(|refusal| refusal.to_string())?;
         match (&case.task, answer) {
@@ -80,10 +80,7 @@ impl Comparison {
                 let ours = Image::from_fn(width, height, |x, y| f32::from(u8::from(filled(x, y))));
                 Ok(Self { origin: (0, 0), ours, exact: None, outlines: Vec::new() })
             }
-            _ => {
-                Err("cases of this kind are answered in numbers, not in pixels: `rasterscope case` prints them"
-                    .to_owned())
-            }
+            (_, answer) => Err(numbers(&answer)),
         }
     }
 
@@ -141,10 +138,22 @@ impl Comparison {
         all.filter(|(x, y)| matches!(self.agreement(*x, *y), Agreement::Extra | Agreement::Missing)).collect()
     }
 
+    /// Pixels that the engine or the exact answer covers.
+    pub fn concerned(&self) -> usize {
+        self.covered() + self.wrong().into_iter().filter(|(x, y)| self.agreement(*x, *y) == Agreement::Missing).count()
+    }
+
     /// Pixels that the engine covers at all.
     pub fn covered(&self) -> usize {
         self.ours.pixels().iter().filter(|share| **share > 0.0).count()
     }
+}
+
+/// An answer that no picture shows, a list of numbers on each line.
+fn numbers(answer: &Answer) -> String {
+    // Numbers and lists of them, which can always be written.
+    let text = serde_json::to_string(answer).unwrap_or_default();
+    format!("Answered in numbers, as the command `case` writes them:\n\n{}", text.replace("],", "],\n"))
 }
 
 /// How many parts a case has, each with a picture of its own.
@@ -185,5 +194,21 @@ mod tests {
         let case = case(r#"{"id":"l","kind":"line","p0":[-3,7],"p1":[-1,8],"last_pixel":true}"#);
         let shown = Comparison::new(&case, 0, Options::default()).unwrap();
         assert_eq!((shown.origin, shown.covered(), shown.exact), ((-4, 6), 3, None));
+    }
+
+    #[test]
+    fn what_no_picture_shows_is_told_in_numbers() {
+        let case =
+            case(r#"{"id":"d","kind":"depth","mapping":"standard","format":"unorm16","near":1,"far":3,"z":[1,2]}"#);
+        let told = Comparison::new(&case, 0, Options::default()).unwrap_err();
+        assert!(told.contains("0.75") && told.contains("`case`"), "{told}");
+    }
+
+    #[test]
+    fn pixels_that_either_covers_are_concerned() {
+        let (ours, exact) =
+            (Image::from_pixels(3, 1, vec![1.0, 0.0, 0.0]), Image::from_pixels(3, 1, vec![true, true, false]));
+        let comparison = Comparison { origin: (0, 0), ours, exact: Some(exact), outlines: Vec::new() };
+        assert_eq!((comparison.covered(), comparison.concerned(), comparison.wrong().len()), (1, 2, 1));
     }
 }

@@ -14,12 +14,14 @@ pub struct OpenCase {
     pub case: Arc<Case>,
     /// Which of its parts is shown.
     pub part: usize,
+    /// The settings that come back when it is closed, if it was opened with others.
+    pub settings_before: Option<Settings>,
 }
 
 impl OpenCase {
     /// Opens a case at its first part.
     pub fn new(case: Case) -> Self {
-        Self { case: Arc::new(case), part: 0 }
+        Self { case: Arc::new(case), part: 0, settings_before: None }
     }
 }
 

@@ -266,7 +266,7 @@ impl Session {
         }
         self.report(Level::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
-        self.case = None;
+        self.close_case();
         self.scene = Arc::new(scene);
         self.source = source;
         self.mirrored = false;
@@ -364,7 +364,7 @@ impl Session {
             Command::TogglePointerMode => self.pointer_mode = self.pointer_mode.other(),
             Command::Undo => self.travel(true),
             Command::Redo => self.travel(false),
-            Command::CloseCase => self.case = None,
+            Command::CloseCase => self.close_case(),
             Command::ShowPart(part) => {
                 if let Some(open) = &mut self.case {
                     open.part = part;
@@ -414,11 +414,20 @@ impl Session {
         }
     }
 
+    /// Closes the case that is open; settings that it was opened with go with it.
+    pub(super) fn close_case(&mut self) {
+        if let Some(OpenCase { settings_before: Some(before), .. }) = self.case.take() {
+            self.state.recipe.pipeline = before;
+        }
+    }
+
     fn open_worst(&mut self, column: Column, json: &str) {
         match open_case::worst(column, json, &self.state.recipe.pipeline) {
             Ok((case, settings)) => {
-                self.state.recipe.pipeline = settings;
+                self.close_case();
+                let before = std::mem::replace(&mut self.state.recipe.pipeline, settings);
                 self.show_case(case);
+                self.case = self.case.take().map(|open| OpenCase { settings_before: Some(before), ..open });
             }
             Err(error) => self.report(Level::Error, error.to_string()),
         }

@@ -181,6 +181,7 @@ fn a_cell_of_the_report_opens_the_case_that_went_worst_in_its_column() {
     let cell = class.cells.iter().find(|cell| cell.column.method() == "scanline-published").unwrap();
     let worst = cell.worst.as_ref().expect("it goes wrong");
     let mut bench = Bench::small("triangle");
+    let before = bench.session().state.recipe;
     bench.click("Stability");
     assert!(bench.says("Nothing was judged yet"));
     bench.session_mut().stability.report = Some(report.clone());
@@ -190,7 +191,11 @@ fn a_cell_of_the_report_opens_the_case_that_went_worst_in_its_column() {
     bench.rest();
     assert_eq!(bench.session().case.as_ref().map(|open| open.case.id.clone()), Some(worst.case.id.clone()));
     assert_eq!(bench.session().state.recipe.pipeline.rasterizer, Rasterizer::ScanlinePublished);
-    assert!(differing(&bench).0 > 0);
+    let (differ, of) = differing(&bench);
+    assert!(differ > 0 && differ <= of, "{differ} of {of}");
+    bench.press(Key::Escape);
+    assert!(bench.session().case.is_none());
+    assert_eq!(bench.session().state.recipe, before, "settings of the case go with it");
 
     bench.click("Error against time");
     bench.click("Heat map");

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use eframe::egui::{
-    Align2, Color32, ColorImage, FontId, Label, Pos2, Rect, RichText, Role, Sense, Shape, Stroke, TextureHandle,
+    Align2, Color32, ColorImage, FontId, Label, Pos2, Rect, RichText, Role, ScrollArea, Sense, Stroke, TextureHandle,
     TextureOptions, Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
@@ -75,7 +75,9 @@ impl CaseView {
         let Some(shown) = &self.shown else { return };
         match &shown.comparison {
             Err(reason) => {
-                ui.centered_and_justified(|ui| ui.label(RichText::new(reason).color(tokens(ui).text_weak)));
+                ScrollArea::both().auto_shrink(false).show(ui, |ui| {
+                    ui.add(Label::new(RichText::new(reason).monospace().color(tokens(ui).text)).extend());
+                });
             }
             Ok(comparison) => pictures(ui, shown, comparison, &mut self.view),
         }
@@ -109,7 +111,7 @@ impl CaseView {
             ui.add(Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
             return;
         }
-        let text = format!("{} of {} pixels differ", shown.wrong.len(), comparison.covered());
+        let text = format!("{} of {} pixels differ", shown.wrong.len(), comparison.concerned());
         let color = if shown.wrong.is_empty() { tokens(ui).passed } else { tokens(ui).warning };
         ui.label(RichText::new(text).color(color).strong());
         if !shown.wrong.is_empty() {
@@ -250,7 +252,13 @@ fn picture(
     for outline in &comparison.outlines {
         // Corners up to 10³⁸ px away: clipped to what floats of the painter bear.
         let near = |c: f64| c.clamp(-1e5, 1e5) as f32;
-        let points = outline.iter().map(|[x, y]| place(vec2(near(*x), near(*y)))).collect();
-        painter.add(Shape::closed_line(points, stroke));
+        let corner = |index: usize| {
+            let [x, y] = outline[index % outline.len()];
+            place(vec2(near(x), near(y)))
+        };
+        // Side by side, not as one line: joined at the tip of a needle, that is as long as the needle again.
+        for side in 0..outline.len() {
+            painter.line_segment([corner(side), corner(side + 1)], stroke);
+        }
     }
 }

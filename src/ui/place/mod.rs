@@ -206,7 +206,7 @@ impl Session {
             self.report(Level::Error, format!("This place cannot be shown: {reason}"));
             return None;
         }
-        self.case = None;
+        self.close_case();
         self.lab.open = false;
         if place.scene == self.place().scene {
             self.stand_at(&place);
