@@ -30,26 +30,40 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         return;
     };
     let fields = changes(&before, &session.state.recipe);
-    ui.horizontal_wrapped(|ui| {
-        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-        fields_in_words(ui, &fields);
-        ui.separator();
-        palette_button(ui, commands);
-        buttons(ui, session, !fields.is_empty(), &mut chosen);
-        close(ui, &mut chosen);
-    });
-    ui.horizontal_wrapped(|ui| {
-        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-        for (show, name, help) in Show::ALL {
-            if ui.selectable_label(session.what_if.show == show, name).on_hover_text(help).clicked() {
-                chosen.push(Change::Show(show));
+    as_high_as_before(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            fields_in_words(ui, &fields);
+            ui.separator();
+            palette_button(ui, commands);
+            buttons(ui, session, !fields.is_empty(), &mut chosen);
+            close(ui, &mut chosen);
+        });
+        ui.horizontal_wrapped(|ui| {
+            ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+            for (show, name, help) in Show::ALL {
+                if ui.selectable_label(session.what_if.show == show, name).on_hover_text(help).clicked() {
+                    chosen.push(Change::Show(show));
+                }
             }
-        }
-        ui.separator();
-        figures(ui, session, &mut chosen);
+            ui.separator();
+            figures(ui, session, &mut chosen);
+        });
+        verdicts(ui, session);
     });
-    verdicts(ui, session);
     commands.extend(chosen.into_iter().map(Command::WhatIf));
+}
+
+/// Never less high than it was at this width: what is found out takes room, and if the bar gave that back, the canvas would grow,
+/// and all had to be found out anew for its new size, without end.
+fn as_high_as_before(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    let (id, width) = (egui::Id::new("height of the bar of changes"), ui.available_width());
+    let before: Option<(f32, f32)> = ui.data(|data| data.get_temp(id));
+    let height = ui.vertical(|ui| {
+        ui.set_min_height(before.filter(|(of, _)| *of == width).map_or(0.0, |(_, height)| height));
+        content(ui);
+    });
+    ui.data_mut(|data| data.insert_temp(id, (width, height.response.rect.height())));
 }
 
 /// A message in the colour of what is compared with, and what differs.
