@@ -96,7 +96,8 @@ fn fragment_verdict(fragments: &[FragmentRecord], absent: &[Absent], comparison:
             format!("Z-fight: {name} won by {Z_FIGHT_CODES} step of depth, the smallest that the buffer can hold.")
         }
         (_, _, ulps @ 1..=Z_FIGHT_ULPS) if winner.depth.code.is_none() => {
-            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest steps a float can make.")
+            let steps = if ulps == 1 { "step" } else { "steps" };
+            format!("Z-fight: {name} won by {ulps} ulp of depth, the smallest {steps} a float can make.")
         }
         _ if triangles == 2 => format!("Won by {name} against one other."),
         _ => format!("Won by {name} against {} others.", triangles - 1),

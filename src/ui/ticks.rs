@@ -1,5 +1,7 @@
 //! Where plots have their lines and numbers: at round values, and so close that a low plot has some of them, too.
 
+use std::ops::RangeInclusive;
+
 use egui_plot::{GridInput, GridMark};
 
 /// Least distance of numbers, in lines of the finest grid that the plot would draw.
@@ -15,6 +17,12 @@ pub fn round_steps(input: &GridInput) -> [f64; 3] {
         .unwrap_or((10.0, 5.0));
     let step = factor * power;
     [step / parts, step, 10.0 * step]
+}
+
+/// The number at a mark, with as many decimals as tell it from the next one.
+pub fn number(mark: GridMark, _shown: &RangeInclusive<f64>) -> String {
+    let decimals = (-mark.step_size.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{:.decimals$}", mark.value)
 }
 
 /// Marks of an axis of logarithms to base ten: whole powers, then 2 and 5 times these, then the other digits.
@@ -45,6 +53,13 @@ mod tests {
             let parts = numbered / fine;
             assert!((parts - parts.round()).abs() < 1e-9 && (coarse / numbered - 10.0).abs() < 1e-9);
         }
+    }
+
+    #[test]
+    fn numbers_of_neighbouring_marks_differ() {
+        let shown = |value, step_size| number(GridMark { value, step_size }, &(0.0..=2.0));
+        assert_eq!([shown(0.5, 0.5), shown(1.0, 0.5), shown(1.5, 0.5)], ["0.5", "1.0", "1.5"]);
+        assert_eq!([shown(0.02, 0.02), shown(5.0, 5.0), shown(200.0, 100.0)], ["0.02", "5", "200"]);
     }
 
     #[test]

@@ -89,7 +89,7 @@ impl OpenDialog {
     fn ui(&mut self, ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) -> bool {
         let chosen = self.poll();
         let stays = modal(ui, "Open a model", |ui| {
-            ui.label("Path of a Wavefront OBJ file. You can also drop a file on the window.");
+            ui.label("Path of a model (OBJ), a case (JSON), or a picture for the 2D lab. You can also drop it on the window.");
             let field =
                 TextEdit::singleline(&mut self.path).hint_text("/path/to/model.obj").desired_width(f32::INFINITY);
             let field = ui.add(field);

@@ -10,7 +10,7 @@ use crate::ui::command::Command;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
-use crate::ui::ticks::round_steps;
+use crate::ui::ticks::{self, round_steps};
 use crate::ui::timings::TimingsView;
 use crate::ui::widgets::{empty_state, figure, icon_button};
 use crate::upscale::Upscaling;
@@ -130,6 +130,7 @@ fn lines(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         .y_axis_label("ms")
         .include_y(0.0)
         .y_grid_spacer(uniform_grid_spacer(|input| round_steps(&input)))
+        .y_axis_formatter(ticks::number)
         .allow_scroll(false)
         .label_formatter(|position| match position {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -220,6 +221,7 @@ fn bars(ui: &mut Ui, series: &[Series], size: egui::Vec2) {
         .include_x(-0.6)
         .include_x(series.len() as f64 - 0.4)
         .y_grid_spacer(uniform_grid_spacer(|input| round_steps(&input)))
+        .y_axis_formatter(ticks::number)
         .allow_scroll(false)
         .show_axes([false, true])
         .label_formatter(move |position| match position {

@@ -11,6 +11,7 @@ use crate::ui::command::{BINDINGS, Command};
 use crate::ui::compare::{Change, Mode};
 use crate::ui::engine::Shown;
 use crate::ui::format;
+use crate::ui::key_sheet::key_name;
 use crate::ui::place;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
@@ -58,7 +59,7 @@ fn entry(ui: &mut Ui, name: &str, command: Command, commands: &mut Vec<Command>)
 fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: &mut Vec<Command>) {
     let mut button = Button::new(name);
     if let Some(binding) = BINDINGS.iter().find(|b| (b.command)() == command) {
-        button = button.shortcut_text(ui.format_shortcut(&binding.shortcut()));
+        button = button.shortcut_text(key_name(binding));
     }
     if ui.add_enabled(enabled, button).clicked() {
         commands.push(command);

@@ -10,7 +10,7 @@ use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
 use crate::ui::widgets::icon_button;
 
-const HINT: &str = "Click a pixel and read its story at the right. The wheel enlarges, middle-drag turns the scene, ] shows the next stage, ? all keys.";
+const HINT: &str = "Click a pixel and read its story at the right. The wheel enlarges, middle-drag turns the scene, [ goes back stage by stage, ? all keys.";
 
 const LAB_HINT: &str =
     "Step with , and . or play with K; drag the blue rings; the wheel enlarges; L leads back to the pipeline.";

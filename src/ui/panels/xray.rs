@@ -262,7 +262,7 @@ fn known(ui: &Ui, how: Upscaling) -> Known {
 fn responses(ui: &mut Ui, how: Upscaling, height: f32) {
     let Known { responses, plates, .. } = known(ui, how);
     let (low, high) = responses.overshoot();
-    let overshoot = format!("Step: {} under, {} over", format::percent(-low), format::percent(high - 1.0));
+    let overshoot = format!("Step: {} under, {} over", format::percent(0.0 - low), format::percent(high - 1.0));
     curve(ui, "Impulse", "One bright sample among dark ones, along its row", &responses.impulse, height);
     curve(ui, &overshoot, "An edge from dark to bright: what goes beyond 0 and 1 rings", &responses.step, height);
     let side = (height - 24.0).clamp(48.0, PLOT);

@@ -4,6 +4,7 @@ use eframe::egui::{Button, Ui};
 
 use super::Change;
 use crate::ui::command::{BINDINGS, Command};
+use crate::ui::key_sheet::key_name;
 use crate::ui::session::Session;
 
 /// Bookmarks that the menu lists; the others are in the list that can be changed.
@@ -14,7 +15,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let mut entry = |ui: &mut Ui, enabled: bool, name: &str, command: Command| {
         let mut button = Button::new(name);
         if let Some(binding) = BINDINGS.iter().find(|binding| (binding.command)() == command) {
-            button = button.shortcut_text(ui.format_shortcut(&binding.shortcut()));
+            button = button.shortcut_text(key_name(binding));
         }
         if ui.add_enabled(enabled, button).clicked() {
             commands.push(command);
