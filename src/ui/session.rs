@@ -285,10 +285,15 @@ impl Session {
         self.settled = self.state.clone();
     }
 
+    /// The newest answer of the renderer; none while that is still of the scene before.
+    pub fn view_of_scene(&self) -> Option<&View> {
+        self.view.as_ref().filter(|view| Arc::ptr_eq(&view.request.scene, &self.scene))
+    }
+
     /// Picks a pixel of the frame on screen if the user has not done so yet, or if the picked one is no longer within the
     /// picture: the one nearest to [`FIRST_PICK`] that shows a triangle.
     pub fn pick_by_itself(&mut self) {
-        let Some(view) = &self.view else { return };
+        let Some(view) = self.view_of_scene() else { return };
         let viewport = view.frame.viewport;
         if viewport != self.viewport() {
             return;

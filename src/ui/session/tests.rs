@@ -1,4 +1,5 @@
 use super::*;
+use crate::ui::engine::Engine;
 
 fn session() -> Session {
     let source = SceneSource::default();
@@ -63,6 +64,21 @@ fn another_scene_starts_without_pick_limit_and_old_figures() {
     session.show_scene(source.load().unwrap().scene, source);
     assert_eq!((session.pick, session.triangle_limit, session.measuring), (None, None, None));
     assert!(session.stages.is_none() && !session.can_undo());
+}
+
+#[test]
+fn the_first_pick_waits_for_a_frame_of_the_new_scene() {
+    let mut session = session();
+    session.state.size = PictureSize::Fixed(64, 48);
+    let mut engine = Engine::default();
+    session.view = Some(engine.answer(session.request()));
+    let source = SceneSource::named("triangle".into());
+    session.show_scene(source.load().unwrap().scene, source);
+    session.pick_by_itself();
+    assert_eq!(session.pick, None);
+    session.view = Some(engine.answer(session.request()));
+    session.pick_by_itself();
+    assert!(session.pick.is_some());
 }
 
 #[test]
