@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex};
 
 use eframe::egui::Context;
 
-/// Work that is being done; `P` is how far it has come, `T` what comes of it.
+/// Work that is being done; `P` is how far it has come, `T` what comes of it. Dropping it cancels it, so that work
+/// that is begun anew does not go on twice.
 #[derive(Debug)]
 pub struct Task<P, T> {
     heard: Receiver<News<P, T>>,
@@ -29,6 +30,12 @@ pub enum Listening<T> {
     Ended(Option<Box<T>>),
     /// It is gone without a last word.
     BrokeOff,
+}
+
+impl<P, T> Drop for Task<P, T> {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
 }
 
 impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
@@ -74,5 +81,23 @@ impl<P: Send + 'static, T: Send + 'static> Task<P, T> {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dropped_work_is_told_to_stop() {
+        let (sender, stopped) = channel();
+        let task = Task::<(), ()>::start(Context::default(), move |_, stop| {
+            while !stop.load(Ordering::Relaxed) {
+                std::thread::yield_now();
+            }
+            sender.send(()).ok()
+        });
+        drop(task);
+        assert_eq!(stopped.recv_timeout(std::time::Duration::from_secs(60)), Ok(()));
     }
 }

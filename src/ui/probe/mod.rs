@@ -122,9 +122,6 @@ pub fn probe_now(session: &mut Session) {
 
 fn start(session: &mut Session, context: &Context) {
     let (subject, probe) = (subject_of(&session.request()), session.probing.probe);
-    if let Some(before) = &session.probing.task {
-        before.cancel();
-    }
     session.probing.progress = Some(0.0);
     let work = Task::start(context.clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
         probe::run(&subject, probe, &|share| tell(share), stop)
