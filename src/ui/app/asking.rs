@@ -141,7 +141,7 @@ impl Workbench {
 
     /// Looks for something in the frame on screen, on a thread of its own.
     pub(super) fn find(&mut self, ui: &Ui, wanted: Wanted) {
-        let Some(view) = self.session.view.clone() else { return };
+        let Some(view) = self.session.view_of_scene().cloned() else { return };
         let look = move || {
             let found = find::find(&view.request.scene, &view.request.recipe, &view.frame, &wanted);
             (wanted, found)

@@ -56,6 +56,7 @@ impl Workbench {
             Ok(Loaded { scene, warnings }) => {
                 self.session.show_scene(scene, source);
                 self.worker.send(Job::CancelMeasure);
+                self.drop_findings();
                 self.canvas.fit();
                 self.warn(&warnings);
             }
@@ -64,6 +65,12 @@ impl Workbench {
                 self.session.report(Level::Error, error.to_string());
             }
         }
+    }
+
+    /// Gives up what is being found out about the scene before: it would pick and select in the new one.
+    fn drop_findings(&mut self) {
+        (self.finding, self.checks, self.fates) = Default::default();
+        self.session.checks.progress = None;
     }
 
     /// Writes the loader's warnings into the log.

@@ -82,7 +82,7 @@ impl Runner {
             }
             return;
         }
-        let wanted = session.view.as_ref().filter(|view| session.checks.wants(&view.frame));
+        let wanted = session.view_of_scene().filter(|view| session.checks.wants(&view.frame));
         let Some(view) = wanted.cloned() else { return };
         session.checks.wanted = false;
         if waits {

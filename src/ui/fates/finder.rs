@@ -28,7 +28,7 @@ impl Finder {
     pub fn tend(&mut self, ui: &Ui, session: &mut Session, wanted: bool, waits: bool) {
         self.listen(session);
         let wanted = wanted || session.fates.asks() || !session.selection.is_empty();
-        let Some(view) = session.view.as_ref().filter(|_| wanted && self.task.is_none()) else { return };
+        let Some(view) = session.view_of_scene().filter(|_| wanted && self.task.is_none()) else { return };
         if self.asked.as_ref().is_some_and(|asked| asked.same_complete_frame(&view.request)) {
             return;
         }
