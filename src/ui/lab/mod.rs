@@ -157,6 +157,14 @@ impl Lab {
             | Command::CopyPicture
             | Command::WhatIf(_)
             | Command::Watch(_)
+            | Command::Undo
+            | Command::Redo
+            | Command::Compare(_)
+            | Command::Overlays(_)
+            | Command::Range(_)
+            | Command::MeshView(_)
+            | Command::Trace(_)
+            | Command::SaveData
             | Command::SaveOutline(..)
             | Command::ZoomOne => return None,
             Command::Open(path) if file::is_named_picture(&path) => Change::Picture(path),

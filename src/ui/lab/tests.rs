@@ -34,6 +34,7 @@ fn keys_of_the_pipeline_step_the_lab_while_it_is_open_and_no_other_time() {
     give(&mut lab, Command::LimitTriangles(None));
     assert_eq!(lab.step, all);
     assert_eq!(give(&mut lab, Command::ChooseUpscaler(3)), None, "has no meaning here");
+    assert_eq!(give(&mut lab, Command::Undo), None, "what it takes back is not seen");
     assert_eq!(give(&mut lab, Command::ToggleTheme), Some(Command::ToggleTheme));
     assert_eq!(give(&mut lab, Command::SavePicture), Some(Command::Lab(Change::Save("png"))));
     give(&mut lab, Command::OpenBuiltin("cubes".into()));
