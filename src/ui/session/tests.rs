@@ -49,6 +49,8 @@ fn a_pause_or_another_setting_parts_camera_moves() {
     move_camera(&mut session, 10.0);
     session.state.recipe.wireframe = true;
     session.settle(10.1);
+    move_camera(&mut session, 10.2);
+    session.apply(Command::Undo);
     session.apply(Command::Undo);
     session.apply(Command::Undo);
     assert_eq!(session.state, first);

@@ -35,9 +35,8 @@ impl Session {
         }
         let only_camera = Undoable { camera: self.settled.camera, ..self.state.clone() } == self.settled;
         let goes_on = only_camera && now - self.camera_moved_at < ONE_MOVE_SECONDS;
-        if only_camera {
-            self.camera_moved_at = now;
-        }
+        // A move that follows another setting is no part of that step.
+        self.camera_moved_at = if only_camera { now } else { f64::NEG_INFINITY };
         if !goes_on {
             if self.undo.len() == UNDO_STEPS {
                 self.undo.remove(0);
