@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::engine::Request;
 use super::task::Task;
+use crate::chain::Recipe;
 use crate::measure::leaving_out::Savings;
 use crate::measure::scaling::{Quantity, Scaling};
 use crate::report::stability::sweep::{Progress, Report};
@@ -31,8 +33,8 @@ pub struct Stability {
 /// What is known of what leaving out saves.
 #[derive(Clone, Debug, Default)]
 pub struct PlanSavings {
-    /// The last that was measured, and the name of the scene that it is of.
-    pub found: Option<(Arc<Savings>, String)>,
+    /// The last that was measured, and what it was measured on.
+    pub found: Option<(Arc<Savings>, Request)>,
     /// Share of the present measurement that is done.
     pub progress: Option<f32>,
 }
@@ -40,8 +42,8 @@ pub struct PlanSavings {
 /// What is known of how cost grows.
 #[derive(Clone, Debug, Default)]
 pub struct Growth {
-    /// The last that was measured.
-    pub found: Option<Arc<Scaling>>,
+    /// The last that was measured, and the recipe that it was measured with.
+    pub found: Option<(Arc<Scaling>, Recipe)>,
     /// What is being measured, and the share of it that is done.
     pub progress: Option<(Quantity, f32)>,
 }
@@ -49,8 +51,8 @@ pub struct Growth {
 /// A stability report that is being made.
 pub type Judging = Task<Progress, Report>;
 
-/// Savings that are being measured, and the name of the scene that they are of.
-pub type MeasuringSavings = Task<f32, (Savings, String)>;
+/// Savings that are being measured, and what they are measured on.
+pub type MeasuringSavings = Task<f32, (Savings, Request)>;
 
-/// Growth that is being measured.
-pub type MeasuringGrowth = Task<(Quantity, f32), Scaling>;
+/// Growth that is being measured, and the recipe that it is measured with.
+pub type MeasuringGrowth = Task<(Quantity, f32), (Scaling, Recipe)>;

@@ -23,10 +23,17 @@ fn the_plan_tells_what_it_saves_once_that_was_measured() {
     bench.click("Plan");
     bench.click("Measure what it saves");
     wait_while(&mut bench, |bench| bench.session().savings.progress.is_some());
-    let (found, name) = bench.session().savings.found.clone().expect("it was measured");
-    assert_eq!(name, bench.session().scene.name);
+    let (found, of) = bench.session().savings.found.clone().expect("it was measured");
+    assert!(of.same_complete_frame(&bench.session().request()));
     assert!(found.savings.iter().all(|saving| saving.same_picture && saving.draws > 0));
     assert!(bench.mentions("as planned, median of"));
+    let saving =
+        found.savings.iter().find(|saving| saving.part.is_some()).expect("a triangle in view needs no clipping");
+    let cell = format!("{:+.2} ms", saving.saved_ms.median);
+    assert!(bench.says(&cell));
+    bench.session_mut().state.camera.orbit(0.2, 0.0);
+    bench.rest();
+    assert!(!bench.says(&cell), "it was measured on another view");
 }
 
 #[test]

@@ -32,7 +32,7 @@ impl Workbench {
         self.measuring_savings = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
             let Request { scene, camera, recipe, viewport, .. } = &request;
             let found = savings(scene, camera, recipe, *viewport, ROUNDS, tell, stop)?;
-            Some((found, scene.name.clone()))
+            Some((found, request))
         }));
     }
 
@@ -45,7 +45,8 @@ impl Workbench {
         self.session.growth.progress = Some((Quantity::Triangles, 0.0));
         self.measuring_growth = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
             let plan = scaling::Plan::new(recipe, MOST.0, threads, MOST.1);
-            scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok()
+            let found = scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok()?;
+            Some((found, recipe))
         }));
     }
 
@@ -58,11 +59,12 @@ impl Workbench {
         });
         let broke_off = broke_off
             | hear(&mut self.measuring_savings, &mut session.savings.progress, |found| {
-                let (savings, scene) = *found;
-                session.savings.found = Some((Arc::new(savings), scene));
+                let (savings, of) = *found;
+                session.savings.found = Some((Arc::new(savings), of));
             })
             | hear(&mut self.measuring_growth, &mut session.growth.progress, |found| {
-                session.growth.found = Some(Arc::from(found));
+                let (scaling, recipe) = *found;
+                session.growth.found = Some((Arc::new(scaling), recipe));
             });
         let mut found = None;
         let broke_off = broke_off | hear(&mut self.finding, &mut None, |what| found = Some(what));

@@ -9,6 +9,7 @@ use crate::chain::whole::FramePart;
 use crate::measure::leaving_out::{Saving, Savings};
 use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
 use crate::ui::command::Command;
+use crate::ui::engine::View;
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{Icon, tokens};
@@ -28,12 +29,12 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasurePlan);
     }
-    if let Some((savings, scene)) = &session.savings.found {
+    if let Some((savings, of)) = &session.savings.found {
         let Savings { planned_ms, noise_ms, .. } = &**savings;
         let spread = (noise_ms.p90 - noise_ms.p10) / 2.0;
         let text = format!(
-            "{scene}: {:.2} ms as planned, median of {} rounds; planned against planned differs by ± {spread:.2} ms",
-            planned_ms.median, planned_ms.n
+            "{}: {:.2} ms as planned, median of {} rounds; planned against planned differs by ± {spread:.2} ms",
+            of.scene.name, planned_ms.median, planned_ms.n
         );
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
     }
@@ -57,7 +58,7 @@ pub fn ui(ui: &mut Ui, session: &Session) {
             let color = if running > 0 { tokens(ui).text_strong } else { tokens(ui).text_weak };
             let text = format!("{} of {} draws", format::count(running as u64), format::count(plans.len() as u64));
             ui.label(RichText::new(text).monospace().color(color));
-            saved(ui, session, part);
+            saved(ui, session, view, part);
             ui.label(RichText::new(reasons(plans, part)).color(tokens(ui).text_weak));
             ui.end_row();
         }
@@ -81,14 +82,17 @@ pub fn ui(ui: &mut Ui, session: &Session) {
     });
 }
 
-/// What leaving a part out saves, if that was measured.
-fn saved(ui: &mut Ui, session: &Session, part: Part) {
+/// What leaving a part out of the frame of this view saves, if that was measured.
+fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
     let found = session.savings.found.as_ref();
-    let of_part = |savings: &&Saving| savings.part == Some(part);
-    let Some(Saving { saved_ms, draws, same_picture, .. }) =
-        found.and_then(|(savings, _)| savings.savings.iter().find(of_part))
-    else {
-        ui.label(RichText::new("–").color(tokens(ui).text_weak));
+    let of_part = |saving: &&Saving| saving.part == Some(part);
+    let measured = found.and_then(|(savings, of)| Some((savings.savings.iter().find(of_part)?, of)));
+    let fitting = measured.filter(|(_, of)| of.same_complete_frame(&view.request));
+    let Some((Saving { saved_ms, draws, same_picture, .. }, _)) = fitting else {
+        let nothing = ui.label(RichText::new("–").color(tokens(ui).text_weak));
+        if measured.is_some() {
+            nothing.on_hover_text("It was measured on another view");
+        }
         return;
     };
     let picture = if *same_picture { "the picture stayed the same" } else { "THE PICTURE CHANGED, which is a fault" };

@@ -29,16 +29,18 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     if ui.add(measure).on_hover_text(help).clicked() {
         commands.push(Command::MeasureGrowth);
     }
-    if let Some(scaling) = &session.growth.found {
+    if let Some((scaling, recipe)) = &session.growth.found {
         let [width, height] = scaling.size;
-        let text = format!("{width} × {height} px, {} threads, medians of {} rounds", scaling.threads, scaling.rounds);
+        let by = if *recipe == session.state.recipe { "" } else { ", measured with other settings" };
+        let text =
+            format!("{width} × {height} px, {} threads, medians of {} rounds{by}", scaling.threads, scaling.rounds);
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
     }
 }
 
 /// Draws the plots.
 pub fn ui(ui: &mut Ui, session: &Session) {
-    let Some(scaling) = &session.growth.found else {
+    let Some((scaling, _)) = &session.growth.found else {
         let how = "“Measure how cost grows” tells what part of a frame is fixed, what each triangle, pixel and layer adds, and \
                    what threads bring.";
         empty_state(ui, Icon::ChartScatter, "Nothing was measured yet", how);
