@@ -8,8 +8,9 @@ use std::sync::Arc;
 
 use eframe::egui::Context;
 
+use super::command::Command;
 use super::engine::{Request, Shown, View};
-use super::session::{Level, Session};
+use super::session::{Level, PictureSize, Session};
 use super::task::{Listening, Task};
 use crate::case::MinimalCase;
 use crate::image::{Image, Rgba8};
@@ -80,9 +81,14 @@ pub fn apply(session: &mut Session, context: &Context, change: Change) -> Rest {
             session.shown = Shown::Buffer(Buffer::Color);
         }
         Change::GoBack => {
-            if let Some(found) = &session.probing.found {
-                session.state.camera = found.subject.camera;
-                session.state.recipe.pipeline = found.subject.settings;
+            if let Some(found) = session.probing.found.clone() {
+                let Subject { camera, settings, viewport, .. } = found.subject;
+                session.state.camera = camera;
+                session.state.recipe.pipeline = settings;
+                if session.viewport() != viewport {
+                    session.state.size = PictureSize::Fixed(viewport.width, viewport.height);
+                }
+                session.apply(Command::LimitTriangles(None));
             }
         }
         Change::GoTo(fragile) => {
@@ -208,6 +214,7 @@ mod tests {
         assert!(matches!(apply(&mut session, &context, Change::SaveCase(worst)), Rest::Write(_)));
 
         session.state.camera.dolly(2.0);
+        (session.canvas_px, session.triangle_limit) = ((80, 48), Some(1));
         let other = engine.answer(session.request());
         assert!(session.probing.picture(&other).is_none());
         apply(&mut session, &context, Change::GoBack);
