@@ -155,12 +155,12 @@ fn another_pick_keeps_the_frame() {
 #[test]
 fn a_measurement_times_every_method_once_per_round() {
     let mut worker = Worker::spawn(|| ());
-    worker.send(Job::Measure(Box::new(request("triangle", (32, 24))), Reference::Native));
-    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Measured));
+    worker.send(Job::Measure(1, Box::new(request("triangle", (32, 24))), Reference::Native));
+    let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Measured(_)));
     let samples: Vec<_> = answers
         .iter()
         .filter_map(|answer| match answer {
-            Answer::Sample { upscaling, milliseconds, progress } => Some((*upscaling, *milliseconds, *progress)),
+            Answer::Sample { upscaling, milliseconds, progress, .. } => Some((*upscaling, *milliseconds, *progress)),
             _ => None,
         })
         .collect();
@@ -177,13 +177,13 @@ fn a_measurement_times_every_method_once_per_round() {
 #[test]
 fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
     let mut worker = Worker::spawn(|| ());
-    worker.send(Job::Measure(Box::new(request("chess", (320, 240))), Reference::Native));
+    worker.send(Job::Measure(1, Box::new(request("chess", (320, 240))), Reference::Native));
     answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
     worker.send(Job::CancelMeasure);
     let wanted = request("triangle", (16, 16));
     worker.send(show(&wanted));
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Stages(_)));
-    assert!(!answers.iter().any(|answer| matches!(answer, Answer::Measured)));
+    assert!(!answers.iter().any(|answer| matches!(answer, Answer::Measured(_))));
     assert!(answers_within(&mut worker, Duration::from_millis(300)).is_empty(), "no samples after cancelling");
 }
 
@@ -191,7 +191,7 @@ fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
 fn requests_come_before_measuring() {
     let mut worker = Worker::spawn(|| ());
     let measured = request("chess", (320, 240));
-    worker.send(Job::Measure(Box::new(measured), Reference::Native));
+    worker.send(Job::Measure(1, Box::new(measured), Reference::Native));
     answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
     worker.send(show(&request("triangle", (16, 16))));
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::View(_)));

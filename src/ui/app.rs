@@ -76,6 +76,8 @@ pub struct Workbench {
     asked: Option<Request>,
     /// When the renderer was asked for something that is not there yet.
     asked_at: Option<Instant>,
+    /// The number of the last measurement of all upscalers.
+    measurement: u64,
     loading: Option<Loading>,
     judging: Option<Judging>,
     measuring_savings: Option<MeasuringSavings>,
@@ -110,6 +112,7 @@ impl Workbench {
             session,
             worker,
             asked: None,
+            measurement: 0,
             loading: None,
             judging: None,
             measuring_savings: None,

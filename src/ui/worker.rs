@@ -39,8 +39,8 @@ pub enum Job {
     WhatIf(Option<Box<WhatIfRequest>>),
     /// Tell what every new frame holds at these pixels.
     Watch(Vec<(u32, u32)>),
-    /// Time every upscaler on this request's scene, and judge its picture against the reference.
-    Measure(Box<Request>, Reference),
+    /// Time every upscaler on this request's scene, and judge its picture against the reference; the answers carry this number.
+    Measure(u64, Box<Request>, Reference),
     /// Stop timing.
     CancelMeasure,
 }
@@ -60,6 +60,8 @@ pub enum Answer {
     Stages(Box<StageFigures>),
     /// One timed frame of a measurement, and how much of it is done, in [0, 1].
     Sample {
+        /// The number of the measurement.
+        of: u64,
         /// The method.
         upscaling: Upscaling,
         /// The frame's time, milliseconds.
@@ -69,13 +71,15 @@ pub enum Answer {
     },
     /// The error of a method's picture against native.
     Judged {
+        /// The number of the measurement.
+        of: u64,
         /// The method.
         upscaling: Upscaling,
         /// Every measure.
         error: Box<Figures>,
     },
-    /// The measurement is complete.
-    Measured,
+    /// The measurement of this number is complete.
+    Measured(u64),
     /// A stage panicked.
     Panicked(String),
 }
@@ -152,6 +156,7 @@ pub struct Loop {
 
 #[derive(Debug)]
 struct Measurement {
+    number: u64,
     request: Box<Request>,
     methods: Vec<Upscaling>,
     /// Frames timed.
@@ -237,12 +242,13 @@ impl Loop {
                 }
                 self.to_ask = request;
             }
-            Job::Measure(request, reference) => {
+            Job::Measure(number, request, reference) => {
                 let methods = Upscaling::every().collect();
                 let renderer = Renderer::default();
                 let Request { scene, camera, recipe, viewport, .. } = &*request;
                 let against = Against::Gathering(Box::new(reference.begin(scene, camera, recipe, *viewport)));
-                self.measurement = Some(Measurement { request, methods, next: 0, judged: 0, against, renderer });
+                self.measurement =
+                    Some(Measurement { number, request, methods, next: 0, judged: 0, against, renderer });
             }
             Job::CancelMeasure => self.measurement = None,
         }
@@ -275,12 +281,12 @@ impl Loop {
             match catch_unwind(AssertUnwindSafe(|| measurement.step())) {
                 Ok(sample) => self.done.extend(sample),
                 Err(panic) => {
-                    self.done.extend([Answer::Panicked(panic_text(&*panic)), Answer::Measured]);
+                    self.done.extend([Answer::Panicked(panic_text(&*panic)), Answer::Measured(measurement.number)]);
                     return true;
                 }
             }
             if measurement.is_complete() {
-                self.done.push_back(Answer::Measured);
+                self.done.push_back(Answer::Measured(measurement.number));
             } else {
                 self.measurement = Some(measurement);
             }
@@ -376,7 +382,7 @@ impl Measurement {
         let milliseconds = frame.times.total.as_secs_f64() * 1e3;
         self.renderer.recycle(frame);
         let progress = self.next as f32 / self.total() as f32;
-        (round >= WARM_UP_ROUNDS).then_some(Answer::Sample { upscaling, milliseconds, progress })
+        (round >= WARM_UP_ROUNDS).then_some(Answer::Sample { of: self.number, upscaling, milliseconds, progress })
     }
 }
 
@@ -398,7 +404,7 @@ impl Measurement {
         let recipe = Recipe { upscaler: upscaling, wireframe: false, ..*recipe };
         let frame = self.renderer.render_settled(scene, camera, &recipe, *viewport);
         let error = figures(frame.image(), reference).map(|(error, _)| Box::new(error));
-        Some(Answer::Judged { upscaling, error: error? })
+        Some(Answer::Judged { of: self.number, upscaling, error: error? })
     }
 }
 

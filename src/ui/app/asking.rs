@@ -52,12 +52,14 @@ impl Workbench {
             Answer::Watched(rows) => self.session.watch.hear(rows),
             Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
             Answer::Stages(figures) => self.session.stages = Some(*figures),
-            Answer::Sample { upscaling, milliseconds, progress } => {
+            // Late news of a measurement that another has replaced.
+            Answer::Sample { of, .. } | Answer::Judged { of, .. } | Answer::Measured(of) if of != self.measurement => {}
+            Answer::Sample { upscaling, milliseconds, progress, .. } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
             }
-            Answer::Judged { upscaling, error } => self.session.timings.record_error(upscaling, *error),
-            Answer::Measured => self.session.measuring = None,
+            Answer::Judged { upscaling, error, .. } => self.session.timings.record_error(upscaling, *error),
+            Answer::Measured(_) => self.session.measuring = None,
             Answer::Panicked(text) => {
                 self.asked_at = None;
                 let text = format!("Drawing stopped by an error of the program: {text}. The last good picture stays.");
@@ -136,7 +138,8 @@ impl Workbench {
         if self.tab != Tab::ErrorTime {
             self.tab = Tab::FrameTime;
         }
-        self.worker.send(Job::Measure(Box::new(request), reference));
+        self.measurement += 1;
+        self.worker.send(Job::Measure(self.measurement, Box::new(request), reference));
     }
 
     /// Looks for something in the frame on screen, on a thread of its own.
@@ -157,5 +160,32 @@ impl Workbench {
         if let Some(pixel) = self.session.take_found(wanted, found) {
             self.canvas.bring_into_view(pixel, self.session.canvas_px);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::chain::Recipe;
+    use crate::scene::SceneSource;
+    use crate::ui::session::{PictureSize, Session};
+    use crate::ui::worker::{MEASURE_ROUNDS, Worker};
+
+    #[test]
+    fn late_answers_of_one_measurement_are_not_taken_for_those_of_the_next() {
+        let source = SceneSource::named("triangle".into());
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
+        session.state.size = PictureSize::Fixed(16, 12);
+        let mut bench = Workbench::new(session, Worker::inline());
+        bench.measure();
+        bench.measure();
+        bench.listen();
+        let series = bench.session().timings.series();
+        assert!(!series.is_empty() && series.iter().all(|(_, times)| times.len() == MEASURE_ROUNDS));
+        assert_eq!(bench.session().measuring, None);
     }
 }
