@@ -93,14 +93,16 @@ impl Timings {
     /// Every frame time that is known, as comma-separated values: one line per frame, with what it was taken on.
     pub fn csv(&self) -> String {
         let mut text = "scene,width,height,what,upscaler,frame,ms\n".to_owned();
-        let of = if self.has_measurement() { &self.measured_of } else { &self.recent_of };
-        let Some(request) = of else { return text };
-        let what = if self.has_measurement() { "measured" } else { "recent" };
-        let scene = request.scene.name.replace('"', "\"\"");
-        let (width, height) = (request.viewport.width, request.viewport.height);
-        for (upscaling, times) in self.series() {
-            for (frame, ms) in times.iter().enumerate() {
-                text += &format!("\"{scene}\",{width},{height},{what},\"{}\",{frame},{ms}\n", upscaling.label());
+        let recent = ("recent", &self.recent_of, per_method(&self.recent));
+        let measured = ("measured", &self.measured_of, per_method(&self.measured));
+        for (what, of, series) in [recent, measured] {
+            let Some(request) = of else { continue };
+            let scene = request.scene.name.replace('"', "\"\"");
+            let (width, height) = (request.viewport.width, request.viewport.height);
+            for (upscaling, times) in series {
+                for (frame, ms) in times.iter().enumerate() {
+                    text += &format!("\"{scene}\",{width},{height},{what},\"{}\",{frame},{ms}\n", upscaling.label());
+                }
             }
         }
         text
@@ -181,11 +183,16 @@ impl Timings {
 
     /// The measurement, or else the recent frames, per method; oldest first.
     pub fn series(&self) -> Vec<(Upscaling, Vec<f64>)> {
-        if self.has_measurement() {
-            return self.measured.iter().map(|(upscaling, times)| (*upscaling, times.clone())).collect();
-        }
-        self.recent.iter().map(|(upscaling, times)| (*upscaling, times.iter().copied().collect())).collect()
+        if self.has_measurement() { per_method(&self.measured) } else { per_method(&self.recent) }
     }
+}
+
+/// The times of every method, oldest first.
+fn per_method<T>(times: &BTreeMap<Upscaling, T>) -> Vec<(Upscaling, Vec<f64>)>
+where
+    for<'a> &'a T: IntoIterator<Item = &'a f64>,
+{
+    times.iter().map(|(upscaling, times)| (*upscaling, times.into_iter().copied().collect())).collect()
 }
 
 #[cfg(test)]
@@ -247,10 +254,11 @@ mod tests {
         let (mut timings, request) = (Timings::default(), request());
         assert_eq!(timings.csv().lines().count(), 1);
         timings.record_recent(&request, 4.25);
-        let name = &request.scene.name;
-        assert_eq!(timings.csv().lines().nth(1), Some(&*format!("\"{name}\",8,6,recent,\"Native\",0,4.25")));
+        let recent = format!("\"{}\",8,6,recent,\"Native\",0,4.25", request.scene.name);
+        assert_eq!(timings.csv().lines().nth(1), Some(&*recent));
         timings.begin_measurement(request, Reference::Native);
         timings.record_measured(Upscaling::NATIVE, 1.5);
+        assert_eq!(timings.csv().lines().nth(1), Some(&*recent), "a measurement leaves them in");
         assert!(timings.csv().ends_with("measured,\"Native\",0,1.5\n"));
     }
 }
