@@ -39,11 +39,13 @@ pub enum Change {
 }
 
 impl Watch {
-    /// Takes in what a frame holds.
+    /// Takes in what a frame holds. A pixel more or less is no change of the others.
     pub fn hear(&mut self, rows: Vec<Watched>) {
-        if rows != self.rows {
-            self.before = std::mem::replace(&mut self.rows, rows);
+        let differs = |known: &Watched| rows.iter().any(|row| (row.x, row.y) == (known.x, known.y) && row != known);
+        if self.rows.iter().any(differs) {
+            self.before = std::mem::take(&mut self.rows);
         }
+        self.rows = rows;
     }
 
     /// What a pixel held before it last changed, if it was watched then.

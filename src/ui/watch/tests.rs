@@ -63,4 +63,8 @@ fn rows_follow_the_frames_and_what_was_stays_until_the_next_change() {
     session.state.recipe.set("execution=classic").unwrap();
     follow(&mut session);
     assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "the same values are no change");
+    watcher.set(vec![(32, 24), (0, 0), (5, 5)]);
+    session.watch.hear(watcher.step().unwrap());
+    assert_eq!(session.watch.rows.len(), 3);
+    assert_eq!(session.watch.before(&session.watch.rows[0]), Some(&first[0]), "nor is another pixel");
 }
