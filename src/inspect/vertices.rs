@@ -20,9 +20,10 @@ use crate::scene::{Camera, Mesh, Scene, TriangleId};
 pub struct Outcode(u8);
 
 impl Outcode {
-    /// Of a position in clip space. One that is not finite lies beyond the planes that can be told.
-    pub fn of(position: Vec4) -> Self {
-        let beyond = |plane: &Plane| plane.distance(position, 1.0) < 0.0;
+    /// Of a position in the clip space of a view that has z = 0 at its far plane or not. One that is not finite lies beyond the
+    /// planes that can be told.
+    pub fn of(position: Vec4, has_zero_at_far: bool) -> Self {
+        let beyond = |plane: &Plane| plane.of_view(has_zero_at_far).distance(position, 1.0) < 0.0;
         Self(Plane::ALL.iter().enumerate().filter(|(_, plane)| beyond(plane)).fold(0, |bits, (bit, _)| bits | 1 << bit))
     }
 
@@ -100,6 +101,7 @@ pub struct ObjectVertices<'a> {
     view_from_world: DMat4,
     viewport: Viewport,
     depth_scale: DepthScale,
+    has_zero_at_far: bool,
 }
 
 impl<'a> ObjectVertices<'a> {
@@ -112,16 +114,15 @@ impl<'a> ObjectVertices<'a> {
         instance: usize,
     ) -> Option<Self> {
         let instance = scene.instances.get(instance)?;
+        let mapping = settings.depth_format.mapping();
         Some(Self {
             mesh: scene.library.mesh(instance.mesh),
-            matrices: DrawMatrices::new(
-                instance,
-                camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping()),
-            ),
+            matrices: DrawMatrices::new(instance, camera.clip_from_world_f64(viewport.aspect(), mapping)),
             world_from_model: instance.world_from_model.as_dmat4(),
             view_from_world: camera.view_from_world_f64(),
             viewport,
             depth_scale: DepthScale::new(settings.depth_format, camera),
+            has_zero_at_far: camera.has_zero_at_far(mapping),
         })
     }
 
@@ -145,7 +146,7 @@ impl<'a> ObjectVertices<'a> {
             world,
             view: self.view_from_world.transform_point3(world),
             clip,
-            outcode: Outcode::of(clip),
+            outcode: Outcode::of(clip, self.has_zero_at_far),
             screen: (clip.is_finite() && clip.w >= LEAST_W).then(|| self.on_screen(clip)),
         })
     }
@@ -175,9 +176,11 @@ pub fn corners_of(scene: &Scene, triangle: TriangleId) -> Option<(usize, [u32; 3
 
 #[cfg(test)]
 mod tests {
+    use glam::{Mat4, Quat, Vec3};
+
     use super::*;
     use crate::pipeline::prepare;
-    use crate::pipeline::settings::Culling;
+    use crate::pipeline::settings::{Choice as _, Culling, DepthFormat};
     use crate::scene::builtin;
 
     const SIZE: Viewport = Viewport { width: 160, height: 120 };
@@ -211,13 +214,33 @@ mod tests {
 
     #[test]
     fn outcodes_name_the_planes_that_cut() {
-        let names = |position| Outcode::of(position).planes().map(plane_name).collect::<Vec<_>>();
+        let names = |position| Outcode::of(position, false).planes().map(plane_name).collect::<Vec<_>>();
         assert_eq!(names(Vec4::new(0.0, 0.0, 0.5, 1.0)), [""; 0]);
         assert_eq!(names(Vec4::new(-2.0, 0.0, 0.5, 1.0)), ["left"]);
         assert_eq!(names(Vec4::new(2.0, 3.0, 2.0, 1.0)), ["far", "right", "top"]);
         assert_eq!(names(Vec4::new(0.0, 0.0, -0.5, 1.0)), ["near"]);
         assert!(names(Vec4::new(0.0, 0.0, -2.0, -1.0)).contains(&"eye"));
-        assert!(Outcode::of(Vec4::new(0.0, 0.0, 0.5, 1.0)).is_inside());
+        assert!(Outcode::of(Vec4::new(0.0, 0.0, 0.5, 1.0), false).is_inside());
+    }
+
+    #[test]
+    fn near_is_near_and_far_is_far_in_every_format() {
+        let mut scene = builtin::by_id("triangle").unwrap().build();
+        for (format, orthographic) in DepthFormat::ALL.iter().flat_map(|format| [(format, false), (format, true)]) {
+            let settings = Settings { depth_format: *format, ..Settings::default() };
+            let camera = Camera { near: 1.0, far: 2.0, ..scene.home.with_orthographic(orthographic) };
+            for (distance, expected) in [(0.5, "near"), (1.5, ""), (4.0, "far")] {
+                // All of it at one place, in the middle of the picture.
+                let place = camera.eye + camera.forward() * distance;
+                scene.instances[0].world_from_model =
+                    Mat4::from_scale_rotation_translation(Vec3::ZERO, Quat::IDENTITY, place);
+                let object = ObjectVertices::new(&scene, &camera, &settings, SIZE, 0).unwrap();
+                let names: Vec<_> = object.stages(0).unwrap().outcode.planes().map(plane_name).collect();
+                let has_far_plane = orthographic || *format != DepthFormat::ReversedInfinite;
+                let expected = if has_far_plane || expected == "near" { expected } else { "" };
+                assert_eq!(names.join(" "), expected, "{format:?} {orthographic} {distance}");
+            }
+        }
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub const LEAST_W: f32 = f32::MIN_POSITIVE;
 /// A side of the view frustum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
-    /// z ≥ 0.
+    /// z ≥ 0, which is the far plane where z falls from near to far: see [`Self::of_view`].
     Near,
     /// w > 0, or rather w ≥ [`LEAST_W`]. The near plane implies it but for rounding.
     Eye,
@@ -58,6 +58,15 @@ impl Plane {
             Self::Right => side - x,
             Self::Bottom => side + y,
             Self::Top => side - y,
+        }
+    }
+
+    /// The plane of the view that it is, for a view that has z = 0 at its far plane or not; and the other way round.
+    pub fn of_view(self, has_zero_at_far: bool) -> Self {
+        match self {
+            Self::Near if has_zero_at_far => Self::Far,
+            Self::Far if has_zero_at_far => Self::Near,
+            plane => plane,
         }
     }
 

@@ -202,6 +202,12 @@ impl Camera {
         self.window.map_or(m, |window| window.clip_from_clip() * m)
     }
 
+    /// Whether z = 0 of clip space is at the far plane, and not at the near one.
+    pub fn has_zero_at_far(&self, mapping: DepthMapping) -> bool {
+        let is_perspective = matches!(self.projection, Projection::Perspective { .. });
+        mapping.is_reversed() || (mapping == DepthMapping::Linear && is_perspective)
+    }
+
     /// Clip space from world space.
     pub fn clip_from_world(&self, aspect: f32, mapping: DepthMapping) -> Mat4 {
         self.clip_from_view(aspect, mapping) * self.view_from_world()

@@ -251,8 +251,7 @@ impl Survey {
         if is_culled || (0.0..=met.w).contains(&met.z) {
             return None;
         }
-        // Reversed depth has its zero at the far plane.
-        let is_near = is_before_zero != settings.reversed();
+        let is_near = is_before_zero != self.camera.has_zero_at_far(settings.depth_format.mapping());
         let (cause, name, plane, beyond) = if is_near {
             (Cause::NearPlane, "near", self.camera.near, "before")
         } else {

@@ -195,7 +195,7 @@ fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -
     let outcome = polygon.clip_watched(&triangle, widening, &mut |cut| cuts.push(*cut));
     for plane in Plane::ALL {
         if triangle.iter().any(|vertex| plane.distance(vertex.position, widening) < 0.0) {
-            distances(plane, widening, &corners, scribe);
+            distances((plane, plane_name(subject.plane_of_view(plane))), widening, &corners, scribe);
         }
     }
     if outcome != Ok(Cut::Pieces) {
@@ -205,7 +205,8 @@ fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -
     let mut named = corners;
     for (index, cut) in cuts.iter().enumerate() {
         let name = format!("cut {index}");
-        write_cut(cut, (&name, widening), &named, scribe);
+        let plane = plane_name(subject.plane_of_view(cut.plane));
+        write_cut(cut, (&name, plane, widening), &named, scribe);
         named.push(NamedVertex { name, vertex: cut.vertex });
     }
     let name_of = |vertex: &ClipVertex| {
@@ -225,11 +226,11 @@ fn clip(subject: &Subject<'_>, corners: Vec<NamedVertex>, scribe: &mut Scribe) -
 }
 
 /// The distances of all corners from a plane that they cross.
-fn distances(plane: Plane, widening: f32, corners: &[NamedVertex], scribe: &mut Scribe) {
+fn distances((plane, plane_name): (Plane, &str), widening: f32, corners: &[NamedVertex], scribe: &mut Scribe) {
     for NamedVertex { name, vertex } in corners {
         let formula = distance_formula(plane, vertex.position, widening);
         let distance = plane.distance(vertex.position, widening);
-        let line = scribe.compute(format!("{name} · distance from the {}", plane_name(plane)), distance, &formula);
+        let line = scribe.compute(format!("{name} · distance from the {plane_name}"), distance, &formula);
         line.flag(Notable::Tie, distance == 0.0);
     }
 }
@@ -261,13 +262,13 @@ fn plane_name(plane: Plane) -> &'static str {
 }
 
 /// A new vertex: how far along its edge, and where.
-fn write_cut(cut: &EdgeCut, (name, widening): (&str, f32), known: &[NamedVertex], scribe: &mut Scribe) {
+fn write_cut(cut: &EdgeCut, (name, plane, widening): (&str, &str, f32), known: &[NamedVertex], scribe: &mut Scribe) {
     let name_of = |vertex: &ClipVertex| {
         let known = known.iter().rev().find(|known| known.vertex == *vertex);
         known.map_or_else(|| "a corner".to_owned(), |known| known.name.clone())
     };
     let (inside, outside) = (name_of(&cut.inside), name_of(&cut.outside));
-    let words = format!("the edge from {inside} to {outside} leaves through the {}", plane_name(cut.plane));
+    let words = format!("the edge from {inside} to {outside} leaves through the {plane}");
     scribe.decide(name, words, "a new vertex");
     let [da, db] = [("d inside", cut.distances[0]), ("d outside", cut.distances[1])].map(|(name, d)| given(name, d));
     scribe.compute(format!("{name} · t"), cut.t, &(da.clone() / (da.clone() - db.clone())));

@@ -59,7 +59,7 @@ fn depth_formula(subject: &Subject<'_>, vertex: &ClipVertex, screen: &ScreenVert
     let scale = &subject.frame.geometry.depth_scale;
     let [near, far, factor] = scale.planes_and_factor();
     if let Some(plane) = vertex.cut_at {
-        let name = if plane == Plane::Near { "on the near plane" } else { "on the far plane" };
+        let name = if subject.plane_of_view(plane) == Plane::Near { "on the near plane" } else { "on the far plane" };
         return given(name, screen.depth);
     }
     let w = || given("w", vertex.position.w);

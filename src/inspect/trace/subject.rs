@@ -2,6 +2,7 @@
 
 use crate::chain::{Frame, Recipe};
 use crate::inspect::pixel::{FragmentRecord, PixelReport};
+use crate::pipeline::clip::Plane;
 use crate::pipeline::interpolate::{Fragment, interpolate};
 use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::raster::steps::EdgeSteps;
@@ -76,6 +77,11 @@ impl<'a> Subject<'a> {
     pub(super) fn matrices(&self) -> DrawMatrices {
         let mapping = self.settings.depth_format.mapping();
         DrawMatrices::new(self.instance, self.camera.clip_from_world_f64(self.raster.aspect(), mapping))
+    }
+
+    /// The plane of the view that a plane of clip space is.
+    pub(super) fn plane_of_view(&self, plane: Plane) -> Plane {
+        plane.of_view(self.camera.has_zero_at_far(self.settings.depth_format.mapping()))
     }
 
     /// What is done with the vertices of its mesh.

@@ -2,7 +2,7 @@ use super::*;
 use crate::chain::run;
 use crate::inspect::inspect;
 use crate::pipeline::settings::{
-    Address, Arithmetic, ColorSpace, DepthFormat, FillRule, Filter, Interpolation, Rasterizer, Shading,
+    Address, Arithmetic, Choice as _, ColorSpace, DepthFormat, FillRule, Filter, Interpolation, Rasterizer, Shading,
 };
 use crate::pipeline::viewport::Viewport;
 use crate::scene::builtin;
@@ -153,6 +153,21 @@ fn clipped_triangles_show_the_polygon_and_where_edges_were_cut() {
         cut += pieces;
     });
     assert!(cut > 8, "{cut}");
+}
+
+#[test]
+fn what_the_near_plane_cuts_is_told_of_it_in_every_format() {
+    for format in DepthFormat::ALL {
+        let mut recipe = Recipe::default();
+        recipe.pipeline.depth_format = *format;
+        let mut cut = 0;
+        all("near-plane", &recipe, |_, _, trace| {
+            let of_plane = |name: &str| trace.lines.iter().filter(|line| line.formula.ends_with(name)).count();
+            assert_eq!(of_plane("through the far plane") + of_plane("on the far plane"), 0, "{format:?}");
+            cut += of_plane("through the near plane").min(of_plane("on the near plane"));
+        });
+        assert!(cut > 8, "{format:?}: {cut}");
+    }
 }
 
 #[test]

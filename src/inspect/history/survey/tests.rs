@@ -157,7 +157,7 @@ fn the_near_plane_is_blamed_exactly_where_a_nearer_one_would_let_it_be_seen() {
 fn a_triangle_beyond_the_far_plane_is_told_with_its_distance() {
     let triangle = [Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::Y];
     let scene = scene_of(&[triangle], Mat4::IDENTITY);
-    for format in [DepthFormat::F32, DepthFormat::ReversedF32] {
+    for format in [DepthFormat::F32, DepthFormat::ReversedF32, DepthFormat::WBuffer] {
         let mut recipe = Recipe::default();
         recipe.pipeline.depth_format = format;
         let camera = Camera { near: 0.5, far: 2.0, ..scene.home };
