@@ -170,11 +170,8 @@ impl Display {
 
     /// The colour of a position in [0, 1] between the ends of the range.
     pub fn legend_color(&self, buffer: Option<Buffer>, range: Range, share: f32) -> Rgba8 {
-        let number = range.low + (range.high - range.low) * share;
-        // Ends that are equal still have a whole map between them.
-        let range = if range.high > range.low { range } else { Range { low: 0.0, high: 1.0 } };
-        let number = if number.is_finite() && number != range.low { number } else { range.low + share };
-        self.number_color(buffer, range, number)
+        // Ends may be so far apart that their difference is infinite.
+        self.number_color(buffer, range, range.low * (1.0 - share) + range.high * share)
     }
 
     /// Three numbers as a colour: each between black and full, only chosen ones, a single one as grey.
@@ -327,6 +324,20 @@ mod tests {
         let [[r, _, b, _], middle, [red, _, blue, _]] = [0.0, 0.5, 1.0].map(|at| ColorMap::Diverging.color(at));
         assert!(r > b && red < blue, "orange is below and purple above");
         assert!(middle[..3].iter().all(|code| *code > 230), "{middle:?}");
+    }
+
+    #[test]
+    fn the_legend_has_the_colours_of_the_pixels_even_where_all_are_equal() {
+        for map in [None, Some(ColorMap::Viridis), Some(ColorMap::Diverging)] {
+            let display = Display { map, ..Display::default() };
+            for (low, high) in [(2.0, 2.0), (0.0, 0.0), (-2.0, 4.0)] {
+                let range = Range { low, high };
+                for (share, number) in [(0.0, low), (0.5, (low + high) / 2.0), (1.0, high)] {
+                    let pixel = display.picture_of(None, (1, 1), Some(range), |_, _| Value::Number(number)).at(0, 0);
+                    assert_eq!(display.legend_color(None, range, share), pixel, "{map:?} {range:?} {share}");
+                }
+            }
+        }
     }
 
     #[test]
