@@ -140,7 +140,8 @@ impl<'a> Reader<'a> {
         if self.corners.len() < 3 {
             return Ok(Some("face with fewer than three corners; left out".to_owned()));
         }
-        if self.faces.triangles.len() + self.corners.len() > MAX_COUNT {
+        // A face of n corners has n − 2 triangles.
+        if self.faces.triangles.len() + self.corners.len() - 2 > MAX_COUNT {
             return Err(format!("more than {MAX_COUNT} triangles, the most that are read"));
         }
         let with_uv = self.corners.iter().filter(|c| c.uv != NONE).count();
@@ -279,6 +280,16 @@ mod tests {
             let message = faces(&format!("{SQUARE}f {index} 2 3\n")).unwrap_err();
             assert!(message.starts_with("a.obj:8: ") && message.contains(why), "{message}");
         }
+    }
+
+    #[test]
+    fn as_many_triangles_are_read_as_the_limit_says() {
+        let lists = attributes::read(Path::new("a.obj"), SQUARE, &mut Warnings::default()).unwrap();
+        let mut reader = Reader { seen: [4, 0, 0], ..Reader::new(&lists) };
+        reader.faces.triangles = vec![[Corner { position: 0, uv: 0, normal: 0 }; 3]; MAX_COUNT - 2];
+        assert_eq!(reader.face("1 2 3 4"), Ok(None));
+        assert_eq!(reader.faces.triangles.len(), MAX_COUNT);
+        assert!(reader.face("1 2 3").unwrap_err().contains("the most that are read"));
     }
 
     #[test]
