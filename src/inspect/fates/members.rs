@@ -40,9 +40,11 @@ impl Filter {
     /// Reads words such as `tri 123`, `area<1`, `area>=20`, `is:cut` and parts of a name, in any order.
     pub fn parse(text: &str) -> Self {
         let mut filter = Self::default();
-        let spaced =
-            text.to_lowercase().replace("area ", "area").replace("< ", "<").replace("> ", ">").replace("= ", "=");
-        let mut words = spaced.split_whitespace().peekable();
+        // A bound is one word however it is spaced; "area" may be a word of a name, too.
+        let joined = ["area <", "area >", "area< ", "area> ", "area<= ", "area>= "]
+            .iter()
+            .fold(text.to_lowercase(), |text, spaced| text.replace(spaced, &spaced.replace(' ', "")));
+        let mut words = joined.split_whitespace().peekable();
         let mut name = Vec::new();
         while let Some(word) = words.next() {
             let number = |word: &str| word.trim_start_matches('#').parse().ok();
@@ -103,5 +105,25 @@ impl Fates {
             Some(Bin::Triangles(fate)) => self.triangles[id as usize] == fate,
             Some(Bin::Fragments(fate)) => self.fragments[id as usize].of(fate) > 0,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_are_read_however_they_are_spaced_and_names_are_left_alone() {
+        for text in ["area<1.5", "area <1.5", "area< 1.5", "Area < 1.5"] {
+            assert_eq!(Filter::parse(text), Filter { area: [None, Some(1.5)], ..Filter::default() }, "{text}");
+        }
+        for text in ["area>=20", "area >= 20", "area > 20"] {
+            assert_eq!(Filter::parse(text), Filter { area: [Some(20.0), None], ..Filter::default() }, "{text}");
+        }
+        for name in ["area light", "a > b", "x = y"] {
+            assert_eq!(Filter::parse(name), Filter { name: name.to_owned(), ..Filter::default() });
+        }
+        let both = Filter { area: [None, Some(2.0)], name: "area light".to_owned(), ..Filter::default() };
+        assert_eq!(Filter::parse("area light area < 2"), both);
     }
 }
