@@ -21,7 +21,10 @@ pub fn painted(picture: &Image<Rgba8>, (width, height): (u32, u32)) -> Image<Pai
         let range = |at: u32, before: f64, end: f64| {
             let from = ((f64::from(at) - before) * cell_px).max(0.0);
             let to = ((f64::from(at) + 1.0 - before) * cell_px).min(end);
-            from.round() as u32..to.round() as u32
+            let (from, to) = (from.round() as u32, to.round() as u32);
+            // A cell narrower than a pixel may have no pixel's middle in it: it lies in a pixel then.
+            let middle = (f64::from(at) + 0.5 - before) * cell_px;
+            if from == to && (0.0..end).contains(&middle) { middle as u32..middle as u32 + 1 } else { from..to }
         };
         let (columns, rows) = (range(x, left, wide), range(y, top, high));
         let pixels = rows.flat_map(|row| columns.clone().map(move |column| picture.at(column, row)));
@@ -78,6 +81,16 @@ mod tests {
         let (paper, wall, spot) = (Paint::Paper, Paint::Wall, Paint::Spot);
         assert_eq!(row(0), [paper, paper, wall, wall, paper, paper, paper, paper]);
         assert_eq!(row(3), [paper, paper, spot, spot, paper, paper, paper, paper]);
+    }
+
+    #[test]
+    fn a_picture_smaller_than_the_grid_has_no_gaps() {
+        for side in [1, 3, 5, 7, 19] {
+            let grid = painted(&Image::filled(side, side, [0, 0, 0, 255]), (40, 20));
+            let expected =
+                Image::from_fn(40, 20, |x, _| if (10..30).contains(&x) { Paint::Wall } else { Paint::Paper });
+            assert_eq!(grid, expected, "{side}");
+        }
     }
 
     #[test]
