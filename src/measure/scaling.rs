@@ -106,7 +106,7 @@ pub struct Series {
 /// A frame's cost as a fixed part and one that grows with the quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Line {
-    /// Milliseconds at none of it.
+    /// Milliseconds at none of it; below 0 if cost grows faster than the quantity.
     pub fixed_ms: f64,
     /// Nanoseconds for each one.
     pub ns_each: f64,
@@ -124,7 +124,7 @@ impl Series {
     pub fn line(&self) -> Option<Line> {
         let (first, last) = (self.points.first()?, self.points.last()?);
         let ms_each = (last.ms.median - first.ms.median) / (last.value - first.value);
-        let fixed_ms = (first.ms.median - ms_each * first.value).max(0.0);
+        let fixed_ms = first.ms.median - ms_each * first.value;
         (ms_each > 0.0 && ms_each.is_finite()).then_some(Line { fixed_ms, ns_each: ms_each * 1e6 })
     }
 }

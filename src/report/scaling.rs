@@ -58,8 +58,10 @@ pub fn finding(series: &Series) -> Option<String> {
     }
     let Some(line) = series.line() else { return Some(format!("Cost does not grow with the number of {one}s.")) };
     let each = duration(line.ns_each);
-    if line.fixed_ms <= 0.0 {
-        return Some(format!("{each} for each {one}, and nothing besides."));
+    if line.fixed_ms < 0.0 {
+        return Some(format!(
+            "Cost grows faster than the number of {one}s: {each} for each that comes after the first point."
+        ));
     }
     Some(format!(
         "{:.3} ms however many {one}s, and {each} for each. Both parts are equal at {}: below, cost hardly depends on their number.",
@@ -88,7 +90,7 @@ pub fn guide(series: &Series) -> Vec<(f64, f64)> {
 fn guide_words(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Threads => "Dashed: n threads n times as fast as one.",
-        _ => "Dashed: the fixed part and as much for each one, through the first point and the last.",
+        _ => "Dashed: as much more for each one, through the first point and the last.",
     }
 }
 
@@ -150,28 +152,29 @@ pub fn text(scaling: &Scaling) -> String {
         format!("{width} × {height} px, {} threads, medians of {} rounds\n", scaling.threads, scaling.rounds);
     for series in &scaling.series {
         let View { title, of, .. } = view(series.quantity);
+        // Threads share the work: what one of them costs means nothing.
+        let by_threads = series.quantity == Quantity::Threads;
+        let each = if by_threads { String::new() } else { format!("{:>12} {:>14} ", "ns each", "ns each more") };
         let _ = write!(
             text,
-            "\n{title}: {of}\n{:>12} {:>10} {:>10} {:>10} {:>12} {:>14} {:>10}\n",
+            "\n{title}: {of}\n{:>12} {:>10} {:>10} {:>10} {each}{:>10}\n",
             series.quantity.name(),
             "ms",
             "p10",
             "p90",
-            "ns each",
-            "ns each more",
             "MB"
         );
         for (place, point) in series.points.iter().enumerate() {
             let ms = point.ms;
             let more = ns_each_more(series, place).map_or_else(|| "–".to_owned(), |ns| format!("{ns:.2}"));
+            let each = if by_threads { String::new() } else { format!("{:12.2} {more:>14} ", ns_each(point)) };
             let _ = writeln!(
                 text,
-                "{:12} {:10.3} {:10.3} {:10.3} {:12.2} {more:>14} {:10.1}",
+                "{:12} {:10.3} {:10.3} {:10.3} {each}{:10.1}",
                 point.value,
                 ms.median,
                 ms.p10,
                 ms.p90,
-                ns_each(point),
                 point.bytes as f64 / 1e6
             );
         }
@@ -182,21 +185,21 @@ pub fn text(scaling: &Scaling) -> String {
     text
 }
 
-/// One line per point.
+/// One line per point; what one thread costs is left empty.
 pub fn csv(scaling: &Scaling) -> String {
     let mut csv = "quantity,value,rounds,ms,p10,p90,ns_each,bytes\n".to_owned();
     for (series, point) in scaling.series.iter().flat_map(|s| s.points.iter().map(move |point| (s, point))) {
         let ms = point.ms;
+        let each = if series.quantity == Quantity::Threads { String::new() } else { ns_each(point).to_string() };
         let _ = writeln!(
             csv,
-            "{},{},{},{},{},{},{},{}",
+            "{},{},{},{},{},{},{each},{}",
             series.quantity.name(),
             point.value,
             ms.n,
             ms.median,
             ms.p10,
             ms.p90,
-            ns_each(point),
             point.bytes
         );
     }
@@ -336,6 +339,29 @@ mod tests {
         assert_eq!(page.matches("class=\"mark\"").count(), 4);
         assert_eq!((page.matches("<section>").count(), page.matches("</section>").count()), (2, 2));
         assert_eq!(csv(&scaling()).lines().count(), 5);
+    }
+
+    #[test]
+    fn threads_have_no_cost_of_one() {
+        let (text, csv) = (text(&scaling()), csv(&scaling()));
+        let (triangles, threads) = text.split_once("Threads:").unwrap();
+        assert!(triangles.contains("ns each") && !threads.contains("ns each"), "{text}");
+        let cells: Vec<_> = csv.lines().map(|line| line.split(',').nth(6).unwrap()).collect();
+        assert_eq!(cells, ["ns_each", "3000", "1400", "", ""]);
+        assert!(csv.lines().all(|line| line.split(',').count() == 8), "{csv}");
+    }
+
+    #[test]
+    fn cost_that_grows_faster_than_the_quantity_has_no_fixed_part_and_its_line_still_meets_both_ends() {
+        let mut series = scaling().series.swap_remove(0);
+        series.points[1].ms = summarize(&[23.0]).unwrap();
+        assert_eq!(series.line().unwrap().fixed_ms, -2.0);
+        let guide = guide(&series);
+        assert!((guide[0].1 - 3.0).abs() < 1e-6 && (guide[60].1 - 23.0).abs() < 1e-6, "{guide:?}");
+        assert_eq!(
+            finding(&series).unwrap(),
+            "Cost grows faster than the number of triangles: 5000 ns for each that comes after the first point."
+        );
     }
 
     #[test]
