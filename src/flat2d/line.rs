@@ -75,19 +75,25 @@ fn step_towards(from: i64, to: i64) -> i64 {
 /// Keeps the direction; an end that is inside comes back unchanged. `None` if the line misses the rectangle or an end
 /// is not finite. Pixels are half-open, so a caller that takes the floor caps it at the last column and row.
 pub fn clip_to(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<((f64, f64), (f64, f64))> {
-    if ![p0.0, p0.1, p1.0, p1.1].into_iter().all(f64::is_finite) {
-        return None;
-    }
+    let (enter, leave) = part_inside(p0, p1, width, height)?;
     let (width, height) = (f64::from(width), f64::from(height));
-    let (enter_x, leave_x) = stretch_inside(p0.0, p1.0, width)?;
-    let (enter_y, leave_y) = stretch_inside(p0.1, p1.1, height)?;
-    let (enter, leave) = (enter_x.max(enter_y), leave_x.min(leave_y));
     // Weighted so that no difference of huge ends overflows; clamped as t and the products are rounded.
     let at = |t: f64| {
         let (x, y) = (p0.0 * (1.0 - t) + p1.0 * t, p0.1 * (1.0 - t) + p1.1 * t);
         (x.clamp(0.0, width), y.clamp(0.0, height))
     };
-    (enter <= leave).then(|| (at(enter), at(leave)))
+    Some((at(enter), at(leave)))
+}
+
+/// The part that [`clip_to`] keeps, as parameters from 0 at `p0` to 1 at `p1`.
+pub fn part_inside(p0: (f64, f64), p1: (f64, f64), width: u32, height: u32) -> Option<(f64, f64)> {
+    if ![p0.0, p0.1, p1.0, p1.1].into_iter().all(f64::is_finite) {
+        return None;
+    }
+    let (enter_x, leave_x) = stretch_inside(p0.0, p1.0, width.into())?;
+    let (enter_y, leave_y) = stretch_inside(p0.1, p1.1, height.into())?;
+    let (enter, leave) = (enter_x.max(enter_y), leave_x.min(leave_y));
+    (enter <= leave).then_some((enter, leave))
 }
 
 /// Parameters t in [0, 1] at which a point going from `from` (t = 0) to `to` (t = 1) enters and leaves [0, `length`].

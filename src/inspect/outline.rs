@@ -12,6 +12,7 @@ use glam::DVec2;
 use super::buffers::capture;
 use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
+use crate::flat2d::line::part_inside;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::{Choice, DepthFormat, DepthTest, choice};
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
@@ -87,11 +88,13 @@ fn whole([from, to]: Edge) -> Shape {
 /// The stretches of an edge that no stored depth is nearer than. It is asked once per pixel.
 fn visible_parts([from, to]: Edge, depth: Option<&Image<f32>>) -> Vec<Shape> {
     let Some(depth) = depth else { return vec![whole([from, to])] };
-    let length = (to.0 - from.0).length();
-    // What reaches far outside is not walked; the picture's diagonal bounds the rest.
-    let steps = length.ceil().clamp(1.0, f64::from(depth.width() + depth.height()) * 4.0) as usize;
+    // What reaches outside is not walked; the picture's diagonal bounds the rest.
+    let inside = part_inside(from.0.into(), to.0.into(), depth.width(), depth.height());
+    let Some((enter, leave)) = inside else { return Vec::new() };
+    let length = (to.0 - from.0).length() * (leave - enter);
+    let steps = length.ceil().max(1.0) as usize;
     let at = |step: usize| {
-        let t = step as f64 / steps as f64;
+        let t = enter + (leave - enter) * (step as f64 / steps as f64);
         (from.0.lerp(to.0, t), from.1 + (to.1 - from.1) * t)
     };
     let mut parts = Vec::new();
@@ -107,7 +110,7 @@ fn visible_parts([from, to]: Edge, depth: Option<&Image<f32>>) -> Vec<Shape> {
             _ => {}
         }
     }
-    parts.extend(start.map(|first| Shape::Line { from: first, to: to.0, stroke: LINE }));
+    parts.extend(start.map(|first| Shape::Line { from: first, to: at(steps).0, stroke: LINE }));
     parts
 }
 
@@ -188,6 +191,20 @@ mod tests {
         ends.sort_unstable();
         ends.dedup();
         assert!(ends.len() > before * 9 / 10, "{} of {before}", ends.len());
+    }
+
+    #[test]
+    fn an_edge_that_reaches_far_outside_is_hidden_to_the_pixel() {
+        let depth = Image::from_fn(100, 10, |x, _| if (40..50).contains(&x) { 0.2 } else { 1.0 });
+        let parts = visible_parts([(DVec2::new(-16_000.0, 5.5), 0.5), (DVec2::new(16_000.0, 5.5), 0.5)], Some(&depth));
+        let ends: Vec<_> = parts
+            .iter()
+            .filter_map(|part| if let Shape::Line { from, to, .. } = part { Some((from.x, to.x)) } else { None })
+            .collect();
+        let [(left, hidden), (shown, right)] = ends[..] else { panic!("{ends:?}") };
+        assert!(left.abs() < 1e-6 && (right - 100.0).abs() < 1e-6, "{ends:?}");
+        // A pixel beside what hides it still shows the line.
+        assert!((hidden - 40.5).abs() <= 1.0 && (shown - 49.5).abs() <= 1.0, "{ends:?}");
     }
 
     #[test]
