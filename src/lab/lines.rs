@@ -212,8 +212,12 @@ impl LineLesson {
     /// All methods that choose pixels, on a longer line of the same direction.
     pub(super) fn compare(&self) -> Comparison {
         const LONGER: f64 = 40.0;
+        // Ends can be dragged far out of the grid, and one method looks at every pixel of the box.
+        const LONGEST_PX: f64 = 2000.0;
         let [from, to] = self.ends.map(DVec2::round);
-        let ends = [DVec2::splat(50.0), DVec2::splat(50.0) + (to - from).abs() * LONGER];
+        let span = (to - from).abs();
+        let longer = LONGER.min(LONGEST_PX / span.max_element());
+        let ends = [DVec2::splat(50.0), DVec2::splat(50.0) + (span * longer).round()];
         let size = [ends[1].x, ends[1].y].map(|length| length as u32 + 51);
         let methods = LineMethod::ALL.iter().copied().filter(|method| method.weight().is_none());
         let rivals = methods.map(|method| {

@@ -259,6 +259,13 @@ fn comparisons_name_what_is_wrong_and_find_the_sound_ones_right() {
 }
 
 #[test]
+fn ends_dragged_far_out_make_no_longer_line_to_compare() {
+    let of = |ends| LineLesson { ends, ..LineLesson::default() }.compare().task;
+    assert_eq!(of([DVec2::new(3.0, 4.0), DVec2::new(31.0, 16.0)]), "a line of 1120 × 480 px");
+    assert_eq!(of([DVec2::ZERO, DVec2::new(25.0, 100.0)]), "a line of 500 × 2000 px");
+}
+
+#[test]
 fn sides_and_weights_of_a_triangle_are_those_of_its_edge_functions() {
     let lesson = TriangleLesson { view: TriangleView::EdgeB, ..TriangleLesson::default() };
     let recording = lesson.record();
