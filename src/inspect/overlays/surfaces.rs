@@ -95,10 +95,10 @@ fn triangles(context: &Context<'_>, which: usize, small: &'static str, unit: &'s
         Total { name: "triangles", number: sizes.len() as f64, unit: "" },
         Total { name: small, number: sizes.partition_point(|size| *size < ONE_PX) as f64, unit: "" },
     ];
-    if let [least, .., greatest] = sizes[..] {
-        totals.push(Total { name: "least", number: least, unit });
+    if let (Some(least), Some(greatest)) = (sizes.first(), sizes.last()) {
+        totals.push(Total { name: "least", number: *least, unit });
         totals.push(Total { name: "median", number: sizes[sizes.len() / 2], unit });
-        totals.push(Total { name: "greatest", number: greatest, unit });
+        totals.push(Total { name: "greatest", number: *greatest, unit });
     }
     totals
 }

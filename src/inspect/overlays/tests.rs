@@ -123,6 +123,10 @@ fn sizes_are_those_of_the_snapped_corners_in_whole_numbers() {
     }
     assert!(seen > 100);
     assert_eq!(total(&sizes, "triangles"), bench.frame.geometry.triangles.len() as f64);
+    // One alone is the least, the median and the greatest.
+    let one = Bench::new("triangle", Recipe::default(), (40, 30)).sheet(Overlay::TriangleSize);
+    assert_eq!(total(&one, "triangles"), 1.0);
+    assert!(["least", "greatest"].iter().all(|name| total(&one, name) == total(&one, "median")));
 }
 
 #[test]
