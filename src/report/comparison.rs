@@ -198,8 +198,7 @@ mod tests {
 
     #[test]
     fn what_no_picture_shows_is_told_in_numbers() {
-        let case =
-            case(r#"{"id":"d","kind":"depth","mapping":"standard","format":"unorm16","near":1,"far":3,"z":[1,2]}"#);
+        let case = case(r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#);
         let told = Comparison::new(&case, 0, Options::default()).unwrap_err();
         assert!(told.contains("0.75") && told.contains("`case`"), "{told}");
     }

@@ -57,7 +57,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 /// Never less high than it was at this width: what is found out takes room, and if the bar gave that back, the canvas would grow,
 /// and all had to be found out anew for its new size, without end.
 fn as_high_as_before(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    let (id, width) = (egui::Id::new("height of the bar of changes"), ui.available_width());
+    let (id, width) = (egui::Id::unique("height of the bar of changes"), ui.available_width());
     let before: Option<(f32, f32)> = ui.data(|data| data.get_temp(id));
     let height = ui.vertical(|ui| {
         ui.set_min_height(before.filter(|(of, _)| *of == width).map_or(0.0, |(_, height)| height));
