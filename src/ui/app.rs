@@ -406,7 +406,8 @@ impl Workbench {
     }
 
     fn escape(&mut self) {
-        if self.session.case.take().is_some() {
+        if self.session.case.is_some() {
+            self.session.close_case();
             return;
         }
         if !self.session.selection.is_empty() {

@@ -341,6 +341,9 @@ impl Session {
             Command::Compare(change) => {
                 let Undoable { tiles, recipe, .. } = &mut self.state;
                 self.comparison.apply(change, tiles, recipe);
+                if self.comparison.is_on() {
+                    self.shown = Shown::Buffer(Buffer::Color);
+                }
             }
             Command::Checks(change) => self.checks.apply(change),
             Command::Vertices(change) => self.vertices.apply(change),
@@ -356,7 +359,7 @@ impl Session {
             Command::ResetRecipe => self.state.recipe = Recipe::default(),
             Command::Pick(pixel) => self.pick = pixel,
             Command::NudgePick(dx, dy) => self.nudge(dx, dy),
-            Command::Show(shown) => self.shown = shown,
+            Command::Show(shown) => self.show(shown),
             Command::StepStage(step) => self.step_stage(step),
             Command::LimitTriangles(limit) => {
                 self.scrub(scrub::Change::Go(Moment::after(limit.unwrap_or(self.triangle_count()))));
@@ -468,7 +471,16 @@ impl Session {
             Shown::Stage(stage) => Stage::ALL.iter().position(|s| *s == stage).map_or(last, |i| i as i64),
             Shown::Buffer(_) | Shown::Intermediate(_) => last,
         };
-        self.shown = Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]);
+        self.show(Shown::Stage(Stage::ALL[(now + step).clamp(0, last) as usize]));
+    }
+
+    /// Shows a buffer, a stage or a number. Pictures that are compared are finished ones, and give way to anything else: what is
+    /// told of a pixel would not be what is seen there.
+    fn show(&mut self, shown: Shown) {
+        self.shown = shown;
+        if shown != Shown::Buffer(Buffer::Color) {
+            self.comparison.mode = Mode::Off;
+        }
     }
 }
 

@@ -64,7 +64,7 @@ fn settings_are_undone_and_redone_one_by_one() {
         assert_eq!(&bench.image(), expected);
     }
     bench.click("Edit");
-    bench.click("Undo Ctrl+Z");
+    bench.click("Undo Ctrl + Z");
     assert_eq!(bench.image(), normals);
 }
 

@@ -25,6 +25,21 @@ fn the_first_pick_is_near_its_place_however_much_smaller_the_picture_is_drawn() 
     }
 }
 
+#[test]
+fn compared_are_finished_pictures_and_they_give_way_to_anything_else() {
+    let mut session = session();
+    let color = Shown::Buffer(Buffer::Color);
+    for other in [Command::Show(Shown::Buffer(Buffer::Depth)), Command::StepStage(-1)] {
+        session.apply(other.clone());
+        session.apply(Command::Compare(Change::Toggle(Mode::Wipe)));
+        assert_eq!((session.comparison.is_on(), session.shown), (true, color));
+        session.apply(Command::Show(color));
+        assert!(session.comparison.is_on());
+        session.apply(other);
+        assert!(!session.comparison.is_on() && session.shown != color);
+    }
+}
+
 fn move_camera(session: &mut Session, now: f64) {
     session.state.camera.orbit(0.1, 0.0);
     session.settle(now);
