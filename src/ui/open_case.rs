@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::case::{Case, CaseError};
+use super::session::{Level, Session};
+use crate::case::Case;
 use crate::pipeline::settings::Settings;
 use crate::report::stability::column::Column;
 
@@ -25,14 +26,38 @@ impl OpenCase {
     }
 }
 
-/// The case that went worst in a column of the stability report, and the settings changed to those of the column.
-pub fn worst(column: Column, json: &str, settings: &Settings) -> Result<(Case, Settings), CaseError> {
-    let case = Case::parse(json.as_bytes(), Path::new("worst case"))?;
-    let mut settings = *settings;
-    match column {
-        Column::Coverage(by) => (settings.rasterizer, settings.arithmetic) = (by.rasterizer, by.arithmetic),
-        Column::Weights(by) => settings.arithmetic = by.arithmetic,
-        Column::Depth(format) => settings.depth_format = format,
+impl Session {
+    /// Shows a case in the place of the one that is open; the scene stays behind it.
+    pub fn show_case(&mut self, case: Case) {
+        self.close_case();
+        self.report(Level::Info, format!("Opened the case {}", case.id));
+        self.error = None;
+        self.case = Some(OpenCase::new(case));
     }
-    Ok((case, settings))
+
+    /// Shows the case that went worst in a column of the stability report, by the settings of the column.
+    pub(super) fn open_worst(&mut self, column: Column, json: &str) {
+        let case = match Case::parse(json.as_bytes(), Path::new("worst case")) {
+            Ok(case) => case,
+            Err(error) => return self.report(Level::Error, error.to_string()),
+        };
+        self.show_case(case);
+        let settings = &mut self.state.recipe.pipeline;
+        let before = *settings;
+        match column {
+            Column::Coverage(by) => (settings.rasterizer, settings.arithmetic) = (by.rasterizer, by.arithmetic),
+            Column::Weights(by) => settings.arithmetic = by.arithmetic,
+            Column::Depth(format) => settings.depth_format = format,
+        }
+        self.case.iter_mut().for_each(|open| open.settings_before = Some(before));
+    }
+
+    /// Closes the case that is open; settings that it was opened with go with it.
+    pub(super) fn close_case(&mut self) {
+        if let Some(OpenCase { settings_before: Some(before), .. }) = self.case.take() {
+            let Settings { rasterizer, arithmetic, depth_format, .. } = before;
+            self.state.recipe.pipeline =
+                Settings { rasterizer, arithmetic, depth_format, ..self.state.recipe.pipeline };
+        }
+    }
 }

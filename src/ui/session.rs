@@ -26,7 +26,7 @@ use super::judging::{Growth, PlanSavings, Stability};
 use super::lab::{self, Lab};
 use super::look::Look;
 use super::mesh_view::{self, MeshView};
-use super::open_case::{self, OpenCase};
+use super::open_case::OpenCase;
 use super::overlays::Overlays;
 use super::place::Places;
 use super::probe::Probing;
@@ -38,14 +38,12 @@ use super::vertices::Vertices;
 use super::watch::Watch;
 use super::what_if::WhatIf;
 use super::window_time::WindowTimes;
-use crate::case::Case;
 use crate::chain::{Frame, Recipe};
 use crate::image::file;
 use crate::inspect::scrub::{Moment, Unit};
 use crate::inspect::{Buffer, Stage, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
-use crate::report::stability::column::Column;
 use crate::scene::{Camera, Scene, SceneSource};
 use crate::upscale;
 
@@ -407,36 +405,10 @@ impl Session {
         hits.beside(self.pick, forwards).map(|fault| (fault.x, fault.y))
     }
 
-    /// Shows a case; the scene stays behind it.
-    pub fn show_case(&mut self, case: Case) {
-        self.report(Level::Info, format!("Opened the case {}", case.id));
-        self.error = None;
-        self.case = Some(OpenCase::new(case));
-    }
-
     /// Makes the picture of a file the canvas of the lab.
     pub fn open_picture(&mut self, path: &Path) {
         match file::read(path) {
             Ok(picture) => self.lab.show_picture(&picture),
-            Err(error) => self.report(Level::Error, error.to_string()),
-        }
-    }
-
-    /// Closes the case that is open; settings that it was opened with go with it.
-    pub(super) fn close_case(&mut self) {
-        if let Some(OpenCase { settings_before: Some(before), .. }) = self.case.take() {
-            self.state.recipe.pipeline = before;
-        }
-    }
-
-    fn open_worst(&mut self, column: Column, json: &str) {
-        match open_case::worst(column, json, &self.state.recipe.pipeline) {
-            Ok((case, settings)) => {
-                self.close_case();
-                let before = std::mem::replace(&mut self.state.recipe.pipeline, settings);
-                self.show_case(case);
-                self.case = self.case.take().map(|open| OpenCase { settings_before: Some(before), ..open });
-            }
             Err(error) => self.report(Level::Error, error.to_string()),
         }
     }

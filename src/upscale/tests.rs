@@ -67,20 +67,13 @@ fn a_sample_stands_for_the_pixel_that_it_lies_in() {
         for full @ (width, height) in [(1, 1), (5, 9), (12, 5), (33, 20)] {
             let sampling = how.sampling();
             let raster = sampling.raster_size(width, height);
-            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-                let sample = match sampling {
-                    Sampling::Grid(grid) => grid.sample_at(x, y),
-                    Sampling::Lattice(lattice) => Some((lattice.nearest(x, raster.0), lattice.nearest(y, raster.1))),
-                };
-                let Some(sample) = sample else { continue };
+            let sample_at = |(x, y)| match sampling {
+                Sampling::Grid(grid) => grid.sample_at(x, y),
+                Sampling::Lattice(lattice) => Some((lattice.nearest(x, raster.0), lattice.nearest(y, raster.1))),
+            };
+            for sample in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter_map(sample_at) {
                 let pixel = sampling.pixel(sample, full);
-                let again = match sampling {
-                    Sampling::Grid(grid) => grid.sample_at(pixel.0, pixel.1),
-                    Sampling::Lattice(lattice) => {
-                        Some((lattice.nearest(pixel.0, raster.0), lattice.nearest(pixel.1, raster.1)))
-                    }
-                };
-                assert_eq!(again, Some(sample), "{} {full:?} {pixel:?}", how.label());
+                assert_eq!(sample_at(pixel), Some(sample), "{} {full:?} {pixel:?}", how.label());
             }
         }
     }

@@ -1,4 +1,7 @@
 use super::*;
+use crate::case::Case;
+use crate::pipeline::settings::DepthFormat;
+use crate::report::stability::column::Column;
 use crate::ui::engine::Engine;
 
 fn session() -> Session {
@@ -38,6 +41,20 @@ fn compared_are_finished_pictures_and_they_give_way_to_anything_else() {
         session.apply(other);
         assert!(!session.comparison.is_on() && session.shown != color);
     }
+}
+
+#[test]
+fn settings_of_a_case_go_with_it_whatever_it_gives_way_to() {
+    let mut session = session();
+    let before = session.state.recipe;
+    let json = r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#;
+    let open = |format| Command::OpenWorst(Column::Depth(format), json.to_owned());
+    session.apply(open(DepthFormat::Unorm16));
+    session.apply(open(DepthFormat::WBuffer));
+    assert_eq!(session.state.recipe.pipeline.depth_format, DepthFormat::WBuffer);
+    session.state.recipe.wireframe = true;
+    session.show_case(Case::parse(json.as_bytes(), "d.json".as_ref()).unwrap());
+    assert_eq!(session.state.recipe, Recipe { wireframe: true, ..before }, "what else was changed stays");
 }
 
 fn move_camera(session: &mut Session, now: f64) {
