@@ -1,6 +1,6 @@
 //! Surface properties.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use super::texture::Alpha;
@@ -37,12 +37,49 @@ pub struct Material {
     pub missing_texture: Option<String>,
     /// Texture for the side away from the light, read by cel shading only.
     pub dark_texture: Option<TextureId>,
+    /// Emitted colour (`Ke`), added after lighting; sRGB values in [0, 1], black for none.
+    pub emission: Vec3,
+    /// Texture (`map_Ke`) that multiplies the emitted colour.
+    pub emission_texture: Option<TextureId>,
+    /// Specular colour (`Ks`) of Blinn–Phong shading; sRGB values in [0, 1].
+    pub specular: Vec3,
+    /// Specular exponent (`Ns`) of Blinn–Phong shading, at least 0.
+    pub shininess: f32,
+    /// Texture (`map_d`) whose alpha channel multiplies the opacity.
+    pub alpha_texture: Option<TextureId>,
+    /// Tangent-space normal map (`norm`, `map_Bump`): x right, y up the picture (OpenGL), z out of the surface.
+    pub normal_texture: Option<TextureId>,
+    /// Factor of the x and y components of the normal map (`-bm`).
+    pub normal_scale: f32,
+    /// Factor of the texture coordinates (`-s`), applied per vertex, before the offset.
+    pub uv_scale: Vec2,
+    /// Offset of the texture coordinates (`-o`), v down.
+    pub uv_offset: Vec2,
+    /// Whether texture coordinates are clamped, whatever addressing the settings select.
+    pub clamp: bool,
 }
 
 impl Material {
     /// An opaque, untextured material. `diffuse` in sRGB values.
     pub fn plain(name: impl Into<String>, diffuse: Vec3) -> Self {
-        Self { name: name.into(), diffuse, opacity: 1.0, texture: None, missing_texture: None, dark_texture: None }
+        Self {
+            name: name.into(),
+            diffuse,
+            opacity: 1.0,
+            texture: None,
+            missing_texture: None,
+            dark_texture: None,
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            specular: Vec3::ZERO,
+            shininess: 32.0,
+            alpha_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            uv_scale: Vec2::ONE,
+            uv_offset: Vec2::ZERO,
+            clamp: false,
+        }
     }
 
     /// An opaque white material under a texture.
