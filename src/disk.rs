@@ -1,15 +1,34 @@
-//! Reading files that nobody vouches for.
+//! Files: reading untrusted ones within limits, and writing outputs atomically.
 //!
-//! In: a path, perhaps out of somebody else's file. Out: the bytes, or the reason why not. Directories, devices and
-//! pipes are refused before they are opened (opening a pipe waits for its writer, and a device may never end), and no
-//! more than the limit is ever read, even if the file grows meanwhile.
+//! Reading: a path, perhaps out of somebody else's file, becomes its bytes or an error. Folders, devices and pipes are
+//! refused before they are opened, because opening a pipe waits for its writer and a device may never end. Files that
+//! report no bytes are empty and are not opened either: reading some of `/proc` blocks. At most the limit is read, even
+//! if the file grows meanwhile.
+//!
+//! Writing: every output of the program goes through [`write`] or [`write_new`]. The bytes go to a temporary file in the
+//! same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name therefore
+//! stands for the old file or for the new one, never for a part.
 
-use std::fs::File;
-use std::io::{self, Read as _};
-use std::path::Path;
+use std::collections::BTreeSet;
+use std::fs::{File, OpenOptions};
+use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
-/// All bytes of the regular file at `path`, if there are at most `max_bytes`.
-pub(crate) fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+use tempfile::{Builder, NamedTempFile};
+
+/// Most symbolic links that are followed to an output.
+const MOST_LINKS: usize = 40;
+
+/// Canonical paths of the files read so far; `None` unless [`protect_inputs`] was called.
+static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
+
+/// Reads all bytes of the regular file at `path`.
+///
+/// # Errors
+/// The file is unreadable, not a regular file, or larger than `max_bytes`.
+pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
+    note_input(path);
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(refused("it is a folder".to_owned()));
@@ -21,13 +40,186 @@ pub(crate) fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if metadata.len() > max_bytes {
         return Err(too_large());
     }
+    if metadata.len() == 0 {
+        return Ok(Vec::new());
+    }
     let mut bytes = Vec::with_capacity(metadata.len() as usize);
     File::open(path)?.take(max_bytes + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > max_bytes { Err(too_large()) } else { Ok(bytes) }
 }
 
+/// From now on [`write`] refuses to replace a file that this process has read.
+pub fn protect_inputs() {
+    lock_inputs().get_or_insert_default();
+}
+
+/// Marks a file as an input before it is read.
+pub fn note_input(path: &Path) {
+    let mut inputs = lock_inputs();
+    if let (Some(inputs), Ok(path)) = (inputs.as_mut(), path.canonicalize()) {
+        inputs.insert(path);
+    }
+}
+
+fn lock_inputs() -> std::sync::MutexGuard<'static, Option<BTreeSet<PathBuf>>> {
+    INPUTS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Writes `bytes` to `path` atomically. Replaces an existing file and keeps its permissions; follows symbolic links;
+/// creates no folders. Devices and pipes, such as `/dev/stdout`, are written to directly.
+///
+/// # Errors
+/// The file cannot be written, or it is a protected input. An existing file is then unchanged.
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    match Target::of(path)? {
+        Target::Direct(path) => {
+            let mut file = OpenOptions::new().write(true).open(path)?;
+            file.write_all(bytes)?;
+            file.flush()
+        }
+        Target::Replaced(path) => {
+            // Fails for a file without write permission, which a rename would replace.
+            let permissions = OpenOptions::new().write(true).open(&path)?.metadata()?.permissions();
+            let file = written(folder_of(&path), bytes)?;
+            file.as_file().set_permissions(permissions)?;
+            file.persist(&path).map_err(|error| error.error)?;
+            sync_folder(folder_of(&path));
+            Ok(())
+        }
+        Target::New(path) => {
+            written(folder_of(&path), bytes)?.persist(&path).map_err(|error| error.error)?;
+            sync_folder(folder_of(&path));
+            Ok(())
+        }
+    }
+}
+
+/// Writes `bytes` atomically to `stem.extension` in `folder`, or to the first free one of `stem-2.extension`,
+/// `stem-3.extension` … Returns the path. Never replaces a file, even if another process saves at the same time.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_new(folder: &Path, stem: &str, extension: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+    let numbered = |number: u32| match number {
+        1 => folder.join(format!("{stem}.{extension}")),
+        _ => folder.join(format!("{stem}-{number}.{extension}")),
+    };
+    let mut file = written(folder, bytes)?;
+    for path in (1..).map(numbered) {
+        match file.persist_noclobber(&path) {
+            Ok(_) => {
+                sync_folder(folder);
+                return Ok(path);
+            }
+            Err(error) if error.error.kind() == ErrorKind::AlreadyExists => file = error.file,
+            Err(error) => return Err(error.error),
+        }
+    }
+    Err(ErrorKind::AlreadyExists.into())
+}
+
+/// Checks that [`write`] can create or replace `path`, before a long computation. Leaves no file behind.
+///
+/// # Errors
+/// Those of [`write`], except for a disk that is full later.
+pub fn check_writable(path: &Path) -> io::Result<()> {
+    match Target::of(path)? {
+        Target::Direct(path) => OpenOptions::new().write(true).open(path).map(drop),
+        Target::Replaced(path) => {
+            OpenOptions::new().write(true).open(&path)?;
+            written(folder_of(&path), &[]).map(drop)
+        }
+        Target::New(path) => written(folder_of(&path), &[]).map(drop),
+    }
+}
+
+/// The file behind the path of an output.
+enum Target {
+    /// A device, a pipe, or an open file of a process.
+    Direct(PathBuf),
+    /// A regular file.
+    Replaced(PathBuf),
+    /// No file yet.
+    New(PathBuf),
+}
+
+impl Target {
+    /// Follows symbolic links to the file that is to be written, and refuses protected inputs.
+    fn of(path: &Path) -> io::Result<Self> {
+        let mut path = path.to_owned();
+        for _ in 0..MOST_LINKS {
+            let folder = folder_of(&path).canonicalize()?;
+            let name = path.file_name().ok_or_else(|| refused("it is a folder".to_owned()))?;
+            let real = folder.join(name);
+            let metadata = match real.symlink_metadata() {
+                Ok(metadata) => metadata,
+                Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Self::New(real)),
+                Err(error) => return Err(error),
+            };
+            if metadata.is_symlink() {
+                // Links of /proc stand for open files, which have no name to be replaced.
+                if folder.starts_with("/proc") {
+                    return Ok(Self::Direct(path));
+                }
+                path = folder.join(real.read_link()?);
+                continue;
+            }
+            if metadata.is_dir() {
+                return Err(refused("it is a folder".to_owned()));
+            }
+            if lock_inputs().as_ref().is_some_and(|inputs| inputs.contains(&real)) {
+                return Err(refused("it is an input of this command".to_owned()));
+            }
+            return Ok(if metadata.is_file() { Self::Replaced(real) } else { Self::Direct(real) });
+        }
+        Err(refused("too many symbolic links".to_owned()))
+    }
+}
+
+/// A temporary file in `folder` with `bytes`, flushed to the disk. Deleted when dropped.
+fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
+    let mut builder = Builder::new();
+    builder.prefix(".rasterscope-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        // As for any new file: the user's mask takes away what it should not have.
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder).map_err(plain)?;
+    file.write_all(bytes).map_err(plain)?;
+    if !bytes.is_empty() {
+        file.as_file().sync_all()?;
+    }
+    Ok(file)
+}
+
+/// Removes the name of the temporary file from an error, because the caller names the output.
+fn plain(error: io::Error) -> io::Error {
+    match error.get_ref().and_then(std::error::Error::source).and_then(|source| source.downcast_ref::<io::Error>()) {
+        Some(source) => source.raw_os_error().map_or_else(|| source.kind().into(), io::Error::from_raw_os_error),
+        None => error.kind().into(),
+    }
+}
+
+/// Flushes the names in a folder to the disk, where the system can.
+fn sync_folder(folder: &Path) {
+    if let Ok(folder) = File::open(folder) {
+        // Not every file system offers it; the file itself is on the disk.
+        drop(folder.sync_all());
+    }
+}
+
+/// Returns the folder of a file; `.` for a bare name.
+fn folder_of(file: &Path) -> &Path {
+    match file.parent() {
+        Some(folder) if folder != Path::new("") => folder,
+        _ => Path::new("."),
+    }
+}
+
 fn refused(reason: String) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, reason)
+    io::Error::new(ErrorKind::InvalidInput, reason)
 }
 
 #[cfg(test)]
@@ -53,5 +245,78 @@ mod tests {
         let path = folder.path().join("file");
         std::fs::write(&path, b"1234").unwrap();
         assert_eq!(read(&path, 4).unwrap(), b"1234");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn files_of_proc_are_empty() {
+        // Reports no bytes and has some.
+        assert!(!std::fs::read("/proc/self/stat").unwrap().is_empty());
+        assert_eq!(read(Path::new("/proc/self/stat"), 1 << 20).unwrap(), b"");
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).unwrap();
+        let mut names: Vec<_> = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_write_replaces_the_file_and_leaves_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out");
+        for text in ["first, longer", "second"] {
+            write(&path, text.as_bytes()).unwrap();
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
+        check_writable(&path).unwrap();
+        check_writable(&folder.path().join("not yet there")).unwrap();
+        assert_eq!(names(folder.path()), ["out"]);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "second");
+    }
+
+    #[test]
+    fn new_files_take_the_first_free_name() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["picture.png", "picture-2.png", "picture-3.png"] {
+            let path = write_new(folder.path(), "picture", "png", name.as_bytes()).unwrap();
+            assert_eq!(path, folder.path().join(name));
+        }
+        let error = write_new(&folder.path().join("nowhere"), "picture", "png", b"").unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::NotFound);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_are_kept() {
+        use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        write(&at("real"), b"1").unwrap();
+        std::fs::write(at("ordinary"), b"").unwrap();
+        let mode = |name: &str| std::fs::metadata(at(name)).unwrap().mode();
+        assert_eq!(mode("real"), mode("ordinary"), "a new file is as open as any other");
+        std::fs::set_permissions(at("real"), std::fs::Permissions::from_mode(0o640)).unwrap();
+        symlink("real", at("link")).unwrap();
+        symlink("made", at("dangling")).unwrap();
+        symlink("circle", at("circle")).unwrap();
+        write(&at("link"), b"2").unwrap();
+        write(&at("dangling"), b"3").unwrap();
+        assert!(write(&at("circle"), b"").is_err());
+        assert!(at("link").is_symlink() && at("dangling").is_symlink());
+        assert_eq!((std::fs::read(at("real")).unwrap(), mode("real") & 0o777), (b"2".to_vec(), 0o640));
+        assert_eq!(std::fs::read(at("made")).unwrap(), b"3");
+        // A device is written to, not replaced.
+        write(Path::new("/dev/null"), b"x").unwrap();
+        assert!(!std::fs::metadata("/dev/null").unwrap().is_file());
+    }
+
+    #[test]
+    fn errors_name_the_cause_and_no_temporary_file() {
+        let error = write(Path::new("/nowhere/out"), b"").unwrap_err();
+        assert!(!error.to_string().contains(".tmp"), "{error}");
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(write(folder.path(), b"").unwrap_err().to_string(), "it is a folder");
     }
 }

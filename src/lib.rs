@@ -2,7 +2,9 @@
 //!
 //! Modules stand in the order of the data flow; each imports only from those above it.
 
-mod disk;
+pub mod text;
+
+pub mod disk;
 
 pub mod math;
 

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use thiserror::Error;
 
 use super::{Case, Check as _, Task};
-use crate::disk;
+use crate::{disk, text};
 
 /// Largest file that is read, bytes.
 const MAX_BYTES: u64 = 64 << 20;
@@ -62,8 +62,8 @@ pub(super) fn read(path: &Path) -> Result<Case, CaseError> {
 
 pub(super) fn parse(json: &[u8], path: &Path) -> Result<Case, CaseError> {
     let malformed = |error: serde_json::Error| {
-        let text = error.to_string();
-        let reason = text.rsplit_once(" at line ").map_or(&*text, |(reason, _)| reason).to_owned();
+        let whole = error.to_string();
+        let reason = text::message(whole.rsplit_once(" at line ").map_or(&*whole, |(reason, _)| reason));
         CaseError::Malformed { path: path.to_owned(), line: error.line(), column: error.column(), reason }
     };
     let unusable = |reason: String| CaseError::Unusable { path: path.to_owned(), reason };
@@ -78,7 +78,7 @@ pub(super) fn parse(json: &[u8], path: &Path) -> Result<Case, CaseError> {
 
 fn unknown_kind(kind: &str) -> String {
     let known: Vec<_> = Task::KINDS.iter().map(|kind| format!("`{kind}`")).collect();
-    format!("unknown kind `{kind}`, expected one of {}", known.join(", "))
+    format!("unknown kind `{}`, expected one of {}", text::message(kind), known.join(", "))
 }
 
 /// Results are written into files named after their cases.

@@ -1,12 +1,12 @@
 //! `rasterscope case`: answers to numerical cases, as JSON.
 
 use std::collections::HashSet;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write, stdout};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use rasterscope::case::{Case, CaseResult, Options, Outcome, solve};
+use rasterscope::disk;
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 
 use super::failure::Failure;
@@ -53,12 +53,7 @@ pub(crate) fn run(args: &CaseArgs) -> Result<(), Failure> {
 
 fn answer_one(case: &Path, into: Option<&Path>, options: Options) -> Result<(), Failure> {
     let result = solve(&Case::read(case)?, options);
-    let Some(path) = into else {
-        return match write(&result, stdout().lock()) {
-            Err(e) if e.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Output(e)),
-            _ => Ok(()),
-        };
-    };
+    let Some(path) = into else { return output::print(&line(&result)?) };
     write_file(&result, path)?;
     let outcome = match &result.outcome {
         Outcome::Answered(_) => "answered",
@@ -70,6 +65,8 @@ fn answer_one(case: &Path, into: Option<&Path>, options: Options) -> Result<(), 
 /// Answers all that can be read. The failure of the last one that cannot is the failure of the whole; those before it
 /// are told as they come.
 fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), Failure> {
+    // A result must not replace a case that is still to be read.
+    cases.iter().for_each(|path| disk::note_input(path));
     fs::create_dir_all(folder).map_err(|source| Failure::ResultFile { path: folder.to_owned(), source })?;
     let mut ids = HashSet::new();
     let mut failure: Option<Failure> = None;
@@ -103,13 +100,10 @@ fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> 
 }
 
 fn write_file(result: &CaseResult, path: &Path) -> Result<(), Failure> {
-    let written = File::create(path).and_then(|file| write(result, file));
-    written.map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
+    output::write(path, &line(result)?)
 }
 
-fn write(result: &CaseResult, out: impl Write) -> io::Result<()> {
-    let mut out = BufWriter::new(out);
-    serde_json::to_writer(&mut out, result)?;
-    writeln!(out)?;
-    out.flush()
+/// A result as one line of JSON.
+fn line(result: &CaseResult) -> Result<String, Failure> {
+    Ok(serde_json::to_string(result).map_err(|error| Failure::Output(error.into()))? + "\n")
 }

@@ -41,6 +41,7 @@ use clap::error::ErrorKind;
 use clap::{Parser, Subcommand};
 
 use failure::Failure;
+use rasterscope::disk;
 use seen_args::WindowArgs;
 
 /// An interactive workbench for a software rendering pipeline
@@ -118,6 +119,7 @@ enum Command {
 
 /// Runs the program with the arguments of the process.
 pub(crate) fn run() -> ExitCode {
+    disk::protect_inputs();
     let outcome = match Cli::try_parse() {
         Ok(cli) => execute(&cli),
         Err(error) => usage(&error),

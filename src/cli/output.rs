@@ -4,6 +4,7 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write as _, stderr, stdout};
 use std::path::Path;
 
+use rasterscope::{disk, text};
 use serde::Serialize;
 
 use super::failure::Failure;
@@ -29,16 +30,26 @@ pub(crate) fn print_json(result: &impl Serialize) -> Result<(), Failure> {
 
 /// Writes one line about something wrong. Where even that cannot be written there is nobody left to tell.
 pub(crate) fn complain(kind: &str, text: impl Display) {
-    let _ = writeln!(stderr(), "{kind}: {}", one_line(&text.to_string()));
+    let _ = writeln!(stderr(), "{kind}: {}", text::one_line(&text.to_string()));
 }
 
-/// A path within a line of text.
+/// Returns a path within a line of text.
 pub(crate) fn display(path: &Path) -> String {
-    one_line(&path.display().to_string())
+    text::path(path)
 }
 
-/// `text` without line breaks and other control characters, which names of files may bring in.
-fn one_line(text: &str) -> String {
-    let visible: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    visible.split_whitespace().collect::<Vec<_>>().join(" ")
+/// Writes a text file atomically.
+pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    disk::write(path, text.as_bytes()).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
+}
+
+/// Checks before a long measurement that its result can be written.
+pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
+    disk::check_writable(path).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
+}
+
+/// Creates the folder of a report if it is missing, and checks that the files can be written into it.
+pub(crate) fn prepare_folder(folder: &Path, names: &[&str]) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(|source| Failure::ResultFile { path: folder.to_owned(), source })?;
+    names.iter().try_for_each(|name| check_writable(&folder.join(name)))
 }

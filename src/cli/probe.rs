@@ -84,7 +84,7 @@ fn save_case(found: &ProbeResult, path: &PathBuf) -> Result<(), Failure> {
     };
     let Subject { scene, settings, viewport, .. } = &found.subject;
     let case = MinimalCase::new(&triangle, worst.worst_pixel, *viewport, settings, &scene.name);
-    std::fs::write(path, case.to_json()).map_err(|source| Failure::ResultFile { path: path.clone(), source })
+    output::write(path, &case.to_json())
 }
 
 /// All that is told to programs.

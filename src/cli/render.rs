@@ -110,8 +110,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         write_pfm(path, &shown.planes())?;
     }
     if let Some(path) = &args.totals {
-        let failed = |source| Failure::ResultFile { path: path.clone(), source };
-        std::fs::write(path, csv(&sheets)).map_err(failed)?;
+        output::write(path, &csv(&sheets))?;
     }
     output::print(&format!(
         "{}: {} × {} px, {} triangles in, {} drawn, {:.1} ms, {:.1} % of the pixels drawn\n",

@@ -1,7 +1,7 @@
 //! `rasterscope report`: error against run time of every upscaler, as a page, a table and JSON.
 
 use std::io::{IsTerminal as _, Write as _, stderr};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
@@ -15,6 +15,9 @@ use rasterscope::scene::obj::Loaded;
 
 use super::failure::Failure;
 use super::{output, parse, scene_args};
+
+/// The page, the table and the JSON of the report.
+const FILES: [&str; 3] = ["index.html", "report.csv", "report.json"];
 
 /// What `report` takes.
 #[derive(Args, Debug)]
@@ -51,6 +54,7 @@ pub(crate) struct ReportArgs {
 /// Measures and writes `index.html`, `report.csv` and `report.json`.
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
+    output::prepare_folder(&args.output, &FILES)?;
     let shown = stderr().is_terminal();
     let tell = |progress: Progress| {
         if shown {
@@ -66,12 +70,11 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     }
     // Nobody cancels.
     let Some(report) = report else { return Ok(()) };
-    let json = output::json(&report)?;
-    std::fs::create_dir_all(&args.output).map_err(|source| file_failure(&args.output, source))?;
-    let index = args.output.join("index.html");
-    write(&index, &page(&report).map_err(|source| file_failure(&index, source))?)?;
-    write(&args.output.join("report.csv"), &csv(&report))?;
-    write(&args.output.join("report.json"), &json)?;
+    let [index, table, json] = FILES.map(|name| args.output.join(name));
+    let page = page(&report).map_err(|source| Failure::ResultFile { path: index.clone(), source })?;
+    output::write(&index, &page)?;
+    output::write(&table, &csv(&report))?;
+    output::write(&json, &output::json(&report)?)?;
     let rows = report.scenes.iter().map(|scene| scene.rows.len()).sum::<usize>();
     output::print(&format!("{}: {rows} rows, with report.csv and report.json\n", output::display(&index)))
 }
@@ -94,14 +97,6 @@ fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
         rounds: args.rounds.into(),
         reference: args.reference,
     })
-}
-
-fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    std::fs::write(path, text).map_err(|source| file_failure(path, source))
-}
-
-fn file_failure(path: &Path, source: std::io::Error) -> Failure {
-    Failure::ResultFile { path: path.to_owned(), source }
 }
 
 /// One line on a terminal, over the one before. Where it cannot be written nobody misses it.

@@ -12,6 +12,9 @@ use rasterscope::report::scaling::{csv, page, text};
 use super::failure::Failure;
 use super::output;
 
+/// The page, the table and the JSON of the report.
+const FILES: [&str; 3] = ["index.html", "scaling.csv", "scaling.json"];
+
 /// What `scaling` takes.
 #[derive(Args, Debug)]
 pub(crate) struct ScalingArgs {
@@ -43,6 +46,9 @@ pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
     let machine = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = args.threads.map_or(machine, usize::from);
     let plan = Plan::new(recipe, args.most_triangles as usize, threads, args.rounds.into());
+    if let Some(folder) = &args.output {
+        output::prepare_folder(folder, &FILES)?;
+    }
     let shown = stderr().is_terminal();
     let tell = |quantity: Quantity, share: f32| {
         if shown {
@@ -62,12 +68,8 @@ pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
 }
 
 fn write_all(folder: &Path, scaling: &Scaling) -> Result<(), Failure> {
-    let failed = |path: &Path, source| Failure::ResultFile { path: path.to_owned(), source };
-    let json = output::json(scaling)?;
-    std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
-    for (name, content) in [("index.html", page(scaling)), ("scaling.csv", csv(scaling)), ("scaling.json", json)] {
-        let path = folder.join(name);
-        std::fs::write(&path, content).map_err(|source| failed(&path, source))?;
+    for (name, content) in FILES.iter().zip([page(scaling), csv(scaling), output::json(scaling)?]) {
+        output::write(&folder.join(name), &content)?;
     }
     output::print(&format!("{}, with scaling.csv and scaling.json\n", output::display(&folder.join("index.html"))))
 }

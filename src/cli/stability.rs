@@ -70,6 +70,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
         seed: args.seed,
         timed: !args.untimed,
     };
+    args.output.as_deref().map_or(Ok(()), output::check_writable)?;
     let shown = stderr().is_terminal();
     let tell = |progress: Progress| {
         if shown {
@@ -85,9 +86,7 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
     let written = render(args, &report)?;
     match &args.output {
         None => output::print(&written),
-        Some(path) => {
-            std::fs::write(path, written).map_err(|source| Failure::ResultFile { path: path.clone(), source })
-        }
+        Some(path) => output::write(path, &written),
     }
 }
 

@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use super::{Drawing, bitmap, pdf, svg};
 use crate::image::{Image, Rgba8};
+use crate::{disk, text};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -86,23 +87,30 @@ pub fn format_of(path: &Path) -> Result<Format, DrawingFileError> {
 
 /// Writes a drawing with `scale` pixels, or points of a page, per unit, in the format that the name asks for.
 pub fn write(path: &Path, drawing: &Drawing, scale: f64) -> Result<(), DrawingFileError> {
-    let bytes = match format_of(path)? {
+    save(path, &encode(path, drawing, scale)?)
+}
+
+/// Returns the bytes of the file that [`write`] would write to `path`.
+pub fn encode(path: &Path, drawing: &Drawing, scale: f64) -> Result<Vec<u8>, DrawingFileError> {
+    Ok(match format_of(path)? {
         Format::Svg => svg::text(drawing, scale).into_bytes(),
         Format::Pdf => pdf::bytes(drawing, scale),
         Format::Pixels(format) => encoded(path, &bitmap::bitmap(drawing, scale), format)?,
-    };
-    save(path, &bytes)
+    })
 }
 
-/// Writes a GIF that shows drawings one after the other, and begins again, each for this long.
-pub fn write_animation(
+/// Returns the bytes of a GIF that shows the drawings one after the other in a loop, each for the duration `each`. Errors
+/// name `path`.
+pub fn encode_animation(
     path: &Path,
     drawings: impl Iterator<Item = Drawing>,
     scale: f64,
     each: Duration,
-) -> Result<(), DrawingFileError> {
-    let unencodable =
-        |error: image::ImageError| DrawingFileError::Unencodable { path: path.to_owned(), reason: error.to_string() };
+) -> Result<Vec<u8>, DrawingFileError> {
+    let unencodable = |error: image::ImageError| DrawingFileError::Unencodable {
+        path: path.to_owned(),
+        reason: text::message(&error.to_string()),
+    };
     let mut bytes = Vec::new();
     let mut encoder = GifEncoder::new(&mut bytes);
     encoder.set_repeat(Repeat::Infinite).map_err(unencodable)?;
@@ -112,7 +120,12 @@ pub fn write_animation(
         encoder.encode_frame(frame).map_err(unencodable)?;
     }
     drop(encoder);
-    save(path, &bytes)
+    Ok(bytes)
+}
+
+/// Writes the bytes of a drawing.
+pub fn save(path: &Path, bytes: &[u8]) -> Result<(), DrawingFileError> {
+    disk::write(path, bytes).map_err(|source| DrawingFileError::Unwritable { path: path.to_owned(), source })
 }
 
 fn encoded(path: &Path, image: &Image<Rgba8>, format: PixelFormat) -> Result<Vec<u8>, DrawingFileError> {
@@ -132,15 +145,13 @@ fn encoded(path: &Path, image: &Image<Rgba8>, format: PixelFormat) -> Result<Vec
         let rgb = RgbImage::from_raw(image.width(), image.height(), colors).unwrap_or_default();
         rgb.write_to(&mut bytes, format)
     };
-    let unencodable =
-        |error: image::ImageError| DrawingFileError::Unencodable { path: path.to_owned(), reason: error.to_string() };
+    let unencodable = |error: image::ImageError| DrawingFileError::Unencodable {
+        path: path.to_owned(),
+        reason: text::message(&error.to_string()),
+    };
     written.map(|()| bytes.into_inner()).map_err(unencodable)
 }
 
 fn rgba(image: &Image<Rgba8>) -> RgbaImage {
     RgbaImage::from_raw(image.width(), image.height(), image.as_bytes().to_vec()).unwrap_or_default()
-}
-
-fn save(path: &Path, bytes: &[u8]) -> Result<(), DrawingFileError> {
-    std::fs::write(path, bytes).map_err(|source| DrawingFileError::Unwritable { path: path.to_owned(), source })
 }

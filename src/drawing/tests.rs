@@ -1,6 +1,6 @@
 //! Drawings written, read back by decoders, and compared with areas that are known.
 
-use super::file::{EXTENSIONS, Format, format_of, write, write_animation};
+use super::file::{EXTENSIONS, Format, encode_animation, format_of, save, write};
 use super::*;
 
 const RED: Rgb = [200, 30, 30];
@@ -91,7 +91,7 @@ fn an_animation_holds_all_its_frames() {
         drawing.shapes.truncate(count);
         drawing
     });
-    write_animation(&path, frames, 4.0, std::time::Duration::from_millis(100)).unwrap();
+    save(&path, &encode_animation(&path, frames, 4.0, std::time::Duration::from_millis(100)).unwrap()).unwrap();
     let file = std::io::BufReader::new(std::fs::File::open(&path).unwrap());
     let frames = ::image::codecs::gif::GifDecoder::new(file).unwrap().into_frames().collect_frames().unwrap();
     assert_eq!(frames.len(), 5);

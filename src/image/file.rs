@@ -14,7 +14,7 @@ use image::{DynamicImage, ExtendedColorType, ImageEncoder as _, ImageFormat, Ima
 use thiserror::Error;
 
 use super::{Image, Rgba8};
-use crate::disk;
+use crate::{disk, text};
 
 /// Largest picture file that is read, bytes.
 const MAX_FILE_BYTES: u64 = 256 << 20;
@@ -82,7 +82,8 @@ pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
     let bytes = disk::read(path, MAX_FILE_BYTES)
         .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
     let (format, kind) = recognize(path, &bytes)?;
-    let undecodable = |reason: String| ImageFileError::Undecodable { path: path.to_owned(), kind, reason };
+    let undecodable =
+        |reason: String| ImageFileError::Undecodable { path: path.to_owned(), kind, reason: text::message(&reason) };
 
     let (width, height) = reader(&bytes, format).into_dimensions().map_err(|e| undecodable(e.to_string()))?;
     if width == 0 || height == 0 {
@@ -141,7 +142,7 @@ fn to_rgba(decoded: DynamicImage) -> Image<Rgba8> {
 /// Writes a PNG: RGB if every pixel is opaque, else RGBA. Replaces a file that is there; makes no folders.
 pub fn write_png(path: &Path, image: &Image<Rgba8>) -> Result<(), ImageFileError> {
     encode_png(image)
-        .and_then(|bytes| std::fs::write(path, bytes))
+        .and_then(|bytes| disk::write(path, &bytes))
         .map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }
 

@@ -7,6 +7,7 @@ use std::path::Path;
 
 use super::Image;
 use super::file::ImageFileError;
+use crate::disk;
 
 /// A picture of floats.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,7 +40,7 @@ fn encode<T: Copy>(magic: &str, image: &Image<T>, numbers: impl Fn(T) -> Vec<f32
 
 /// Writes a PFM file. Replaces a file that is there; makes no folders.
 pub fn write_pfm(path: &Path, floats: &Floats) -> Result<(), ImageFileError> {
-    std::fs::write(path, floats.encode()).map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
+    disk::write(path, &floats.encode()).map_err(|source| ImageFileError::Unwritable { path: path.to_owned(), source })
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::DVec2;
 
 use super::recording::{Ink, Mark, Recording, Tone};
-use crate::drawing::file::{DrawingFileError, Format, PixelFormat, format_of, write, write_animation};
+use crate::drawing::file::{DrawingFileError, Format, PixelFormat, encode, encode_animation, format_of, save};
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
 
 const PAPER: Rgb = [255, 255, 255];
@@ -43,16 +43,21 @@ const MAX_FRAMES: usize = 150;
 /// How long each picture of an animation stays.
 const FRAME_TIME: Duration = Duration::from_millis(80);
 
-/// Writes a recording after its first `steps` steps, in the format that the name asks for; as a GIF all of its steps, one
-/// after the other.
+/// Writes the file that [`encode_recording`] returns.
 pub fn write_recording(path: &Path, recording: &Recording, steps: usize) -> Result<(), DrawingFileError> {
+    save(path, &encode_recording(path, recording, steps)?)
+}
+
+/// Returns the bytes of a file with a recording after its first `steps` steps, in the format that the name asks for; a GIF
+/// shows all of its steps.
+pub fn encode_recording(path: &Path, recording: &Recording, steps: usize) -> Result<Vec<u8>, DrawingFileError> {
     if format_of(path)? != Format::Pixels(PixelFormat::Gif) {
-        return write(path, &drawing(recording, steps), SCALE);
+        return encode(path, &drawing(recording, steps), SCALE);
     }
     let all = recording.steps.len();
     let frames = all.min(MAX_FRAMES);
     let step = |frame: usize| (frame * all).checked_div(frames).unwrap_or(0);
-    write_animation(path, (0..=frames).map(|frame| drawing(recording, step(frame))), SCALE / 2.0, FRAME_TIME)
+    encode_animation(path, (0..=frames).map(|frame| drawing(recording, step(frame))), SCALE / 2.0, FRAME_TIME)
 }
 
 /// The drawing of a recording after its first `steps` steps; one unit per pixel of the grid.

@@ -11,7 +11,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use super::{Camera, Projection, SceneError};
-use crate::disk;
+use crate::{disk, text};
 
 /// Largest file that is read, bytes; real ones have some hundred.
 const MAX_BYTES: u64 = 1 << 20;
@@ -87,8 +87,9 @@ pub fn read(path: &Path) -> Result<Camera, SceneError> {
     let bytes =
         disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
     let file: CameraFile = serde_json::from_slice(&bytes).map_err(|e| {
-        let text = e.to_string();
-        let reason = text.split(" at line ").next().unwrap_or(&text).to_owned();
+        let whole = e.to_string();
+        let reason = whole.split(" at line ").next().unwrap_or(&whole);
+        let reason = text::message(reason);
         SceneError::Line { path: path.to_owned(), line: e.line(), reason }
     })?;
     Camera::try_from(file).map_err(|reason| SceneError::Unusable { path: path.to_owned(), reason })

@@ -1,6 +1,7 @@
 //! Shared buffers: each mesh, material and texture is owned once, and instances refer to it by number.
 
 use super::{Material, Mesh, Texture};
+use crate::text;
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -45,8 +46,10 @@ impl Library {
         MeshId(self.meshes.len() as u32 - 1)
     }
 
-    /// Takes a material.
-    pub fn add_material(&mut self, material: Material) -> MaterialId {
+    /// Takes a material; its names are cleaned.
+    pub fn add_material(&mut self, mut material: Material) -> MaterialId {
+        material.name = text::clean(&material.name).into_owned();
+        material.missing_texture = material.missing_texture.map(|name| text::clean(&name).into_owned());
         self.materials.push(material);
         MaterialId(self.materials.len() as u32 - 1)
     }

@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::clusters::Clusters;
 use crate::math::{Aabb, unit_or};
+use crate::text;
 
 /// The arrays of a mesh before they are checked.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -71,6 +72,7 @@ pub struct Mesh {
 impl Mesh {
     /// Checks the arrays. Missing normals are computed ([`super::mesh::smooth_normals`]).
     pub fn new(mut data: MeshData) -> Result<Self, MeshError> {
+        data.name = text::clean(&data.name).into_owned();
         let count = data.positions.len();
         for (triangle, corners) in data.triangles.iter().enumerate() {
             if let Some(&vertex) = corners.iter().find(|v| **v as usize >= count) {

@@ -39,6 +39,7 @@ pub use texture::{Alpha, Texture};
 use glam::{Mat4, Vec3};
 
 use crate::math::Aabb;
+use crate::text;
 
 /// One object: which mesh, where, in which material. A small record; the buffers are shared.
 #[derive(Clone, Debug)]
@@ -96,6 +97,14 @@ impl Scene {
             instance.world_from_model = mirror * instance.world_from_model * mirror;
         }
         scene
+    }
+
+    /// Removes control characters from the names of the scene and its instances, which come from files.
+    fn clean_names(&mut self) {
+        let names = self.instances.iter_mut().map(|instance| &mut instance.name).chain([&mut self.name]);
+        for name in names {
+            *name = text::clean(name).into_owned();
+        }
     }
 
     /// Triangles over all instances.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::builtin::{self, Builtin};
 use super::obj::{self, Loaded};
 use super::{Scene, SceneError};
+use crate::text;
 
 /// A built-in scene or a model file.
 #[derive(Clone, Debug)]
@@ -36,16 +37,18 @@ impl SceneSource {
     pub fn title(&self) -> String {
         match self {
             Self::Builtin(builtin) => builtin.title.to_owned(),
-            Self::File(path) => path.file_name().map_or_else(String::new, |n| n.to_string_lossy().into_owned()),
+            Self::File(path) => path.file_name().map_or_else(String::new, |name| text::path(name.as_ref())),
         }
     }
 
     /// Builds the scene, or loads it with warnings about what was left out. Only files fail; see [`obj::load`].
     pub fn load(&self) -> Result<Loaded, SceneError> {
-        match self {
-            Self::Builtin(builtin) => Ok(Loaded::from(builtin.build())),
-            Self::File(path) => obj::load(path),
-        }
+        let mut loaded = match self {
+            Self::Builtin(builtin) => Loaded::from(builtin.build()),
+            Self::File(path) => obj::load(path)?,
+        };
+        loaded.scene.clean_names();
+        Ok(loaded)
     }
 }
 

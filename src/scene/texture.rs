@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use super::mips::{self, Levels, wrapped};
 use crate::image::color::decode_byte;
 use crate::image::{Image, Rgba8};
+use crate::text;
 
 /// Which alpha codes a picture has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,7 +47,7 @@ impl Texture {
     /// Takes a picture; `None` if it has no pixel.
     pub fn new(name: impl Into<String>, image: Image<Rgba8>) -> Option<Self> {
         (image.width() > 0 && image.height() > 0).then(|| Self {
-            name: name.into(),
+            name: text::clean(&name.into()).into_owned(),
             alpha: Alpha::of(&image),
             image,
             wrapped: OnceLock::new(),

@@ -15,8 +15,6 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel, Ui};
 
-pub(super) use saving::write_text;
-
 use opening::{Loading, SLOW_LOAD};
 
 use super::canvas::Canvas;
@@ -363,8 +361,8 @@ impl Workbench {
             Command::Lab(lab::Change::Picture(path)) => self.session.open_picture(&path),
             Command::SaveData => {
                 if let Some(view) = what_if::seen(ui, &self.session) {
-                    let (stem, write) = range::save::data(view.clone());
-                    self.save(ui, (stem, "pfm"), write);
+                    let (stem, encode) = range::save::data(view.clone());
+                    self.save(ui, (stem, "pfm"), encode);
                 }
             }
             Command::SavePicture => self.save_picture(ui),

@@ -1,7 +1,5 @@
 //! Files that the window writes, and what it copies.
 
-use std::fs::File;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,23 +7,23 @@ use eframe::egui::{self, Ui};
 
 use super::Workbench;
 use crate::case::MinimalCase;
-use crate::drawing;
-use crate::image::file::write_png;
+use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
 use crate::inspect::outline::{OutlineKind, outline};
-use crate::lab::drawing::write_recording;
+use crate::lab::drawing::encode_recording;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::engine::Request;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Level;
 use crate::ui::task::{Listening, Task};
 use crate::ui::what_if;
+use crate::{disk, drawing};
 
 impl Workbench {
     /// Writes all frame times into the current folder.
     pub(super) fn export_timings(&mut self, ui: &Ui) {
         let table = self.session.timings.csv();
-        self.save(ui, ("frame-times", "csv"), move |path| write_text(path, &table));
+        self.save(ui, ("frame-times", "csv"), move || Ok(table.into_bytes()));
     }
 
     /// Writes the triangle that the picked pixel shows as a case into the current folder.
@@ -45,21 +43,22 @@ impl Workbench {
 
     pub(super) fn write_case(&mut self, ui: &Ui, minimal: &MinimalCase) {
         let text = minimal.to_json();
-        self.save(ui, (&minimal.id, "json"), move |path| write_text(path, &text));
+        self.save(ui, (&minimal.id, "json"), move || Ok(text.into_bytes()));
     }
 
     /// Writes the picture.
     pub(super) fn save_picture(&mut self, ui: &Ui) {
         let Some(picture) = self.shown_picture(ui) else { return };
-        self.save(ui, ("picture", "png"), move |path| write_png(path, &picture).map_err(|error| error.to_string()));
+        self.save(ui, ("picture", "png"), move || encode_png(&picture).map_err(|error| error.to_string()));
     }
 
     /// Writes the scene on screen as drawing commands.
     pub(super) fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
-        self.save(ui, (kind.id(), end), move |path| {
+        self.save(ui, (kind.id(), end), move || {
             let drawing = outline(&scene, &camera, &recipe, viewport, kind);
-            drawing::file::write(path, &drawing, 1.0).map_err(|error| error.to_string())
+            drawing::file::encode(Path::new(kind.id()).with_extension(end).as_path(), &drawing, 1.0)
+                .map_err(|error| error.to_string())
         });
     }
 
@@ -67,8 +66,9 @@ impl Workbench {
     pub(super) fn save_drawing(&mut self, ui: &Ui, end: &'static str) {
         let lab = &self.session.lab;
         let (page, recording, step) = (lab.page, lab.recording.clone(), lab.step);
-        self.save(ui, (page.id(), end), move |path| {
-            write_recording(path, &recording, step).map_err(|error| error.to_string())
+        self.save(ui, (page.id(), end), move || {
+            encode_recording(Path::new(page.id()).with_extension(end).as_path(), &recording, step)
+                .map_err(|error| error.to_string())
         });
     }
 
@@ -97,24 +97,19 @@ impl Workbench {
         }
     }
 
-    /// Writes a new file into the current folder, on a thread of its own: encoding a large picture takes a while.
+    /// Writes a new file into the current folder, on a thread of its own: encoding a large picture takes a while. The file
+    /// appears under its name only when it is complete.
     pub(super) fn save(
         &mut self,
         ui: &Ui,
-        (stem, extension): (&str, &str),
-        write: impl FnOnce(&Path) -> Result<(), String> + Send + 'static,
+        (stem, extension): (&str, &'static str),
+        encode: impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static,
     ) {
-        let path = match new_file(&self.session.folder, stem, extension) {
-            Ok(path) => path,
-            Err(error) => return self.session.report(Level::Error, error),
-        };
-        let save = move || match write(&path) {
-            Ok(()) => Ok(path),
-            Err(error) => {
-                // What was not written whole is of no use.
-                drop(std::fs::remove_file(&path));
-                Err(error)
-            }
+        let (folder, stem) = (self.session.folder.clone(), stem.to_owned());
+        let save = move || {
+            let written = |bytes: Vec<u8>| disk::write_new(&folder, &stem, extension, &bytes);
+            let unwritable = |error| format!("{}.{extension}: cannot write it: {error}", folder.join(&stem).display());
+            written(encode()?).map_err(unwritable)
         };
         if self.waits {
             self.saved(save());
@@ -138,45 +133,5 @@ impl Workbench {
             }
         });
         outcomes.into_iter().for_each(|outcome| self.saved(outcome));
-    }
-}
-
-/// Text as a file.
-pub(in crate::ui) fn write_text(path: &Path, text: &str) -> Result<(), String> {
-    std::fs::write(path, text).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-/// An empty file `stem.extension`, or the first free `stem-2.extension`, `stem-3.extension` … in `folder`. It is there from
-/// now on, so that whatever else is saved before it is written takes another name.
-fn new_file(folder: &Path, stem: &str, extension: &str) -> Result<PathBuf, String> {
-    let mut number = 1;
-    loop {
-        let name = if number == 1 { format!("{stem}.{extension}") } else { format!("{stem}-{number}.{extension}") };
-        let path = folder.join(name);
-        match File::create_new(&path) {
-            Ok(_) => return Ok(path),
-            Err(error) if error.kind() == ErrorKind::AlreadyExists => number += 1,
-            Err(error) => return Err(format!("{}: {error}", path.display())),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_are_taken_before_anything_is_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let names = ["picture.png", "picture-2.png", "picture-3.png"];
-        for name in names {
-            assert_eq!(new_file(folder.path(), "picture", "png"), Ok(folder.path().join(name)));
-        }
-    }
-
-    #[test]
-    fn a_folder_that_is_gone_is_named() {
-        let error = new_file(Path::new("/nowhere"), "picture", "png").unwrap_err();
-        assert!(error.contains("picture.png"), "{error}");
     }
 }

@@ -1,6 +1,7 @@
 //! Messages: a list of all, and the bar for what did not work.
 
 use super::Session;
+use crate::text;
 
 /// Lines kept in the log.
 const LOG_LINES: usize = 500;
@@ -28,7 +29,7 @@ pub enum Level {
 impl Session {
     /// Writes a line into the log; errors also into the bar above the canvas.
     pub fn report(&mut self, level: Level, text: impl Into<String>) {
-        let text = text.into();
+        let text = text::one_line(&text.into());
         if level == Level::Error {
             self.error = Some(text.clone());
         }
