@@ -12,8 +12,8 @@ use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
 use rasterscope::inspect::{FragmentRecord, PixelReport, capture, inspect};
 use rasterscope::pipeline::settings::{
-    Address, Arithmetic, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Interpolation,
-    Rasterizer, Shading,
+    Address, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter,
+    Interpolation, Rasterizer, Shading,
 };
 use rasterscope::scene::{Scene, Transparency, TriangleId, builtin};
 use rasterscope::upscale::{Anchor, Upscaling};
@@ -42,6 +42,7 @@ fn single_switches() -> Vec<Recipe> {
         .chain(each::<Filter>(|r, c| r.pipeline.filter = c))
         .chain(each::<Address>(|r, c| r.pipeline.address = c))
         .chain(each::<ColorSpace>(|r, c| r.pipeline.color_space = c))
+        .chain(each::<BlendingOrder>(|r, c| r.pipeline.blending.order = c))
         .chain([false, true].map(|wireframe| Recipe { wireframe, ..Recipe::default() }))
         .collect()
 }
@@ -158,8 +159,14 @@ fn check_against_buffers(report: &PixelReport, frame: &Frame, buffers: &Buffers)
     let last = report.fragments.iter().rfind(stores).map_or(frame.drawn.clear_depth, |f| f.depth.value);
     assert!(stored.is_none_or(|d| d == last));
     assert_eq!(buffers.depth_stored.at(column, row), stored.is_some() && report.fragments.iter().any(|f| stores(&f)));
-    let submissions = report.fragments.iter().map(|f| f.submission);
-    assert!(submissions.clone().zip(submissions.skip(1)).all(|(a, b)| a < b), "in drawing order, each once");
+    let mut submissions: Vec<_> = report.fragments.iter().map(|f| f.submission).collect();
+    if frame.geometry.blending.order == BlendingOrder::Exact {
+        let blended = report.fragments.iter().filter(|f| f.transparency == Transparency::Blended);
+        let written = blended.filter(|f| f.outcome.is_written()).map(|f| f.depth.value);
+        assert!(written.is_sorted_by(|a, b| a >= b), "from far to near");
+        submissions.sort_unstable();
+    }
+    assert!(submissions.is_sorted_by(|a, b| a < b), "in drawing order, each once");
     let weight: f32 = report.sources.iter().map(|s| s.tap.weight).sum();
     assert!((weight - 1.0).abs() < 1e-5, "weights of the sources sum to {weight}");
 }

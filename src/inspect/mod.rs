@@ -8,6 +8,8 @@ pub mod assertions;
 
 pub mod bad_fragments;
 
+mod blending;
+
 pub mod buffers;
 
 pub mod depth;

@@ -291,20 +291,36 @@ fn picture_of(sources: &[SourceRecord], frame: &Frame) -> Image<Rgba8> {
     picture
 }
 
+/// Draws the sample at the centre of one drawn pixel alone.
+pub(super) fn centre_color(scene: &Scene, recipe: &Recipe, frame: &Frame, pixel: (u32, u32)) -> Option<Rgba8> {
+    Some(draw_centre(scene, recipe, frame, pixel, &mut ())?.color.at(0, 0))
+}
+
 /// Draws the sample at the centre of one drawn pixel alone, watched: its stored depth, if any.
 fn replay<O: Observer>(
     scene: &Scene,
     recipe: &Recipe,
     frame: &Frame,
-    (x, y): (u32, u32),
+    pixel: (u32, u32),
     observer: &mut O,
 ) -> Option<Option<f32>> {
+    let one = draw_centre(scene, recipe, frame, pixel, observer)?;
+    Some(one.depth.map(|d| d.at(0, 0)))
+}
+
+fn draw_centre<O: Observer>(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    (x, y): (u32, u32),
+    observer: &mut O,
+) -> Option<Framebuffer> {
     let grid = frame.drawn.grid;
     let sample = grid.sample_at(x, y)?;
     let mut one = Framebuffer::one_sample(grid, sample, scene.background, &recipe.pipeline);
     let extent = Extent { triangles: 0..frame.geometry.triangles.len(), scissor: Scissor::pixel(x, y) };
     draw(scene, &frame.geometry, &recipe.pipeline, &extent, Until::Shade, &mut one, observer);
-    Some(one.depth.map(|d| d.at(0, 0)))
+    Some(one)
 }
 
 /// Where the sample of a full-picture pixel lies, in px.

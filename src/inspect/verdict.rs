@@ -6,6 +6,8 @@ mod black;
 
 mod flaw;
 
+mod order;
+
 use std::collections::BTreeSet;
 
 use super::history::Absent;
@@ -25,10 +27,11 @@ const PLAIN_WIN: &str = "Won by ";
 pub(super) fn verdict(report: &PixelReport, scene: &Scene, recipe: &Recipe, frame: &Frame) -> String {
     let fault = report.fault.as_ref().map(|fault| fault_verdict(fault, &recipe.pipeline));
     let story = story(report, frame.is_drawn(report.x, report.y), Comparison::of(&recipe.pipeline));
+    let order = order::verdict(report, scene, recipe, frame);
     let black = black::why(report, scene, recipe);
     let flaw = flaw::told(report, scene, recipe, frame, black.as_deref().unwrap_or_default());
     let (before, after) = if story.starts_with(PLAIN_WIN) { (black, None) } else { (None, black) };
-    let sentences: Vec<_> = [fault, before, Some(story), after, flaw].into_iter().flatten().collect();
+    let sentences: Vec<_> = [fault, before, order, Some(story), after, flaw].into_iter().flatten().collect();
     sentences.join(" ")
 }
 

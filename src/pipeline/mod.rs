@@ -10,8 +10,10 @@
 //! *classic* way to execute: triangle after triangle, plain scalar code, every stage visible. It is the reference for
 //! every faster way. Equal input gives an equal picture, bit for bit.
 //!
-//! Triangles that hide what lies behind them come first, in submission order; then those that are blended, from far to
-//! near, each tested against the depths of the first but leaving none itself.
+//! Triangles that hide what lies behind them come first, in submission order; then those that are blended, in the order of
+//! [`settings::BlendingOrder`], each tested against the depths of the first but leaving none itself.
+
+mod blending;
 
 pub mod clip;
 
@@ -58,13 +60,14 @@ use std::time::{Duration, Instant};
 
 use glam::DMat4;
 
+use blending::Sorting;
 use depth::{Comparison, DepthScale};
 use framebuffer::Framebuffer;
 use observe::{Fate, Observer};
 use plan::{DrawPlan, Part};
 use raster::numbers::Numbers;
 use raster::{Scissor, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
-use settings::{Arithmetic, Culling, Settings};
+use settings::{Arithmetic, Blending, BlendingOrder, Culling, Settings};
 use shade::Shader;
 use triangle_list::TriangleList;
 use vertex::{ClipVertex, DrawMatrices, containment, transform};
@@ -75,9 +78,11 @@ use crate::scene::{Camera, Instance, Scene, Transparency, TriangleId};
 /// What the geometry stages hand to the rasterizer.
 #[derive(Clone, Debug, Default)]
 pub struct Geometry {
-    /// Triangles to rasterize, in the order in which they are drawn: as they were submitted, but for those that are
-    /// blended, which come last, from far to near.
+    /// Triangles to rasterize, in the order in which they are drawn: as they were submitted, except for blended ones, which
+    /// come last, sorted by distance if [`Geometry::blending`] says so.
     pub triangles: TriangleList,
+    /// Order of the blended triangles.
+    pub blending: Blending,
     /// Of the last triangle only these samples are drawn; all of them if none.
     pub partial: Option<Vec<Span>>,
     /// What depths of the triangles mean.
@@ -100,6 +105,13 @@ impl Geometry {
         self.triangles.partition_point(|triangle| !self.is_blended(triangle))
     }
 
+    /// Index of the first triangle whose fragments are sorted among those of others, so that it cannot be drawn on its own;
+    /// the number of triangles if there is none.
+    pub fn sorted_from(&self, settings: &Settings) -> usize {
+        let sorts = settings.blending.order == BlendingOrder::Exact;
+        if sorts { self.blended_from() } else { self.triangles.len() }
+    }
+
     /// Whether a triangle is drawn over what lies behind.
     pub fn is_blended(&self, triangle: &ScreenTriangle) -> bool {
         let plan = self.plans.get(triangle.instance as usize);
@@ -110,17 +122,21 @@ impl Geometry {
     pub fn place_of(&self, triangle: &ScreenTriangle) -> usize {
         let (others, blended) = self.triangles.split_at(self.blended_from());
         // The first that may be it; the pieces of one triangle, and the blended ones at one distance, follow each other.
-        let first = if self.is_blended(triangle) {
-            let distance = self.mean_distance(triangle);
-            others.len() + blended.partition_point(|t| self.mean_distance(t) > distance)
-        } else {
-            others.partition_point(|t| t.id < triangle.id)
+        let first = match (self.is_blended(triangle), self.blending.order) {
+            (true, BlendingOrder::Triangles) => {
+                let distance = self.mean_distance(triangle);
+                others.len() + blended.partition_point(|t| self.mean_distance(t) > distance)
+            }
+            (true, BlendingOrder::Objects | BlendingOrder::Exact) => {
+                others.len() + blended.partition_point(|t| t.id < triangle.id)
+            }
+            (false, _) => others.partition_point(|t| t.id < triangle.id),
         };
         self.triangles[first..].iter().position(|t| t == triangle).map_or(first, |offset| first + offset)
     }
 
-    /// Puts the blended triangles, if there are any, behind the others and sorts them by the mean distance of their corners,
-    /// the farthest first; those at the same distance stay as they were submitted.
+    /// Puts the blended triangles, if there are any, behind the others. With [`BlendingOrder::Triangles`] sorts them by the
+    /// mean distance of their corners, the farthest first; those at the same distance stay as they were submitted.
     fn draw_blended_last(&mut self) {
         if self.plans.iter().all(|plan| plan.transparency() != Transparency::Blended) {
             return;
@@ -128,7 +144,9 @@ impl Geometry {
         let triangles = std::mem::take(&mut self.triangles);
         let (mut blended, mut others): (Vec<_>, Vec<_>) =
             triangles.into_vec().into_iter().partition(|t| self.is_blended(t));
-        blended.sort_by(|a, b| self.mean_distance(b).total_cmp(&self.mean_distance(a)));
+        if self.blending.order == BlendingOrder::Triangles {
+            blended.sort_by(|a, b| self.mean_distance(b).total_cmp(&self.mean_distance(a)));
+        }
         others.append(&mut blended);
         self.triangles = others.into();
     }
@@ -179,7 +197,11 @@ pub fn prepare<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Geometry {
-    let mut geometry = Geometry { depth_scale: DepthScale::new(settings.depth_format, camera), ..Geometry::default() };
+    let mut geometry = Geometry {
+        depth_scale: DepthScale::new(settings.depth_format, camera),
+        blending: settings.blending,
+        ..Geometry::default()
+    };
     let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
     let seen_by = (camera, clip_from_world);
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
@@ -368,7 +390,8 @@ fn draw_in<N: Numbers, O: Observer>(
         .map(|(instance, plan)| Shader::new(settings, &scene.library, instance, plan))
         .collect();
     let mut spans: Vec<Span> = Vec::new();
-    for place in extent.triangles.clone() {
+    let (in_order, to_sort) = blending::split(geometry, settings, &extent.triangles, until);
+    for place in in_order {
         if !extent.scissor.may_meet_box(geometry.triangles.box_of(place)) {
             continue;
         }
@@ -384,6 +407,10 @@ fn draw_in<N: Numbers, O: Observer>(
         };
         samples::draw((triangle, &edges), &spans, shader, (comparison, until), frame, observer);
         observer.visited(visited);
+    }
+    if !to_sort.is_empty() {
+        let drawn = &Extent { triangles: to_sort, scissor: extent.scissor };
+        Sorting { geometry, settings, shaders: &shaders }.draw::<N, O>(drawn, frame, observer);
     }
 }
 

@@ -8,11 +8,14 @@
 //! the triangle covers that and at the first covered sample if not, and gives all covered samples that colour (Akeley,
 //! "RealityEngine Graphics", 1993).
 
+use std::ops::Range;
+
+use super::blending::{self, FragmentList, Sorting};
 use super::depth::{Comparison, DepthScale, depth_at};
 use super::framebuffer::Framebuffer;
-use super::interpolate::interpolate;
+use super::interpolate::{Fragment, interpolate};
 use super::raster::numbers::Numbers;
-use super::raster::{Span, Triangle, cover_samples, doubled_area, with_arithmetic};
+use super::raster::{Sample, Span, Triangle, cover_samples, doubled_area, with_arithmetic};
 use super::settings::Settings;
 use super::shade::Shader;
 use super::viewport::{ScreenTriangle, ScreenVertex};
@@ -83,23 +86,37 @@ impl<'a> Job<'a> {
         Self { geometry, settings, extent, places, comparison: Comparison::of(settings), shaders }
     }
 
-    /// The triangles that may have samples here, in drawing order.
-    fn triangles(&self) -> impl Iterator<Item = (&ScreenTriangle, &Shader<'a>)> {
-        let all = &self.geometry.triangles;
-        let near = self.extent.triangles.clone().filter(|place| self.extent.scissor.may_meet_box(all.box_of(*place)));
-        let near = near.map(|place| &all[place]);
-        near.map(|triangle| (triangle, &self.shaders[triangle.instance as usize]))
+    /// The triangles that are drawn one after the other, and those whose fragments are sorted.
+    fn split(&self) -> [Range<usize>; 2] {
+        blending::split(self.geometry, self.settings, &self.extent.triangles, Until::Shade).into()
     }
 
-    /// The triangle as each place of each sample sees it.
-    fn displaced<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<Moved<N>>>) {
-        out.clear();
+    /// The triangles of a range that may have samples here, in drawing order, with their indices.
+    fn triangles(&self, range: Range<usize>) -> impl Iterator<Item = (usize, &ScreenTriangle, &Shader<'a>)> {
+        let all = &self.geometry.triangles;
+        let near = range.filter(|place| self.extent.scissor.may_meet_box(all.box_of(*place)));
+        let near = near.map(|place| (place, &all[place]));
+        near.map(|(place, triangle)| (place, triangle, &self.shaders[triangle.instance as usize]))
+    }
+
+    fn sorting(&self) -> Sorting<'_> {
+        Sorting { geometry: self.geometry, settings: self.settings, shaders: &self.shaders }
+    }
+
+    /// The triangle as each place of one sample sees it.
+    fn displaced_to<N: Numbers>(&self, triangle: &ScreenTriangle, places: &[[f32; 2]]) -> Vec<Moved<N>> {
         let moved = |offset_px: &[f32; 2]| {
             let moved = displaced(triangle, *offset_px, self.settings, &self.geometry.depth_scale)?;
             let edges = Triangle::<N>::new(moved.corners_in(self.settings.arithmetic), self.settings.fill_rule)?;
             Some((moved, edges))
         };
-        out.extend(self.places.candidates.iter().map(|places| places.iter().map(moved).collect()));
+        places.iter().map(moved).collect()
+    }
+
+    /// The triangle as each place of each sample sees it.
+    fn displaced<N: Numbers>(&self, triangle: &ScreenTriangle, out: &mut Vec<Vec<Moved<N>>>) {
+        out.clear();
+        out.extend(self.places.candidates.iter().map(|places| self.displaced_to(triangle, places)));
     }
 
     /// The samples of number `sample` within their pixels that a moved triangle covers, where they have that place.
@@ -127,7 +144,8 @@ impl<'a> Job<'a> {
 
     fn per_sample<N: Numbers>(&self, frames: &mut [Framebuffer]) {
         let (mut spans, mut moved) = (Vec::new(), Vec::new());
-        for (triangle, shader) in self.triangles() {
+        let [in_order, to_sort] = self.split();
+        for (_, triangle, shader) in self.triangles(in_order) {
             self.displaced::<N>(triangle, &mut moved);
             for ((sample, frame), places) in frames.iter_mut().enumerate().zip(&moved) {
                 for (place, seen) in places.iter().enumerate() {
@@ -138,11 +156,32 @@ impl<'a> Job<'a> {
                 }
             }
         }
+        if !to_sort.is_empty() {
+            self.sort_per_sample::<N>(&to_sort, frames);
+        }
+    }
+
+    /// Draws blended triangles of which every sample is shaded, with their fragments sorted, sample after sample.
+    fn sort_per_sample<N: Numbers>(&self, triangles: &Range<usize>, frames: &mut [Framebuffer]) {
+        let (mut list, mut spans) = (FragmentList::default(), Vec::new());
+        for ((sample, frame), candidates) in frames.iter_mut().enumerate().zip(self.places.candidates) {
+            list.clear();
+            for (index, triangle, _) in self.triangles(triangles.clone()) {
+                for (place, seen) in self.displaced_to::<N>(triangle, candidates).iter().enumerate() {
+                    let Some((moved, edges)) = seen else { continue };
+                    self.cover((moved, edges), (sample, place), frame, &mut spans);
+                    self.sorting().collect((moved, edges, index), &spans, frame, &mut list, &mut ());
+                }
+            }
+            self.sorting().blend(&mut list, std::slice::from_mut(frame), &mut ());
+        }
     }
 
     fn per_pixel<N: Numbers>(&self, frames: &mut [Framebuffer]) {
         let (mut spans, mut moved, mut covered) = (Vec::new(), Vec::new(), Vec::<Covered>::new());
-        for (triangle, shader) in self.triangles() {
+        let [in_order, to_sort] = self.split();
+        let mut list = FragmentList::default();
+        for (index, triangle, shader) in self.triangles(in_order.start..to_sort.end) {
             self.displaced::<N>(triangle, &mut moved);
             covered.clear();
             for ((sample, frame), places) in frames.iter().enumerate().zip(&moved) {
@@ -157,37 +196,81 @@ impl<'a> Job<'a> {
             covered.sort_unstable();
             let centre = Triangle::<N>::new(triangle.corners_px(), self.settings.fill_rule);
             for pixel in covered.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-                self.shade_pixel((triangle, centre.as_ref()), &moved, pixel, shader, frames);
+                let Some((seen, fragment)) = self.fragment((triangle, centre.as_ref()), &moved, pixel, frames) else {
+                    continue;
+                };
+                if index < to_sort.start {
+                    self.shade_pixel((seen, &fragment), &moved, pixel, shader, frames);
+                } else {
+                    self.collect_pixel((index, &fragment), &moved, pixel, frames, &mut list);
+                }
             }
+        }
+        self.sorting().blend(&mut list, frames, &mut ());
+    }
+
+    /// The one fragment of a triangle in a pixel, and the triangle as the place sees it where it is shaded.
+    fn fragment<'t, N: Numbers>(
+        &self,
+        (triangle, centre): (&'t ScreenTriangle, Option<&Triangle<N>>),
+        moved: &'t [Vec<Moved<N>>],
+        covered: &[Covered],
+        frames: &[Framebuffer],
+    ) -> Option<(&'t ScreenTriangle, Fragment)> {
+        let first @ (row, column, sample, _) = *covered.first()?;
+        let pixel = frames[sample].grid.pixel(column, row);
+        let centre = centre.filter(|edges| edges.contains(pixel.0.into(), pixel.1.into()));
+        let in_the_middle = centre.map(|edges| (triangle, edges.sample((column, row), pixel)));
+        let (seen, shaded_at) = in_the_middle.or_else(|| sample_of(moved, first, pixel))?;
+        let attributes = self.shaders[triangle.instance as usize].attributes();
+        Some((seen, interpolate(seen, shaded_at, attributes)))
+    }
+
+    /// Tests the covered samples of one pixel and collects those that pass.
+    fn collect_pixel<N: Numbers>(
+        &self,
+        (index, fragment): (usize, &Fragment),
+        moved: &[Vec<Moved<N>>],
+        covered: &[Covered],
+        frames: &[Framebuffer],
+        list: &mut FragmentList,
+    ) {
+        list.shade(*fragment);
+        let pixel = (fragment.sample.x, fragment.sample.y);
+        for covered in covered {
+            let Some((moved, at)) = sample_of(moved, *covered, pixel) else { continue };
+            let (row, column, sample, _) = *covered;
+            let frame = &frames[sample];
+            let (x, y) = (column - frame.origin.0, row - frame.origin.1);
+            if let Some(depths) = &frame.depth
+                && !self.comparison.passes(depth_at(moved, &at), depths.at(x, y))
+            {
+                continue;
+            }
+            let place = y as usize * frame.color.width() as usize + x as usize;
+            let nearness = blending::nearness(self.settings, moved, &at);
+            list.add(sample * frame.color.pixels().len() + place, nearness, index);
         }
     }
 
     /// Tests the covered samples of one pixel, shades once, and gives those that passed that colour.
     fn shade_pixel<N: Numbers>(
         &self,
-        (triangle, centre): (&ScreenTriangle, Option<&Triangle<N>>),
+        (seen, fragment): (&ScreenTriangle, &Fragment),
         moved: &[Vec<Moved<N>>],
         covered: &[Covered],
         shader: &Shader<'_>,
         frames: &mut [Framebuffer],
     ) {
-        let Some(first @ (row, column, ..)) = covered.first().copied() else { return };
-        let pixel = frames[first.2].grid.pixel(column, row);
-        let at = |(_, _, sample, place): Covered| {
-            let (seen, edges) = moved[sample][place].as_ref()?;
-            Some((seen, edges.sample((column, row), pixel)))
-        };
-        let centre = centre.filter(|edges| edges.contains(pixel.0.into(), pixel.1.into()));
-        let in_the_middle = centre.map(|edges| (triangle, edges.sample((column, row), pixel)));
-        let Some((seen, shaded_at)) = in_the_middle.or_else(|| at(first)) else { return };
-        let fragment = interpolate(seen, shaded_at, shader.attributes());
+        let Sample { column, row, x, y, .. } = fragment.sample;
+        let pixel = (x, y);
         let transparency = shader.transparency();
-        if transparency == Transparency::CutOut && shader.cuts_out(&fragment) {
+        if transparency == Transparency::CutOut && shader.cuts_out(fragment) {
             return;
         }
-        let opaque = (transparency != Transparency::Blended).then(|| shader.shade(&fragment, seen));
+        let opaque = (transparency != Transparency::Blended).then(|| shader.shade(fragment, seen));
         for sample in covered {
-            let Some((moved, at)) = at(*sample) else { continue };
+            let Some((moved, at)) = sample_of(moved, *sample, pixel) else { continue };
             let frame = &mut frames[sample.2];
             let (x, y) = (column - frame.origin.0, row - frame.origin.1);
             if let Some(depths) = &mut frame.depth {
@@ -200,9 +283,19 @@ impl<'a> Job<'a> {
                 }
             }
             let below = frame.color.at(x, y);
-            frame.color.set(x, y, opaque.unwrap_or_else(|| shader.blend(&fragment, seen, below)));
+            frame.color.set(x, y, opaque.unwrap_or_else(|| shader.blend(fragment, seen, below)));
         }
     }
+}
+
+/// A covered sample, and the triangle as its place sees it.
+fn sample_of<N: Numbers>(
+    moved: &[Vec<Moved<N>>],
+    (row, column, sample, place): Covered,
+    pixel: (u32, u32),
+) -> Option<(&ScreenTriangle, Sample)> {
+    let (seen, edges) = moved[sample][place].as_ref()?;
+    Some((seen, edges.sample((column, row), pixel)))
 }
 
 /// A triangle moved against an offset; none if the arithmetic leaves nothing of it there.

@@ -222,6 +222,29 @@ choice! {
     }
 }
 
+choice! {
+    /// The order in which the fragments of blended materials are blended over what lies behind them.
+    BlendingOrder {
+        Objects = "objects", "Objects, as submitted", "Blended triangles are drawn in submission order, object by object: right only where the scene lists them from far to near.";
+        Triangles = "triangles", "Triangles, far to near", "Blended triangles are sorted by the mean distance of their corners: wrong where large triangles lie beside small ones or intersect.";
+        Exact = "exact", "Fragments, far to near", "The fragments of every sample are collected and sorted by depth before they are blended (A-buffer): always right, and slower.";
+    }
+}
+
+/// How blended materials are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Blending {
+    /// The order of blended fragments.
+    pub order: BlendingOrder,
+}
+
+impl Default for Blending {
+    fn default() -> Self {
+        Self { order: BlendingOrder::Triangles }
+    }
+}
+
 /// A directional light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Light {
@@ -284,6 +307,8 @@ pub struct Settings {
     pub address: Address,
     /// Numbers that light is computed in.
     pub color_space: ColorSpace,
+    /// Blended materials.
+    pub blending: Blending,
     /// What runs without need.
     pub force: Force,
 }
@@ -304,6 +329,7 @@ impl Default for Settings {
             filter: Filter::Bilinear,
             address: Address::Repeat,
             color_space: ColorSpace::Linear,
+            blending: Blending::default(),
             force: Force::Nothing,
         }
     }

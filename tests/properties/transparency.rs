@@ -2,11 +2,17 @@
 //! scene with its alpha drawn as a colour.
 
 use glam::{Mat4, Vec3};
-use rasterscope::chain::Recipe;
+use rasterscope::chain::{Frame, Recipe, redraw};
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::pipeline::depth::depth_at;
+use rasterscope::pipeline::framebuffer::Framebuffer;
+use rasterscope::pipeline::interpolate::Fragment;
+use rasterscope::pipeline::observe::Observer;
 use rasterscope::pipeline::plan::{DrawPlan, Part, Step};
-use rasterscope::pipeline::settings::{Choice as _, ColorSpace, DepthFormat, Filter, Shading};
+use rasterscope::pipeline::settings::{BlendingOrder, Choice as _, ColorSpace, DepthFormat, Filter, Shading};
+use rasterscope::pipeline::shade::Shader;
 use rasterscope::pipeline::viewport::ScreenTriangle;
+use rasterscope::pipeline::{Extent, Until, draw};
 use rasterscope::scene::{Instance, Material, Mesh, MeshData, Scene, Texture, Transparency};
 
 use crate::common::{
@@ -122,6 +128,88 @@ fn blended_triangles_come_last_from_far_to_near_and_the_others_as_they_were_subm
             }
         }
     }
+}
+
+/// Collects the blended fragments of each pixel with their depths, in submission order.
+struct Collect {
+    frame: Frame,
+    fragments: Vec<Vec<(f32, ScreenTriangle, Fragment)>>,
+}
+
+impl Observer for Collect {
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        if self.frame.geometry.is_blended(triangle) {
+            let pixel = fragment.sample.y * SIZE.0 + fragment.sample.x;
+            let depth = depth_at(triangle, &fragment.sample);
+            self.fragments[pixel as usize].push((depth, *triangle, *fragment));
+        }
+    }
+}
+
+/// The oracle draws the opaque objects alone, collects the blended fragments in submission order, sorts those of each pixel
+/// by stored depth and blends them one after the other.
+#[test]
+fn exact_order_is_that_of_fragments_sorted_by_depth() {
+    let mut reordered = 0;
+    for_seeds(8, |rng| {
+        let scene = see_through_scene();
+        let mut exact = recipe(&["culling=none", "blending.order=exact"]);
+        exact.pipeline.depth_format =
+            [DepthFormat::F32, DepthFormat::ReversedF32, DepthFormat::WBuffer][rng.usize(..3)];
+        let shadings = [Shading::Texture, Shading::Gouraud, Shading::Lambert, Shading::Cel];
+        exact.pipeline.shading = shadings[rng.usize(..shadings.len())];
+        let mut submitted = exact;
+        submitted.pipeline.blending.order = BlendingOrder::Objects;
+        let frame = render(&scene, &submitted, SIZE);
+        let plans = frame.geometry.plans.clone();
+        let pixels = (SIZE.0 * SIZE.1) as usize;
+        let mut collect = Collect { frame, fragments: vec![Vec::new(); pixels] };
+        let again = render(&scene, &submitted, SIZE);
+        redraw(&scene, &submitted, &again, Until::Shade, &mut collect);
+        let opaque =
+            Extent { triangles: 0..again.geometry.blended_from(), ..Extent::all(&again.geometry, again.raster) };
+        let mut drawn = Framebuffer::new(again.drawn.grid, SIZE.0, SIZE.1, scene.background, &submitted.pipeline);
+        draw(&scene, &again.geometry, &submitted.pipeline, &opaque, Until::Shade, &mut drawn, &mut ());
+        let mut expected = drawn.color;
+        let shaders: Vec<_> = scene
+            .instances
+            .iter()
+            .zip(&plans)
+            .map(|(instance, plan)| Shader::new(&exact.pipeline, &scene.library, instance, plan))
+            .collect();
+        for (pixel, fragments) in collect.fragments.iter_mut().enumerate() {
+            let before: Vec<_> = fragments.iter().map(|(depth, ..)| *depth).collect();
+            fragments.sort_by(|a, b| b.0.total_cmp(&a.0));
+            if exact.pipeline.reversed() {
+                fragments.sort_by(|a, b| a.0.total_cmp(&b.0));
+            }
+            reordered += usize::from(fragments.iter().map(|(depth, ..)| *depth).ne(before));
+            for (_, triangle, fragment) in fragments {
+                let (x, y) = (pixel as u32 % SIZE.0, pixel as u32 / SIZE.0);
+                let shader = &shaders[triangle.instance as usize];
+                expected.set(x, y, shader.blend(fragment, triangle, expected.at(x, y)));
+            }
+        }
+        assert_eq!(*render(&scene, &exact, SIZE).image(), expected, "{exact:?}");
+    });
+    assert!(reordered > 100, "{reordered}");
+}
+
+#[test]
+fn objects_are_blended_in_submission_order() {
+    for_seeds(10, |rng| {
+        let mut list = random_panes(rng);
+        // The nearest is opaque in half of all lists and then hides the others from the test, so none is.
+        list.iter_mut().for_each(|pane| pane.opacity = pane.opacity.min(0.8));
+        rng.shuffle(&mut list);
+        let scene = panes(list.iter().copied());
+        let expected = blended(&list, scene.background, ColorSpace::Linear);
+        let drawn = render(&scene, &recipe(&["shading=texture", "blending.order=objects"]), SIZE);
+        let drawn = drawn.image().at(SIZE.0 / 2, SIZE.1 / 2);
+        for (code, expected) in drawn.into_iter().zip(expected) {
+            assert!((f64::from(code) - expected).abs() <= 1.0, "{drawn:?} {expected:?}");
+        }
+    });
 }
 
 #[test]

@@ -4,12 +4,15 @@ use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 use rasterscope::antialias::settings::Samples;
-use rasterscope::chain::{KeepDepth, Renderer};
-use rasterscope::pipeline::settings::{Choice, ColorSpace, Culling, FillRule, Filter, Shading};
+use rasterscope::chain::{KeepDepth, Recipe, Renderer};
+use rasterscope::pipeline::settings::{
+    BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter, Shading,
+};
 use rasterscope::scene::{Mesh, Projection};
+use rasterscope::upscale::Upscaling;
 
 use crate::common::{self, SceneBuilder};
-use crate::{Renderers, SMALL, multisampled};
+use crate::{Renderers, SMALL, jittered, multisampled, with};
 
 /// Side of a pixel without perspective: the origin is at the centre of one.
 const PIXEL: f32 = 1.0 / 32.0;
@@ -59,8 +62,45 @@ fn triangles_of_all_sizes_are_seen_through_alike() {
         pipeline.fill_rule = FillRule::ALL[random.usize(..FillRule::ALL.len())];
         pipeline.filter = Filter::ALL[random.usize(..Filter::ALL.len())];
         pipeline.color_space = ColorSpace::ALL[random.usize(..ColorSpace::ALL.len())];
+        pipeline.blending.order = BlendingOrder::ALL[random.usize(..BlendingOrder::ALL.len())];
         renderers.check("all sizes", &scene, &scene.home, &recipe);
     });
+}
+
+/// Panes through each other, some of them under a texture, before and behind an opaque cube.
+fn crossing_panes(random: &mut fastrand::Rng) -> SceneBuilder {
+    let mut scene = SceneBuilder::new(Vec3::Z * 3.0).with(common::cube(), Mat4::from_scale(Vec3::splat(0.4)), None);
+    for textured in [true, false, true] {
+        let image = common::noise_texture(random);
+        let textures = [(); 2].map(|()| common::with_alpha(random, &image, &[0, 90, 200, 255]));
+        let turn = Mat4::from_rotation_y(random.f32() * 3.0) * Mat4::from_rotation_x(random.f32() - 0.5);
+        scene = scene.with_opacity(common::plane(), turn, textured.then_some(textures), 0.6);
+    }
+    scene.with_opacity(common::soup(random, 12), Mat4::IDENTITY, None, 0.5)
+}
+
+/// Every order of blending, where pixels have one sample, several or moved ones, where only some pixels are drawn, in every
+/// depth format and without depth test.
+#[test]
+fn every_blending_order_gives_the_same_picture() {
+    let mut renderers = Renderers::of(SMALL);
+    let scene = Arc::new(crossing_panes(&mut fastrand::Rng::with_seed(11)).0);
+    let mut recipes = vec![Recipe::default(), Recipe::default()];
+    recipes[1].upscaler = Upscaling::new("checkerboard", 1).unwrap();
+    recipes.extend(multisampled(&[Samples::Four]));
+    recipes.extend(jittered(&[Samples::Four]));
+    let recipes: Vec<_> = recipes
+        .into_iter()
+        .map(|mut recipe| {
+            recipe.pipeline.culling = Culling::None;
+            recipe
+        })
+        .collect();
+    let mut all = with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c);
+    all.extend(with::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c));
+    for recipe in with::<BlendingOrder>(&all, |r, c| r.pipeline.blending.order = c) {
+        renderers.check("crossing panes", &scene, &scene.home, &recipe);
+    }
 }
 
 /// A blended surface that fills the picture is shaded for each sample of each pixel, and for none beside the picture.

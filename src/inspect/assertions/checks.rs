@@ -37,6 +37,16 @@ pub(super) struct Pass<'a> {
     pub(super) step: f64,
 }
 
+/// A fragment that was blended over another blended one.
+pub(super) struct Blend {
+    /// Its stored depth.
+    pub(super) depth: f32,
+    /// Stored depth of the nearest fragment blended before.
+    pub(super) nearest: f32,
+    /// Whether that one is nearer.
+    pub(super) is_wrong: bool,
+}
+
 /// A fragment that was shaded.
 pub(super) struct Shaded<'a> {
     pub(super) fragment: &'a Fragment,
@@ -52,6 +62,7 @@ pub(super) enum Check {
     Covered(fn(&Covered<'_>) -> Verdict),
     Pass(fn(&Pass<'_>) -> Verdict),
     Shaded(fn(&Shaded<'_>) -> Option<Verdict>),
+    Blend(fn(&Blend) -> Verdict),
 }
 
 impl Check {
@@ -66,6 +77,7 @@ impl Check {
             Assertion::DepthRange => Self::Covered(depth_range),
             Assertion::DepthPass => Self::Pass(depth_pass),
             Assertion::Attributes => Self::Shaded(|shaded| Some(attributes(shaded))),
+            Assertion::BlendOrder => Self::Blend(blend_order),
             Assertion::Normal => Self::Shaded(normal),
         }
     }
@@ -131,6 +143,10 @@ fn depth_pass(pass: &Pass<'_>) -> Verdict {
     let way = if asks_for_farther { "in front of" } else { "behind" };
     let test = pass.settings.depth_test.name();
     (!holds).then(|| format!("it passed the test “{test}” at depth {new}, {way} what lies at {old}"))
+}
+
+fn blend_order(Blend { depth, nearest, is_wrong }: &Blend) -> Verdict {
+    is_wrong.then(|| format!("it is blended at depth {depth:?} over a nearer fragment at depth {nearest:?}"))
 }
 
 fn attributes(at: &Shaded<'_>) -> Verdict {

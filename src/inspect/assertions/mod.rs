@@ -33,6 +33,7 @@ choice! {
         DepthRange = "depth-range", "Depth between corners", "The depth lies between those of the corners, or one step of the buffer beside: it neither leaps nor leaves 0…1.";
         DepthPass = "depth-pass", "Depth passes are real", "What passed the depth test lies where the test asks for, in front of what it replaced or behind, but for 8 steps of the buffer. A test that lets everything pass claims to be in front.";
         Attributes = "attributes", "Attributes finite", "Texture coordinates, normal, vertex colour and light are neither NaN nor infinite.";
+        BlendOrder = "blend-order", "Blended from far to near", "What is blended over another blended fragment is not farther than it, by the stored depths.";
         Normal = "normal", "Normal there", "A fragment that is lit has a normal to be lit by.";
     }
 }
@@ -100,13 +101,16 @@ pub fn check(
     let mut framebuffer = Framebuffer::new(grid, raster.width, raster.height, scene.background, settings);
     let mut watch = Watch::new(recipe, frame, wanted);
     let count = geometry.triangles.len();
+    let sorted_from = geometry.sorted_from(settings);
     let mut next = 0;
     while next < count {
         if stop.load(Ordering::Relaxed) {
             return None;
         }
         tell(next as f32 / count as f32);
-        let triangles = next..count.min(next + TRIANGLES_AT_ONCE);
+        // Fragments that are sorted by depth must not be drawn in parts.
+        let end = if next < sorted_from { sorted_from.min(next + TRIANGLES_AT_ONCE) } else { count };
+        let triangles = next..end;
         next = triangles.end;
         let extent = Extent { triangles, scissor: Scissor::full(raster.width, raster.height) };
         draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);

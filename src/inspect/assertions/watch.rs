@@ -1,10 +1,11 @@
 //! The observer that hands each fragment to the assertions and counts.
 
-use super::checks::{Check, Covered, Pass, Shaded};
+use super::checks::{Blend, Check, Covered, Pass, Shaded};
 use super::exact::{Owner, depth};
 use super::{Assertion, Finding, Report, Violation};
 use crate::chain::{Frame, Recipe};
 use crate::image::{Image, Rgba8};
+use crate::inspect::blending::BlendedDepths;
 use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::Fragment;
 use crate::pipeline::observe::{DepthOutcome, Observer};
@@ -21,6 +22,7 @@ pub(super) struct Watch<'a> {
     entries: Vec<(Check, Finding)>,
     /// What each sample's stored depth was before it was quantised; NaN where nothing was stored yet.
     stored: Image<f64>,
+    blended: BlendedDepths<'a>,
     /// The triangle that the last sample was of.
     triangle: Option<(*const ScreenTriangle, Owner)>,
 }
@@ -35,6 +37,7 @@ impl<'a> Watch<'a> {
             plans: &frame.plans,
             entries: wanted.iter().map(|assertion| (Check::of(*assertion), finding(*assertion))).collect(),
             stored: Image::filled(width, height, f64::NAN),
+            blended: BlendedDepths::new(&recipe.pipeline, frame),
             triangle: None,
         }
     }
@@ -96,11 +99,17 @@ impl Observer for Watch<'_> {
         let plan = self.plans.get(triangle.instance as usize);
         let is_lit = self.settings.shading != Shading::Gouraud && plan.is_some_and(|plan| plan.runs(Part::Light));
         let at = Shaded { fragment, is_lit };
+        let pair = self.blended.add(triangle, &fragment.sample);
+        let blend =
+            pair.map(|[depth, nearest]| Blend { depth, nearest, is_wrong: self.blended.is_wrong([depth, nearest]) });
         for (check, finding) in &mut self.entries {
             if let Check::Shaded(check) = check
                 && let Some(wrong) = check(&at)
             {
                 count(finding, triangle, &fragment.sample, wrong);
+            }
+            if let (Check::Blend(check), Some(blend)) = (&*check, &blend) {
+                count(finding, triangle, &fragment.sample, check(blend));
             }
         }
     }

@@ -6,6 +6,8 @@
 
 mod badness;
 
+mod blend_order;
+
 mod edges;
 
 mod exact_owner;
@@ -54,6 +56,7 @@ choice! {
         BadNumbers = "bad-numbers", "NaN, infinite, negative", "Values of the shown quantity that are not a number, not finite, or below zero.";
         Clipped = "clipped", "Clipped", "Values of the shown quantity beyond the ends of its range; codes of colours at 0 and 255, too.";
         ExactOwner = "exact-owner", "Owner against exact", "Pixels that show another triangle than exact arithmetic on unsnapped corners would: missing where only that one draws, extra where only this frame does.";
+        BlendOrder = "blend-order", "Wrong blending order", "Pixels where a blended fragment was drawn over a nearer one, and whether the exact order gives another colour there.";
         TileLoad = "tile-load", "Tile load", "Triangles that each 64-px tile of the tiled way is handed.";
     }
 }
@@ -99,7 +102,12 @@ impl Overlay {
     /// How strong it is at first, in [0, 1]: lines wholly, areas so that the picture below is still seen.
     pub fn first_opacity(self) -> f32 {
         match self {
-            Self::Wireframe | Self::SnappedWireframe | Self::Faults | Self::BadNumbers | Self::ExactOwner => 1.0,
+            Self::Wireframe
+            | Self::SnappedWireframe
+            | Self::Faults
+            | Self::BadNumbers
+            | Self::ExactOwner
+            | Self::BlendOrder => 1.0,
             _ => 0.7,
         }
     }
@@ -129,6 +137,7 @@ impl Overlay {
             Self::BadNumbers => badness::bad_numbers(context),
             Self::Clipped => badness::clipped(context),
             Self::ExactOwner => exact_owner::exact_owner(context),
+            Self::BlendOrder => blend_order::blend_order(context),
             Self::TileLoad => tiles::load(context),
         }
     }

@@ -94,6 +94,10 @@ impl Scrubber {
     pub fn go(&mut self, moment: Moment) -> Framebuffer {
         let all = self.geometry.triangles.len();
         let triangles = moment.triangles.min(all);
+        let first_sorted = self.geometry.sorted_from(&self.recipe.pipeline);
+        if first_sorted < triangles {
+            return self.draw_sorted(moment, first_sorted);
+        }
         let Some(samples) = self.first_samples(moment).filter(|_| triangles == moment.triangles) else {
             self.seek(triangles);
             return self.now.clone();
@@ -102,6 +106,17 @@ impl Scrubber {
         let mut drawn = self.now.clone();
         let settings = &self.recipe.pipeline;
         draw_samples(&self.scene, &self.geometry, settings, (triangles - 1, &samples), &mut drawn);
+        drawn
+    }
+
+    /// Draws a moment at which fragments are sorted: those of the triangles from `first` on, as if there were no later ones.
+    fn draw_sorted(&mut self, moment: Moment, first: usize) -> Framebuffer {
+        self.seek(first);
+        let mut drawn = self.now.clone();
+        let geometry = self.geometry_at(moment);
+        let scissor = Scissor::full(self.raster.width, self.raster.height);
+        let extent = Extent { triangles: first..geometry.triangles.len(), scissor };
+        draw(&self.scene, &geometry, &self.recipe.pipeline, &extent, Until::Shade, &mut drawn, &mut ());
         drawn
     }
 

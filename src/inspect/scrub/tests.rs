@@ -3,7 +3,7 @@ use std::sync::Arc;
 use super::*;
 use crate::chain::run;
 use crate::inspect::inspect;
-use crate::pipeline::settings::{Arithmetic, Culling, DepthTest, Rasterizer};
+use crate::pipeline::settings::{Arithmetic, BlendingOrder, Culling, DepthTest, Rasterizer};
 use crate::scene::builtin;
 use crate::upscale::Upscaling;
 
@@ -33,6 +33,7 @@ fn recipes() -> Vec<Recipe> {
     };
     vec![
         Recipe::default(),
+        with(|r| (r.pipeline.blending.order, r.pipeline.culling) = (BlendingOrder::Exact, Culling::None)),
         with(|r| (r.pipeline.arithmetic, r.pipeline.culling) = (Arithmetic::F32, Culling::None)),
         with(|r| (r.pipeline.depth_test, r.pipeline.rasterizer) = (DepthTest::Off, Rasterizer::Tiled)),
         Recipe { upscaler: Upscaling::new("checkerboard", 1).unwrap(), ..Recipe::default() },

@@ -51,6 +51,8 @@ pub fn touches(
     let mut watch = Watch { geometry, touches: Vec::new() };
     draw(scene, geometry, settings, &extent, Until::Shade, &mut one, &mut watch);
     let mut touches = watch.touches;
+    // Fragments that are sorted by depth come in another order than their triangles.
+    touches.sort_by_key(|touch| touch.moment.key());
     let mut counted = 0;
     for touch in &mut touches {
         let Some(triangle) = geometry.triangles.get(touch.moment.triangles - 1) else { continue };

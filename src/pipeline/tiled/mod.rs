@@ -45,6 +45,7 @@ mod see_through_samples;
 mod setup;
 mod shade;
 mod shader;
+mod sorted;
 mod target;
 mod tested;
 mod texture;

@@ -1,8 +1,8 @@
 //! Triangles that are seen through: cut out where texels say so, or blended over what lies behind.
 //!
 //! Cut-out triangles are drawn among the opaque ones, as what is cut out neither hides nor stores anything. Blended ones come
-//! over the shaded tile, from far to near. Both are shaded on lanes, two rows at a time, if there is code on lanes for their
-//! shading, else sample by sample by the classic way's own functions.
+//! over the shaded tile, in the order of the setting. Both are shaded on lanes, two rows at a time, if there is code on lanes for their
+//! shading, else sample by sample by the classic way's own functions. Fragments that are sorted one by one are always blended that way.
 
 use super::Frame;
 use super::lattice::TILE;
@@ -12,6 +12,7 @@ use super::record::{Entrant, Entrants, Slot, Subject};
 use super::setup::Setup;
 use super::shade::Shaded;
 use super::shader::DrawShader;
+use super::sorted::{SortedFragment, SortedFragments};
 use super::target::Picture;
 use super::tested::{TestedRows, TestedSample, keep_tested, shade_tested};
 use super::tile::Tile;
@@ -19,6 +20,7 @@ use crate::math::lanes::*;
 use crate::pipeline::interpolate::{Fragment, interpolate};
 use crate::pipeline::mean_distance;
 use crate::pipeline::raster::Sample;
+use crate::pipeline::settings::BlendingOrder;
 use crate::pipeline::viewport::ScreenTriangle;
 
 impl Frame<'_> {
@@ -69,15 +71,18 @@ impl Frame<'_> {
         }
     }
 
-    /// Some triangles of a tile, given in the order in which they were submitted, in that in which they are blended.
-    pub(super) fn by_distance(&self, entrants: &Entrants, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
+    /// Returns some triangles of a tile, given in submission order, in the order in which they are blended; in submission
+    /// order if their fragments are sorted one by one.
+    pub(super) fn in_order(&self, entrants: &Entrants, blended: &[Slot]) -> Vec<(Slot, ScreenTriangle)> {
         let measured = |slot: &Slot| {
             let Entrant { key, draw } = entrants.get(*slot);
             let triangle = self.screen_triangle(key, draw as usize);
             (mean_distance(&self.scale, &triangle), *slot, triangle)
         };
         let mut sorted: Vec<_> = blended.iter().map(measured).collect();
-        sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
+        if self.settings.blending.order == BlendingOrder::Triangles {
+            sorted.sort_by(|a, b| b.0.total_cmp(&a.0));
+        }
         sorted.into_iter().map(|(_, slot, triangle)| (slot, triangle)).collect()
     }
 
@@ -92,9 +97,13 @@ impl Frame<'_> {
         queue: &mut Queue,
         picture: &mut Picture<'_>,
     ) -> Shaded {
+        let triangles = self.in_order(entrants, blended);
+        if self.settings.blending.order == BlendingOrder::Exact {
+            return self.blend_sorted(simd, (tile, locations), (entrants, &triangles), place, picture);
+        }
         let owner = self.owner(entrants, locations.lattice(), place);
         let mut shaded = Shaded::default();
-        for (slot, triangle) in self.by_distance(entrants, blended) {
+        for (slot, triangle) in triangles {
             let Some(setup) = owner(slot) else { continue };
             let subject = entrants.subject(slot);
             let shader = self.shader(subject.draw);
@@ -117,6 +126,40 @@ impl Frame<'_> {
                 0
             });
             shaded.add(shader, samples);
+        }
+        shaded
+    }
+
+    /// Blends triangles of a tile over its picture with their fragments sorted. Returns how much that was.
+    fn blend_sorted<S: Simd>(
+        &self,
+        simd: S,
+        (tile, locations): (&mut Tile, impl Locations),
+        (entrants, triangles): (&Entrants, &[(Slot, ScreenTriangle)]),
+        place: (usize, usize),
+        picture: &mut Picture<'_>,
+    ) -> Shaded {
+        let owner = self.owner(entrants, locations.lattice(), place);
+        let (mut shaded, mut list) = (Shaded::default(), SortedFragments::default());
+        for (number, (slot, triangle)) in triangles.iter().enumerate() {
+            let Some(setup) = owner(*slot) else { continue };
+            let before = list.len();
+            // A blended fragment hides nothing: none is kept.
+            tile.draw_kept(simd, &setup, locations, &self.rules, &owner, |tested| {
+                let within = TestedRows { passed: tested.within(picture.size), ..*tested };
+                list.add(self.settings, (triangle, number), (0, &within), &within);
+                0
+            });
+            let subject = entrants.subject(*slot);
+            shaded.add(self.shader(subject.draw), list.len() - before);
+        }
+        let draws: Vec<_> = triangles.iter().map(|(slot, _)| entrants.subject(*slot).draw).collect();
+        for SortedFragment { at, triangle, edges, .. } in list.sorted() {
+            let (column, row) = (at % TILE, at / TILE);
+            let pixel = &mut picture.values[row * picture.stride + picture.left + column];
+            let (of, draw) = (&triangles[triangle].1, draws[triangle]);
+            let fragment = self.fragment(of, draw, place, (column, row), edges);
+            *pixel = self.shader(draw).shader.blend(&fragment, of, *pixel);
         }
         shaded
     }

@@ -12,11 +12,14 @@ use super::queue::{Queue, flush};
 use super::record::{Entrants, Slot};
 use super::setup::Setup;
 use super::shade::Shaded;
+use super::sorted::{SortedFragment, SortedFragments};
 use super::target::{Picture, TileRows};
 use super::tested::shade_tested;
 use super::tile::Tile;
 use crate::image::Rgba8;
 use crate::math::lanes::*;
+use crate::pipeline::settings::BlendingOrder;
+use crate::pipeline::viewport::ScreenTriangle;
 
 /// Memory for triangles that are seen through, kept from tile to tile.
 #[derive(Clone, Debug, Default)]
@@ -90,7 +93,14 @@ impl Frame<'_> {
         }
         mixed.spread(colors);
         let mut shaded = Shaded::default();
-        for (slot, triangle) in self.by_distance(entrants, blended) {
+        let triangles = self.in_order(entrants, blended);
+        if self.settings.blending.order == BlendingOrder::Exact {
+            let drawn = (entrants, &*triangles);
+            shaded = self.blend_sorted_samples(simd, (planes, tiles), drawn, (place, size), colors);
+            memory.resolve(planes.samples.mean, picture);
+            return shaded;
+        }
+        for (slot, triangle) in triangles {
             let subject = entrants.subject(slot);
             let shader = self.shader(subject.draw);
             let mut samples = 0;
@@ -121,6 +131,42 @@ impl Frame<'_> {
             shaded.texels += std::mem::take(&mut queue.coarse_texels);
         }
         memory.resolve(planes.samples.mean, picture);
+        shaded
+    }
+
+    /// Blends triangles of a tile over the colours of all samples with their fragments sorted, and returns how much that was.
+    /// The tile is given by its place and by how many of its pixels are in the picture.
+    fn blend_sorted_samples<S: Simd>(
+        &self,
+        simd: S,
+        (planes, tiles): (&Planes<'_>, &mut [Tile]),
+        (entrants, triangles): (&Entrants, &[(Slot, ScreenTriangle)]),
+        (place, size): ((usize, usize), (usize, usize)),
+        colors: &mut [Rgba8],
+    ) -> Shaded {
+        let (mut shaded, mut list) = (Shaded::default(), SortedFragments::default());
+        for (number, (slot, triangle)) in triangles.iter().enumerate() {
+            let before = list.len();
+            for (sample, (tile, lattice)) in tiles.iter_mut().zip(&planes.lattices).enumerate() {
+                let owner = self.owner(entrants, lattice, place);
+                let Some(setup) = owner(*slot) else { continue };
+                tile.draw_kept(simd, &setup, lattice, &self.rules, &owner, |tested| {
+                    let mut shading = tested.at_first_covered(simd, &setup, lattice.offset(), &planes.shading_places);
+                    shading.passed = shading.within(size);
+                    list.add(self.settings, (triangle, number), (sample * TILE_SAMPLES, tested), &shading);
+                    // A blended fragment hides nothing.
+                    0
+                });
+            }
+            shaded.add(self.shader(entrants.subject(*slot).draw), list.len() - before);
+        }
+        for SortedFragment { at, triangle, edges, .. } in list.sorted() {
+            let (slot, of) = &triangles[triangle];
+            let draw = entrants.subject(*slot).draw;
+            let pixel = at % TILE_SAMPLES;
+            let fragment = self.fragment(of, draw, place, (pixel % TILE, pixel / TILE), edges);
+            colors[at] = self.shader(draw).shader.blend(&fragment, of, colors[at]);
+        }
         shaded
     }
 }

@@ -261,6 +261,13 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     } else {
         left_out(ui, view, Part::Texels);
     }
+    if view.frame.plans.iter().any(|p| p.runs(Part::Blending)) {
+        row(ui, "Blending order", "Order in which the fragments of blended materials are blended", |ui| {
+            pick(ui, &mut settings.blending.order)
+        });
+    } else {
+        left_out(ui, view, Part::Blending);
+    }
     row(ui, "Colour space", "In which numbers light is computed and textures are filtered", |ui| {
         pick(ui, &mut settings.color_space)
     });

@@ -1,0 +1,175 @@
+//! Blending in exact order: an A-buffer (Carpenter, "The A-buffer, an Antialiased Hidden Surface Method", 1984) that holds
+//! the blended fragments of a few rows at a time.
+//!
+//! Blended triangles come after the opaque ones and store no depth, so whether a fragment passes the depth test does not
+//! depend on the order of the others. Fragments that pass are collected, sorted by sample and depth, and blended from far to
+//! near. Fragments of equal depth stay in submission order. The observer sees each fragment when it is blended, so a story
+//! lists them in blending order.
+
+use std::ops::Range;
+
+use super::depth::{Comparison, depth_at, unquantised_depth_at};
+use super::framebuffer::Framebuffer;
+use super::interpolate::{Fragment, interpolate};
+use super::observe::{DepthOutcome, Observer};
+use super::raster::numbers::Numbers;
+use super::raster::{Sample, Scissor, Span, Triangle, cover_samples};
+use super::settings::Settings;
+use super::shade::Shader;
+use super::viewport::ScreenTriangle;
+use super::{Extent, Geometry, Until, partial};
+use crate::image::Image;
+
+/// Rows of pixels whose fragments are collected at a time: bounds the memory of the list.
+const ROWS: u32 = 16;
+
+/// Splits a range of triangles into those that are drawn one after the other and those whose fragments are sorted.
+pub(super) fn split(
+    geometry: &Geometry,
+    settings: &Settings,
+    triangles: &Range<usize>,
+    until: Until,
+) -> (Range<usize>, Range<usize>) {
+    let first = if until == Until::Shade { geometry.sorted_from(settings) } else { triangles.end };
+    let first = first.clamp(triangles.start, triangles.end.max(triangles.start));
+    (triangles.start..first, first..triangles.end)
+}
+
+/// Depth of a sample as a key that grows toward the viewer. It is not quantised to the depth format, whose steps may be
+/// coarser than the distances of panes.
+#[inline]
+pub(super) fn nearness(settings: &Settings, triangle: &ScreenTriangle, sample: &Sample) -> f32 {
+    let depth = unquantised_depth_at(triangle, sample) as f32;
+    if settings.reversed() { depth } else { -depth }
+}
+
+/// A fragment that passed the depth test and is not yet blended.
+#[derive(Clone, Copy, Debug)]
+struct Collected {
+    /// Index of its sample in the framebuffers, which follow each other.
+    sample: usize,
+    nearness: f32,
+    /// Index of its triangle in the list of all.
+    triangle: usize,
+    /// Index of its attributes in [`FragmentList::fragments`].
+    fragment: usize,
+}
+
+/// The blended fragments of some samples.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FragmentList {
+    collected: Vec<Collected>,
+    /// Attributes, shared by the samples of a pixel that is shaded once.
+    fragments: Vec<Fragment>,
+}
+
+impl FragmentList {
+    /// Removes all fragments.
+    pub(super) fn clear(&mut self) {
+        self.collected.clear();
+        self.fragments.clear();
+    }
+
+    /// Adds the attributes of a fragment, for the samples that are added next.
+    pub(super) fn shade(&mut self, fragment: Fragment) {
+        self.fragments.push(fragment);
+    }
+
+    /// Adds a sample, by its index in the framebuffers, that shows the last fragment.
+    pub(super) fn add(&mut self, sample: usize, nearness: f32, triangle: usize) {
+        let fragment = self.fragments.len() - 1;
+        self.collected.push(Collected { sample, nearness, triangle, fragment });
+    }
+
+    /// All fragments with the indices of their samples and triangles, sample by sample from far to near.
+    pub(super) fn sorted(&mut self) -> impl Iterator<Item = (usize, usize, &Fragment)> {
+        let Self { collected, fragments } = self;
+        collected.sort_by(|a, b| a.sample.cmp(&b.sample).then(a.nearness.total_cmp(&b.nearness)));
+        collected.iter().map(|one| (one.sample, one.triangle, &fragments[one.fragment]))
+    }
+}
+
+/// Draws blended triangles with their fragments sorted.
+pub(super) struct Sorting<'a> {
+    pub(super) geometry: &'a Geometry,
+    pub(super) settings: &'a Settings,
+    /// One for each instance.
+    pub(super) shaders: &'a [Shader<'a>],
+}
+
+impl Sorting<'_> {
+    /// Draws the triangles of `extent`, all of them blended.
+    pub(super) fn draw<N: Numbers, O: Observer>(&self, extent: &Extent, frame: &mut Framebuffer, observer: &mut O) {
+        let Scissor { top, bottom, .. } = extent.scissor;
+        let mut list = FragmentList::default();
+        let mut spans = Vec::new();
+        for first in (top..bottom).step_by(ROWS as usize) {
+            let band = Scissor { top: first, bottom: bottom.min(first + ROWS), ..extent.scissor };
+            list.clear();
+            for place in extent.triangles.clone() {
+                if !band.may_meet_box(self.geometry.triangles.box_of(place)) {
+                    continue;
+                }
+                let triangle = &self.geometry.triangles[place];
+                let corners_px = triangle.corners_px();
+                let Some(edges) = Triangle::<N>::new(corners_px, self.settings.fill_rule) else { continue };
+                spans.clear();
+                let visited = match &self.geometry.partial {
+                    Some(samples) if place + 1 == self.geometry.triangles.len() => {
+                        partial::within(samples, (frame.grid, band), &mut spans)
+                    }
+                    _ => cover_samples(self.settings.rasterizer, &edges, corners_px, (frame.grid, band), &mut spans),
+                };
+                self.collect((triangle, &edges, place), &spans, frame, &mut list, observer);
+                observer.visited(visited);
+            }
+            self.blend(&mut list, std::slice::from_mut(frame), observer);
+        }
+    }
+
+    /// Adds the samples of a blended triangle that pass the depth test; the triangle is given with its edges and its index in
+    /// the list of all. The observer sees the others.
+    pub(super) fn collect<N: Numbers, O: Observer>(
+        &self,
+        (triangle, edges, place): (&ScreenTriangle, &Triangle<N>, usize),
+        spans: &[Span],
+        frame: &Framebuffer,
+        list: &mut FragmentList,
+        observer: &mut O,
+    ) {
+        let comparison = Comparison::of(self.settings);
+        let attributes = self.shaders[triangle.instance as usize].attributes();
+        let (width, depths) = (frame.color.width() as usize, frame.depth.as_ref().map(Image::pixels));
+        for (column, row) in spans.iter().flat_map(|span| (span.left..span.right).map(|column| (column, span.row))) {
+            let sample = edges.sample((column, row), frame.grid.pixel(column, row));
+            let index = (row - frame.origin.1) as usize * width + (column - frame.origin.0) as usize;
+            if let Some(depths) = depths {
+                let (new, stored) = (depth_at(triangle, &sample), depths[index]);
+                if !comparison.passes(new, stored) {
+                    observer.covered(triangle, &sample);
+                    observer.depth_tested(triangle, &sample, DepthOutcome { new, stored, passed: false });
+                    continue;
+                }
+            }
+            list.shade(interpolate(triangle, sample, attributes));
+            list.add(index, nearness(self.settings, triangle, &sample), place);
+        }
+    }
+
+    /// Blends all collected fragments over framebuffers of one size, from far to near.
+    pub(super) fn blend<O: Observer>(&self, list: &mut FragmentList, frames: &mut [Framebuffer], observer: &mut O) {
+        let samples_each = frames.first().map_or(1, |frame| frame.color.pixels().len().max(1));
+        for (index, place, fragment) in list.sorted() {
+            let (frame, index) = (&mut frames[index / samples_each], index % samples_each);
+            let triangle = &self.geometry.triangles[place];
+            observer.covered(triangle, &fragment.sample);
+            if let Some(depths) = &frame.depth {
+                let (new, stored) = (depth_at(triangle, &fragment.sample), depths.pixels()[index]);
+                observer.depth_tested(triangle, &fragment.sample, DepthOutcome { new, stored, passed: true });
+            }
+            let color = &mut frame.color.pixels_mut()[index];
+            *color = self.shaders[triangle.instance as usize].blend(fragment, triangle, *color);
+            observer.shaded(triangle, fragment, *color);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! The blended fragments of a tile, sorted by sample and depth before they are blended.
+
+use super::lattice::TILE;
+use super::tested::{TestedRows, TestedSample};
+use crate::pipeline::blending::nearness;
+use crate::pipeline::raster::Sample;
+use crate::pipeline::settings::Settings;
+use crate::pipeline::viewport::ScreenTriangle;
+
+/// A fragment that passed the depth test and is not yet blended.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SortedFragment {
+    /// Index of its sample in the tile.
+    pub(super) at: usize,
+    nearness: f32,
+    /// Number of its triangle.
+    pub(super) triangle: usize,
+    /// Edge values at the place where it is shaded.
+    pub(super) edges: [f64; 3],
+}
+
+/// The blended fragments of a tile.
+#[derive(Clone, Debug, Default)]
+pub(super) struct SortedFragments {
+    fragments: Vec<SortedFragment>,
+}
+
+impl SortedFragments {
+    /// Number of fragments.
+    pub(super) fn len(&self) -> usize {
+        self.fragments.len()
+    }
+
+    /// Adds the samples of a numbered triangle that pass in `shading`, which holds edge values of the places where they are
+    /// shaded. `tested` holds those of the samples themselves, whose indices begin at `first`.
+    pub(super) fn add(
+        &mut self,
+        settings: &Settings,
+        (triangle, number): (&ScreenTriangle, usize),
+        (first, tested): (usize, &TestedRows),
+        shading: &TestedRows,
+    ) {
+        let own = TestedRows { passed: shading.passed, ..*tested };
+        for (TestedSample { place: (column, row), edges, .. }, shaded) in own.samples().zip(shading.samples()) {
+            // Depth depends on the edge values alone.
+            let sample = Sample { column: 0, row: 0, x: 0, y: 0, edges };
+            self.fragments.push(SortedFragment {
+                at: first + row * TILE + column,
+                nearness: nearness(settings, triangle, &sample),
+                triangle: number,
+                edges: shaded.edges,
+            });
+        }
+    }
+
+    /// Returns all fragments sample by sample, from far to near, those of equal depth by the numbers of their triangles.
+    pub(super) fn sorted(mut self) -> impl Iterator<Item = SortedFragment> {
+        let key = |one: &SortedFragment| (one.at, one.triangle);
+        self.fragments
+            .sort_unstable_by(|a, b| a.at.cmp(&b.at).then(a.nearness.total_cmp(&b.nearness)).then(key(a).cmp(&key(b))));
+        self.fragments.into_iter()
+    }
+}
