@@ -96,6 +96,10 @@ impl Recipe {
         if key == FILTER_KEY {
             changed.post = self.post.with_filter(changed.post.filter);
         }
+        if key == METHOD_KEY {
+            let chosen = self.upscaler.with_method(changed.upscaler.method());
+            changed.upscaler = chosen.unwrap_or(changed.upscaler);
+        }
         changed.check().map_err(bad)?;
         if json(&changed).pointer(&pointer) != Some(&wanted) {
             let method = changed.upscaler.method();
@@ -299,6 +303,26 @@ mod tests {
         assert!(recipe.set_all(&["wireframe=true", "Upscaler.scale=2"]).is_err(), "keys are in lower case");
         assert!(recipe.set_all(&["wireframe=true", "upscaler.scale=5"]).is_err());
         assert_eq!(recipe, before);
+    }
+
+    #[test]
+    fn a_method_chosen_by_name_has_the_configuration_that_the_registry_gives_it() {
+        for upscaler in Upscaling::every() {
+            let mut recipe = Recipe::default();
+            let scale = format!("upscaler.scale={}", upscaler.scale());
+            let method = format!("upscaler.method={}", upscaler.method());
+            recipe.set_all(&[&scale, &method]).unwrap();
+            assert_eq!(recipe.upscaler, upscaler, "from native");
+            let mut after_another = Recipe::default();
+            let other = if upscaler.method() == "bicubic" { "bilinear" } else { "bicubic" };
+            let other = format!("upscaler.method={other}");
+            after_another.set_all(&[other.as_str(), "upscaler.anchor=centre", "upscaler.light=linear"]).unwrap();
+            after_another.set_all(&[&scale, &method]).unwrap();
+            assert_eq!(after_another.upscaler, upscaler, "after another method with choices of its own");
+            let short = format!("{{\"method\":\"{}\",\"scale\":{}}}", upscaler.method(), upscaler.scale());
+            let parsed = serde_json::from_str::<Upscaling>(&short).unwrap();
+            assert_eq!(parsed, upscaler, "from a file without anchor and light");
+        }
     }
 
     #[test]

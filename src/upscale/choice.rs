@@ -38,22 +38,16 @@ pub struct Upscaling {
 struct Written {
     method: String,
     scale: Scale,
-    #[serde(default = "corner")]
-    anchor: Anchor,
-    #[serde(default = "bytes")]
-    light: Light,
+    /// The method's own default where absent.
+    #[serde(default)]
+    anchor: Option<Anchor>,
+    /// The method's own default where absent.
+    #[serde(default)]
+    light: Option<Light>,
     #[serde(default)]
     deringing: bool,
     #[serde(default)]
     sharpening: u32,
-}
-
-fn corner() -> Anchor {
-    Anchor::Corner
-}
-
-fn bytes() -> Light {
-    Light::Bytes
 }
 
 impl Upscaling {
@@ -94,10 +88,10 @@ impl Upscaling {
         ALL.iter().flat_map(move |u| choices(*u))
     }
 
-    /// Another method, and as much of the rest as it offers.
+    /// Returns another method in its default configuration at the nearest scale that it offers; `None` if there is no
+    /// such method. The current method is returned unchanged, with everything that was chosen about it.
     pub fn with_method(self, method: &str) -> Option<Self> {
-        let method = ALL.iter().position(|u| u.id() == method)?;
-        Some(Self { method, ..self }.offered())
+        if self.method() == method { Some(self) } else { Self::new(method, self.scale) }
     }
 
     /// Another enlargement, or the nearest that the method offers.
@@ -219,17 +213,19 @@ impl TryFrom<Written> for Upscaling {
 
     fn try_from(written: Written) -> Result<Self, String> {
         let Written { method, scale, anchor, light, deringing, sharpening } = written;
-        let chosen = Self { method: 0, scale, anchor, light, deringing, sharpening };
-        chosen.with_method(&method).ok_or_else(|| {
+        let default = Self::new(&method, scale).ok_or_else(|| {
             let known: Vec<_> = ALL.iter().map(|u| format!("`{}`", u.id())).collect();
             format!("unknown upscaler `{method}`, expected one of {}", known.join(", "))
-        })
+        })?;
+        let (anchor, light) = (anchor.unwrap_or(default.anchor), light.unwrap_or(default.light));
+        Ok(Self { anchor, light, deringing, sharpening, ..default }.offered())
     }
 }
 
 impl From<Upscaling> for Written {
     fn from(upscaling: Upscaling) -> Self {
         let Upscaling { scale, anchor, light, deringing, sharpening, .. } = upscaling;
+        let (anchor, light) = (Some(anchor), Some(light));
         Self { method: upscaling.method().to_owned(), scale, anchor, light, deringing, sharpening }
     }
 }
