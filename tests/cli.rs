@@ -150,7 +150,8 @@ fn pixel_names_the_triangle_that_is_not_seen_and_why() {
 #[test]
 fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
     let folder = folder();
-    let output = run(&folder, &["report", "triangle", "-o", "made/here", "--size", "40x30", "--rounds", "2"]);
+    let output =
+        run(&folder, &["report", "triangle", "-o", "made/here", "--size", "40x30", "--rounds", "2", "--turn", "1"]);
     assert_success(&output);
     let read = |name: &str| fs::read_to_string(folder.path().join("made/here").join(name)).unwrap();
     let rows = upscale::Upscaling::every().count();
@@ -160,8 +161,9 @@ fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
     let columns = csv.lines().next().unwrap().split(',').count();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let scene = &json["scenes"][0];
-    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 26));
+    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 36));
     assert_eq!(scene["rows"][0]["error"]["mse"].as_f64(), Some(0.0), "native");
+    assert_eq!(scene["rows"][0]["motion"]["worst"]["mse"].as_f64(), Some(0.0), "native in motion");
     assert_eq!(scene["shares"].as_array().unwrap().len(), 5);
     for upscaling in upscale::Upscaling::every() {
         assert!(page.contains(&upscaling.label()), "{}", upscaling.label());

@@ -1,18 +1,24 @@
 //! `rasterscope bench`: what frames of one view cost, as a table or as JSON.
 
 use clap::{Args, ValueEnum};
-use rasterscope::chain::Renderer;
+use rasterscope::chain::{Recipe, Renderer};
 use rasterscope::math::lanes::Lanes;
+use rasterscope::measure::against::Figures;
 use rasterscope::measure::bench::{BenchReport, bench};
+use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
 use rasterscope::measure::timing::Summary;
+use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::upscale::Upscaling;
+use serde::Serialize;
 
 use super::bench_scrub;
 use super::bench_verify;
 use super::bench_window;
+use super::diff::motion_line;
 use super::failure::Failure;
 use super::output;
 use super::parse;
-use super::scene_args::FrameArgs;
+use super::scene_args::{FrameArgs, View};
 
 /// What `bench` takes.
 #[derive(Args, Debug)]
@@ -28,8 +34,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
 
-    /// Turn the view around its target by so much from frame to frame: what takes over from the frame before costs more then
-    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true, value_parser = parse::degrees,
+    /// Orbit the camera by this angle per frame, for times and for the error in motion; 0 measures the still view
+    #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true, value_parser = parse::degrees,
           conflicts_with_all = ["scrub", "window", "verify"])]
     turn: f32,
 
@@ -95,8 +101,11 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
     let moving = (&view.camera, args.turn);
-    let report =
-        pool.install(|| bench(&view.scene, moving, &view.recipe, size, args.frames as usize, Renderer::on(lanes)));
+    let report = pool.install(|| {
+        let report = bench(&view.scene, moving, &view.recipe, size, args.frames as usize, Renderer::on(lanes))?;
+        let error = MeasuredError::of(&view, size, args.turn);
+        Some(Report { report, error })
+    });
     let Some(report) = report else { return Ok(()) };
     if args.json {
         return output::print_json(&report);
@@ -104,7 +113,45 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     output::print(&table(&report))
 }
 
-fn table(report: &BenchReport) -> String {
+/// Times of the frames, and how wrong they are.
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    report: BenchReport,
+    /// Error against native; `None` for the native method itself.
+    error: Option<MeasuredError>,
+}
+
+/// Error against the native frames of the same cameras.
+#[derive(Serialize)]
+struct MeasuredError {
+    /// How the camera moves.
+    turn: Turn,
+    /// Figures of the settled still view.
+    still: Figures,
+    /// Figures over the moving frames.
+    motion: MotionError,
+}
+
+impl MeasuredError {
+    /// Measures the upscaler of a view; `None` for the native method, which is the reference.
+    fn of(view: &View, viewport: Viewport, turn_degrees: f32) -> Option<Self> {
+        let recipe = view.recipe;
+        if recipe.upscaler.is_native() {
+            return None;
+        }
+        let native = Recipe { upscaler: Upscaling::NATIVE, ..recipe };
+        let error = |turn| {
+            let shot = Shot { scene: &view.scene, camera: &view.camera, viewport, turn };
+            between(&shot, [&native, &recipe])
+        };
+        let turn = Turn::by(turn_degrees);
+        Some(Self { turn, still: error(Turn::by(0.0))?.mean, motion: error(turn)? })
+    }
+}
+
+fn table(report: &Report) -> String {
+    let Report { report, error } = report;
     let BenchReport {
         scene,
         size: [width, height],
@@ -131,6 +178,15 @@ fn table(report: &BenchReport) -> String {
     text.extend(stages.iter().map(|stage| line(stage.stage, &stage.ms)));
     text += &line("writing as many bytes", &writing.ms);
     text.push('\n');
+    if let Some(MeasuredError { turn, still, motion }) = error {
+        let codes = still.codes;
+        text += &format!(
+            "still, against native: PSNR {:.2} dB, SSIM {:.6}, FLIP {:.4}\n",
+            codes.psnr_db, codes.ssim, still.flip
+        );
+        text += &motion_line(motion, *turn);
+        text.push('\n');
+    }
     text.extend(counts.iter().map(|(name, count)| format!("{name:24} {count:10}\n")));
     let megabytes = |bytes: usize| bytes as f64 / 1e6;
     text += &format!(

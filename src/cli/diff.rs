@@ -9,6 +9,7 @@ use rasterscope::inspect::fields::{FieldChange, changes};
 use rasterscope::inspect::what_if::Changes;
 use rasterscope::inspect::{Buffer, capture, view};
 use rasterscope::measure::error::{ImageError, compare};
+use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
 use rasterscope::measure::pair::{PairTimer, PairTimes};
 use rasterscope::pipeline::viewport::Viewport;
 use serde::Serialize;
@@ -35,6 +36,11 @@ pub(crate) struct DiffArgs {
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     rounds: u32,
 
+    /// Orbit the camera by this angle per frame while the error in motion is measured; 0 measures the still view alone
+    #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true,
+          value_parser = parse::degrees)]
+    turn: f32,
+
     /// Print JSON instead of text
     #[arg(long)]
     json: bool,
@@ -55,6 +61,8 @@ struct Told {
     changed_pixels: u64,
     changed_share: f64,
     picture_error: Option<ImageError>,
+    turn: Turn,
+    motion_error: Option<MotionError>,
     times: Option<PairTimes>,
 }
 
@@ -74,6 +82,11 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         changed_pixels: changed.count,
         changed_share: changed.share(),
         picture_error: compare(before.image(), after.image()),
+        turn: Turn::by(args.turn),
+        motion_error: between(
+            &Shot { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) },
+            [&a, &b],
+        ),
         times: timed(args.rounds as usize, &view, (a, b), size),
     };
     if let Some(path) = &args.output {
@@ -130,6 +143,9 @@ fn text(told: &Told) -> String {
     if let Some(ImageError { mse, psnr_db, ssim, max_abs, .. }) = told.picture_error {
         text += &format!("picture: MSE {mse:.4}, PSNR {psnr_db:.2} dB, SSIM {ssim:.6}, largest difference {max_abs}\n");
     }
+    if let Some(motion) = told.motion_error.filter(|_| told.turn.degrees != 0.0) {
+        text += &motion_line(&motion, told.turn);
+    }
     if let Some(times) = &told.times {
         let verdict = if times.is_clear() { "larger than the noise" } else { "within the noise" };
         text += &format!(
@@ -142,4 +158,13 @@ fn text(told: &Told) -> String {
         );
     }
     text
+}
+
+/// Returns the error over a sequence as one line.
+pub(super) fn motion_line(motion: &MotionError, turn: Turn) -> String {
+    let MotionError { mean, worst } = motion;
+    format!(
+        "in motion ({} frames, {}° per frame): PSNR {:.2} dB, SSIM {:.6}, FLIP {:.4}; worst frame: PSNR {:.2} dB, FLIP {:.4}\n",
+        turn.frames, turn.degrees, mean.codes.psnr_db, mean.codes.ssim, mean.flip, worst.codes.psnr_db, worst.flip
+    )
 }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 use rasterscope::chain::Recipe;
+use rasterscope::measure::motion::Turn;
 use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::report::upscaling::csv::csv;
@@ -49,6 +50,11 @@ pub(crate) struct ReportArgs {
     /// What errors are against
     #[arg(long, value_name = "REFERENCE", default_value = "native", value_parser = parse::choice::<Reference>())]
     reference: Reference,
+
+    /// Orbit the camera by this angle per frame while errors are measured; 0 measures the still view
+    #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true,
+          value_parser = parse::degrees)]
+    turn: f32,
 }
 
 /// Measures and writes `index.html`, `report.csv` and `report.json`.
@@ -96,6 +102,7 @@ fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
         viewport: args.size,
         rounds: args.rounds.into(),
         reference: args.reference,
+        turn: Turn::by(args.turn),
     })
 }
 

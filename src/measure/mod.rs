@@ -14,6 +14,8 @@ pub mod flip;
 
 pub mod leaving_out;
 
+pub mod motion;
+
 pub mod pair;
 
 pub mod reference;

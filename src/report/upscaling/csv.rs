@@ -1,11 +1,12 @@
 //! The report as comma-separated values: one line per scene and recipe.
 
 use super::sweep::{Report, Row, SceneReport};
+use crate::pipeline::settings::Choice as _;
 
 /// The columns.
-const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,label,drawn,rounds,frame_ms,frame_ms_p10,\
-    frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,dominated_by,\
-    noise";
+const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
+    frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
+    turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,noise";
 
 /// The whole table with its head. Text is quoted; what does not apply is left empty.
 pub fn csv(report: &Report) -> String {
@@ -18,6 +19,7 @@ fn line(report: &Report, scene: &SceneReport, row: &Row) -> String {
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     let [width, height] = report.size;
     let (codes, parts, ms) = (row.error.codes, row.parts_ms, row.frame_ms);
+    let (mean, worst) = (row.motion.mean, row.motion.worst);
     [
         quoted(&scene.scene),
         scene.triangles.to_string(),
@@ -27,6 +29,8 @@ fn line(report: &Report, scene: &SceneReport, row: &Row) -> String {
         quoted(report.reference),
         row.recipe.upscaler.method().to_owned(),
         row.recipe.upscaler.scale().to_string(),
+        row.recipe.upscaler.anchor().id().to_owned(),
+        row.recipe.upscaler.light().id().to_owned(),
         quoted(&row.label),
         row.drawn.to_string(),
         ms.n.to_string(),
@@ -43,6 +47,14 @@ fn line(report: &Report, scene: &SceneReport, row: &Row) -> String {
         row.error.flip.to_string(),
         codes.max_abs.to_string(),
         codes.differing_pixels.to_string(),
+        report.turn.degrees.to_string(),
+        report.turn.frames.to_string(),
+        mean.codes.mse.to_string(),
+        mean.codes.psnr_db.to_string(),
+        mean.codes.ssim.to_string(),
+        mean.flip.to_string(),
+        worst.codes.psnr_db.to_string(),
+        worst.flip.to_string(),
         row.dominated_by.as_deref().map(quoted).unwrap_or_default(),
         scene.noise.to_string(),
     ]

@@ -7,7 +7,11 @@ use super::skipping::Share;
 use super::sweep::{Report, Row, SceneReport};
 use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
+use crate::measure::error::ImageError;
+use crate::measure::motion::Turn;
+use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, tiles};
+use crate::upscale::Anchor;
 
 /// What this page has of its own.
 const STYLE: &str = include_str!("page.css");
@@ -16,7 +20,7 @@ const STYLE: &str = include_str!("page.css");
 pub fn page(report: &Report) -> io::Result<String> {
     let mut body = head(report);
     for scene in &report.scenes {
-        body += &section(scene)?;
+        body += &section(report, scene)?;
     }
     body += &method(report);
     Ok(document("Error against run time", STYLE, &body))
@@ -41,29 +45,50 @@ fn head(report: &Report) -> String {
     )
 }
 
-fn section(scene: &SceneReport) -> io::Result<String> {
+fn section(report: &Report, scene: &SceneReport) -> io::Result<String> {
     let native = scene.rows.iter().find(|row| row.recipe.upscaler.is_native());
     let best = scene.rows.iter().filter(|row| row.dominated_by.is_none()).count();
     Ok(format!(
         "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} ways are beaten by no \
          other in both, and the dashed line joins them. Grey ones are beaten. Bars run from the 10th to the 90th percentile, thin \
          lines join one method's enlargements. Times closer than {:.1} % are the same: that far apart lay two runs of one \
-         recipe.</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
+         recipe. {}</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
          <p class=\"soft\">{} × {} px from column {}, row {}, as they are, enlarged without smoothing.</p>\n{}</section>\n",
         escaped(&scene.scene),
         scene.triangles,
         scene.rows.len(),
         scene.noise * 100.0,
+        anchors(&scene.rows),
         plot::tradeoff(scene),
         scene.shares.as_deref().map(shares).unwrap_or_default(),
         native.map(|native| sixteenth(&scene.rows, native)).unwrap_or_default(),
-        table(&scene.rows, native),
+        table(report, &scene.rows, native),
         scene.crop.right - scene.crop.left,
         scene.crop.bottom - scene.crop.top,
         scene.crop.left,
         scene.crop.top,
         crops(&scene.rows)?
     ))
+}
+
+/// Returns a sentence that names the methods by their anchor if these differ; nothing otherwise.
+fn anchors(rows: &[Row]) -> String {
+    let names = |anchor: Anchor| {
+        let mut names: Vec<_> = Vec::new();
+        for row in rows.iter().filter(|row| !row.recipe.upscaler.is_native() && row.recipe.upscaler.anchor() == anchor)
+        {
+            names.push(row.recipe.upscaler.upscaler().name());
+        }
+        names.dedup();
+        names.join(", ")
+    };
+    let anchored: Vec<_> = Anchor::ALL.iter().map(|anchor| (anchor.name(), names(*anchor))).collect();
+    if anchored.iter().filter(|(_, names)| !names.is_empty()).count() < 2 {
+        return String::new();
+    }
+    let parts: Vec<_> =
+        anchored.iter().map(|(anchor, names)| format!("{}: {}", escaped(anchor), escaped(names))).collect();
+    format!("Anchors differ: a sample lies at another place of its block. {}.", parts.join("; "))
 }
 
 fn shares(shares: &[Share]) -> String {
@@ -85,7 +110,7 @@ fn sixteenth(rows: &[Row], native: &Row) -> String {
     if few.is_empty() {
         return String::new();
     }
-    few.sort_by(|a, b| a.error.flip.total_cmp(&b.error.flip));
+    few.sort_by(|a, b| a.motion.mean.flip.total_cmp(&b.motion.mean.flip));
     let lines: String = few
         .into_iter()
         .map(|row| {
@@ -95,8 +120,8 @@ fn sixteenth(rows: &[Row], native: &Row) -> String {
                 times(native.frame_ms.median, row.frame_ms.median),
                 times(native.parts_ms.pixels, row.parts_ms.pixels),
                 format!("{:.3}", row.parts_ms.upscale),
-                format!("{:.4}", row.error.flip),
-                format!("{:.2}", row.error.codes.psnr_db),
+                format!("{:.4}", row.motion.mean.flip),
+                format!("{:.2}", row.motion.mean.codes.psnr_db),
             ];
             let cells = cells.map(|cell| format!("<td>{cell}</td>")).concat();
             let dot = format!("<span class=\"dot m{}\"></span>", plot::color(row));
@@ -107,33 +132,53 @@ fn sixteenth(rows: &[Row], native: &Row) -> String {
         "<h3>A sixteenth of the pixels</h3>\n<p class=\"soft\">A whole frame against the native one of {:.3} ms. Geometry costs the \
          same however few pixels there are, and filling in costs more: what a scene gains hangs on how much of its time goes into \
          pixels, {:.0} % here.</p>\n<div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>upscaler</th><th>median ms</th>\
-         <th>frame, times faster</th><th>pixels alone, times faster</th><th>upscale ms</th><th>FLIP</th><th>PSNR dB</th></tr></thead>\n\
+         <th>frame, times faster</th><th>pixels alone, times faster</th><th>upscale ms</th><th>FLIP in motion</th><th>PSNR in motion, dB</th></tr></thead>\n\
          <tbody>\n{lines}</tbody></table></div>\n",
         native.frame_ms.median,
         100.0 * native.parts_ms.pixels / native.frame_ms.median.max(f64::MIN_POSITIVE)
     )
 }
 
-fn table(rows: &[Row], native: Option<&Row>) -> String {
+fn table(report: &Report, rows: &[Row], native: Option<&Row>) -> String {
     let mut order: Vec<&Row> = rows.iter().collect();
     order.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
     let lines: String = order.into_iter().map(|row| line(row, native)).collect();
     format!(
-        "<div class=\"scroll\"><table class=\"rows\">\n<thead><tr><th>upscaler</th><th>drawn</th><th>median ms</th><th>p10</th>\
-         <th>p90</th><th>times native</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP</th><th>PSNR dB</th><th>SSIM</th>\
-         <th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">beaten by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n"
+        "<p class=\"soft\">{} Errors of the still view follow.</p>\n<div class=\"scroll\"><table class=\"rows\">\n<thead><tr>\
+         <th>upscaler</th><th>anchor</th><th>light</th><th>drawn</th><th>median ms</th><th>p10</th>\
+         <th>p90</th><th>times native</th><th>geometry</th><th>pixels</th><th>upscale</th><th>FLIP in motion</th><th>worst frame</th>\
+         <th>PSNR in motion, dB</th><th>FLIP</th><th>PSNR dB</th><th>SSIM</th><th>MSE</th><th>max</th><th>differing px</th><th class=\"words\">beaten by</th></tr></thead>\n<tbody>\n{lines}</tbody></table></div>\n",
+        motion(report)
+    )
+}
+
+/// Returns how the camera moves while errors are measured.
+fn motion(report: &Report) -> String {
+    let Turn { degrees, frames } = report.turn;
+    if degrees == 0.0 {
+        return "The view is still: errors in motion equal those of the still view.".to_owned();
+    }
+    format!(
+        "Errors in motion are means over {frames} frames while the camera orbits by {degrees}° per frame, each against the \
+         reference of the same frame; methods that read earlier frames see {} frames before.",
+        Turn::WARM_UP
     )
 }
 
 fn line(row: &Row, native: Option<&Row>) -> String {
     let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
     let faster = native.map_or_else(|| "–".to_owned(), |native| format!("{:.2}×", native.frame_ms.median / ms.median));
-    let psnr = if codes.mse == 0.0 { "identical".to_owned() } else { format!("{:.2}", codes.psnr_db) };
+    let psnr = |codes: ImageError| match codes.mse {
+        0.0 => "identical".to_owned(),
+        _ => format!("{:.2}", codes.psnr_db),
+    };
     let (style, by) = match &row.dominated_by {
         Some(by) => ("beaten", by.as_str()),
         None => ("best", "nobody"),
     };
     let cells = [
+        row.recipe.upscaler.anchor().id().to_owned(),
+        row.recipe.upscaler.light().id().to_owned(),
         format!("{:.1} %", row.drawn * 100.0),
         format!("{:.3}", ms.median),
         format!("{:.3}", ms.p10),
@@ -142,8 +187,11 @@ fn line(row: &Row, native: Option<&Row>) -> String {
         format!("{:.3}", parts.geometry),
         format!("{:.3}", parts.pixels),
         format!("{:.3}", parts.upscale),
+        format!("{:.4}", row.motion.mean.flip),
+        format!("{:.4}", row.motion.worst.flip),
+        psnr(row.motion.mean.codes),
         format!("{:.4}", row.error.flip),
-        psnr,
+        psnr(codes),
         format!("{:.4}", codes.ssim),
         format!("{:.2}", codes.mse),
         codes.max_abs.to_string(),
@@ -203,14 +251,14 @@ fn method(report: &Report) -> String {
         "<section>\n<h2>How it was measured</h2>\n<p>{}, {}, {} threads.{load}{build}</p>\n<p>Each round draws every recipe once, in an \
          order that is dealt anew, after a round that does not count; all in one process with the same memory. Medians over {} \
          rounds. The first recipe runs twice per round as if it were two, and the gap between the two is the noise floor. \
-         Methods that read the frame before are timed while the view turns by half a degree from frame to frame, and judged once \
-         it stands still. Reading files and measuring errors is not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 \
+         Methods that read earlier frames are timed while the camera orbits by half a degree per frame. {} Reading files and measuring errors is not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 \
          black against white. PSNR and MSE count sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ 1.5, on luma. A reference of \
          one sample per pixel is aliased itself: a method that smooths is charged for that.</p>\n</section>\n",
         escaped(&machine.platform),
         escaped(processor),
         report.threads,
-        report.rounds
+        report.rounds,
+        motion(report)
     )
 }
 

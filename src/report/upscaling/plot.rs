@@ -20,10 +20,10 @@ pub(super) fn color(row: &Row) -> usize {
 pub(super) fn tradeoff(scene: &SceneReport) -> String {
     let times = scene.rows.iter().flat_map(|row| [row.frame_ms.p10, row.frame_ms.median, row.frame_ms.p90]);
     let Some(x) = Axis::log(times) else { return String::new() };
-    let y = Axis::log(scene.rows.iter().map(|row| row.error.flip));
+    let y = Axis::log(scene.rows.iter().map(|row| row.motion.mean.flip));
     let y = y.unwrap_or(Axis { low: -3.0, high: 0.0, is_log: true });
     let plot = Plot { x, y, lane: ZERO_LANE };
-    let y_name = "error: mean of FLIP";
+    let y_name = "error in motion: mean of FLIP";
     let mut content = plot.axes("median time of a frame, ms", y_name, tick);
     for rows in scene.rows.chunk_by(|a, b| a.recipe.upscaler.method() == b.recipe.upscaler.method()) {
         let points: Vec<String> =
@@ -37,7 +37,7 @@ pub(super) fn tradeoff(scene: &SceneReport) -> String {
 }
 
 fn place(plot: &Plot, row: &Row) -> (f64, f64) {
-    (plot.x(row.frame_ms.median), plot.y(row.error.flip))
+    (plot.x(row.frame_ms.median), plot.y(row.motion.mean.flip))
 }
 
 /// The staircase through the points that nobody beats.
@@ -62,7 +62,7 @@ fn drawn(plot: &Plot, row: &Row) -> String {
     let ((x, y), color) = (place(plot, row), color(row));
     let style = if row.dominated_by.is_some() { "beaten" } else { "" };
     let by = row.dominated_by.as_ref().map(|by| format!(", beaten by {by}")).unwrap_or_default();
-    let title = format!("{}: {:.2} ms, FLIP {:.4}{by}", row.label, row.frame_ms.median, row.error.flip);
+    let title = format!("{}: {:.2} ms, FLIP in motion {:.4}{by}", row.label, row.frame_ms.median, row.motion.mean.flip);
     format!(
         "<g class=\"{style}\"><title>{}</title><line class=\"bar m{color}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" \
          y2=\"{y:.1}\"/><circle class=\"mark m{color}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{MARK}\"/></g>",

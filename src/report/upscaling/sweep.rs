@@ -14,6 +14,7 @@ use super::tradeoff::dominated_by;
 use crate::chain::{Frame, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::measure::against::{Figures, figures};
+use crate::measure::motion::{MotionError, MotionTest, References, Shot, Turn};
 use crate::measure::reference::Reference;
 use crate::measure::region::Region;
 use crate::measure::timing::{Summary, summarize};
@@ -47,6 +48,8 @@ pub struct Plan {
     pub rounds: usize,
     /// What errors are against.
     pub reference: Reference,
+    /// Motion of the camera over which errors are measured.
+    pub turn: Turn,
 }
 
 /// A recipe with every upscaler and every enlargement.
@@ -80,6 +83,8 @@ pub struct Report {
     pub rounds: usize,
     /// Name of what errors are against.
     pub reference: &'static str,
+    /// Motion of the camera over which errors are measured.
+    pub turn: Turn,
     /// Scene by scene.
     pub scenes: Vec<SceneReport>,
 }
@@ -114,9 +119,11 @@ pub struct Row {
     pub frame_ms: Summary,
     /// Median times of the parts of a frame, ms.
     pub parts_ms: Parts,
-    /// Error.
+    /// Error of the still view.
     pub error: Figures,
-    /// Label of a recipe that is as good in time and FLIP and better in one, if there is one.
+    /// Error over the frames of the moving view; ranks the methods. Equal to that of the still view without motion.
+    pub motion: MotionError,
+    /// Label of a recipe that is as good in time and in FLIP in motion and better in one, if there is one.
     pub dominated_by: Option<String>,
     /// The cropped picture.
     #[serde(skip)]
@@ -153,6 +160,7 @@ pub fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -
         size: [width, height],
         rounds: plan.rounds,
         reference: plan.reference.name(),
+        turn: plan.turn,
         scenes,
     })
 }
@@ -161,6 +169,7 @@ pub fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -
 struct Judged {
     picture: Image<Rgba8>,
     error: Figures,
+    motion: MotionError,
     flip: Image<f32>,
     drawn: f64,
 }
@@ -172,6 +181,8 @@ fn of_scene(
     cancelled: &dyn Fn() -> bool,
 ) -> Option<SceneReport> {
     let say = |stage, done, of| tell(Progress { scene: subject.name.clone(), stage, done, of });
+    let Subject { scene, camera, .. } = subject;
+    let shot = Shot { scene, camera, viewport: plan.viewport, turn: plan.turn };
     let mut renderer = Renderer::default();
     let mut references = Vec::new();
     let mut judged = Vec::with_capacity(plan.recipes.len());
@@ -180,8 +191,8 @@ fn of_scene(
             return None;
         }
         say("errors", done, plan.recipes.len());
-        let reference = reference_of(plan, subject, recipe, &mut references, cancelled)?;
-        judged.push(judge(plan, subject, *recipe, &reference, &mut renderer)?);
+        let references = references_of(plan, &shot, recipe, &mut references, cancelled)?;
+        judged.push(judge(&shot, *recipe, references, &mut renderer, cancelled)?);
     }
     let samples = time(plan, subject, &mut renderer, &|done, of| say("times", done, of), cancelled)?;
     say("shares", 0, 1);
@@ -200,7 +211,7 @@ fn of_scene(
     for ((recipe, judged), samples) in plan.recipes.iter().zip(&judged).zip(&samples) {
         rows.push(row(*recipe, judged, samples, crop)?);
     }
-    let points: Vec<_> = rows.iter().map(|row| (row.frame_ms.median, row.error.flip)).collect();
+    let points: Vec<_> = rows.iter().map(|row| (row.frame_ms.median, row.motion.mean.flip)).collect();
     let labels: Vec<_> = rows.iter().map(|row| row.label.clone()).collect();
     for (row, by) in rows.iter_mut().zip(dominated_by(&points)) {
         row.dominated_by = by.map(|by| labels[by].clone());
@@ -223,35 +234,43 @@ fn frame_of(plan: &Plan, subject: &Subject, recipe: &Recipe, renderer: &mut Rend
     renderer.render_in_motion(&subject.scene, &subject.camera, recipe, plan.viewport)
 }
 
-/// What the error of a recipe is against; recipes that differ in nothing but the upscaler share it. `None` if it was
+/// Returns the references of a recipe; recipes that differ in nothing but the upscaler share them. `None` if it was
 /// cancelled.
-fn reference_of(
+fn references_of<'a>(
     plan: &Plan,
-    subject: &Subject,
+    shot: &Shot<'_>,
     recipe: &Recipe,
-    known: &mut Vec<(Recipe, Arc<Image<Rgba8>>)>,
+    known: &'a mut Vec<(Recipe, References)>,
     cancelled: &dyn Fn() -> bool,
-) -> Option<Arc<Image<Rgba8>>> {
+) -> Option<&'a References> {
     let plain = Recipe { upscaler: Upscaling::NATIVE, ..*recipe };
-    if let Some((_, picture)) = known.iter().find(|(of, _)| *of == plain) {
-        return Some(picture.clone());
-    }
-    let Subject { scene, camera, .. } = subject;
-    let picture = Arc::new(plan.reference.picture(scene, camera, &plain, plan.viewport, |_| !cancelled())?);
-    known.push((plain, picture.clone()));
-    Some(picture)
+    let place = match known.iter().position(|(of, _)| *of == plain) {
+        Some(place) => place,
+        None => {
+            known.push((plain, References::new(plan.reference, plain).complete(shot, cancelled)?));
+            known.len() - 1
+        }
+    };
+    Some(&known[place].1)
 }
 
 fn judge(
-    plan: &Plan,
-    subject: &Subject,
+    shot: &Shot<'_>,
     recipe: Recipe,
-    reference: &Image<Rgba8>,
+    references: &References,
     renderer: &mut Renderer,
+    cancelled: &dyn Fn() -> bool,
 ) -> Option<Judged> {
-    let frame = renderer.render_settled(&subject.scene, &subject.camera, &recipe, plan.viewport);
-    let (error, flip) = figures(frame.image(), reference)?;
-    Some(Judged { picture: frame.image().clone(), error, flip, drawn: frame.drawn_share() })
+    let frame = renderer.render_settled(shot.scene, shot.camera, &recipe, shot.viewport);
+    let (error, flip) = figures(frame.image(), references.still()?)?;
+    let (picture, drawn) = (frame.image().clone(), frame.drawn_share());
+    renderer.recycle(frame);
+    let motion = if shot.turn.degrees == 0.0 {
+        MotionError { mean: error, worst: error }
+    } else {
+        MotionTest::new(recipe, shot.turn).complete(shot, references, cancelled)?
+    };
+    Some(Judged { picture, error, motion, flip, drawn })
 }
 
 /// Times of one frame's parts: whole, geometry, pixels, upscale.
@@ -306,6 +325,7 @@ fn row(recipe: Recipe, judged: &Judged, samples: &[Sample], crop: Region) -> Opt
         frame_ms: summary_of(samples, 0)?,
         parts_ms: Parts { geometry: median(1)?, pixels: median(2)?, upscale: median(3)? },
         error: judged.error,
+        motion: judged.motion,
         dominated_by: None,
         crop: crop.of(&judged.picture)?,
     })
@@ -338,6 +358,7 @@ mod tests {
             viewport,
             rounds,
             reference: Reference::Native,
+            turn: Turn { degrees: 0.5, frames: 2 },
         }
     }
 
@@ -349,6 +370,12 @@ mod tests {
         assert_eq!(scene.rows.len(), Upscaling::every().count());
         let native = &scene.rows[0];
         assert!(native.recipe.upscaler.is_native() && native.error.codes.mse == 0.0 && native.drawn == 1.0);
+        assert_eq!(native.motion.worst.codes.mse, 0.0);
+        let temporal = scene.rows.iter().find(|row| row.recipe.upscaler.method() == "checkerboard-temporal").unwrap();
+        assert!(
+            temporal.error.codes.mse == 0.0 && temporal.motion.mean.codes.mse > 0.0,
+            "exact at rest, not in motion"
+        );
         for row in &scene.rows {
             assert_eq!((row.frame_ms.n, row.crop.size()), (2, (40, 24)), "{}", row.label);
             assert!(row.parts_ms.pixels <= row.frame_ms.max && row.error.flip >= 0.0, "{}", row.label);
