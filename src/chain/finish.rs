@@ -1,5 +1,7 @@
 //! From what was drawn to the full picture: upscaled, filtered, with lines laid over it.
 
+use std::time::{Duration, Instant};
+
 use super::Recipe;
 use crate::antialias::post;
 use crate::image::{Image, Rgba8};
@@ -24,6 +26,8 @@ pub(super) struct Finished {
     pub(super) picture: Option<Image<Rgba8>>,
     pub(super) unfiltered: Unfiltered,
     pub(super) memory: Option<Image<[f32; 4]>>,
+    /// Time of the post filter and of the wireframe.
+    pub(super) post: Duration,
 }
 
 /// Memory that is no longer needed: a full picture, and what an upscaler remembered.
@@ -50,13 +54,15 @@ pub(super) fn finish<'a>(
         let memory = upscaler.upscale_and_remember(recipe.upscaler, drawn, &mut full, spare.memory);
         (Some(full), memory)
     };
+    let upscaled_at = Instant::now();
     let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color));
     if filtered.is_none() && !recipe.wireframe {
-        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished, memory };
+        return Finished { picture: upscaled, unfiltered: Unfiltered::Finished, memory, post: Duration::ZERO };
     }
     let mut picture = filtered.unwrap_or_else(|| upscaled.as_ref().unwrap_or(drawn.color).clone());
     if recipe.wireframe {
         wireframe::overlay(triangles(), &mut picture);
     }
-    Finished { picture: Some(picture), unfiltered: upscaled.map_or(Unfiltered::Drawn, Unfiltered::Kept), memory }
+    let unfiltered = upscaled.map_or(Unfiltered::Drawn, Unfiltered::Kept);
+    Finished { picture: Some(picture), unfiltered, memory, post: upscaled_at.elapsed() }
 }

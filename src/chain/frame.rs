@@ -25,14 +25,28 @@ use crate::upscale::{Drawn, History, Sampling, Surfaces};
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameTimes {
-    /// Plan to cull.
+    /// Plan to cull. Tiled execution: of all passes.
     pub geometry: Duration,
-    /// Rasterize to shade.
+    /// Rasterize to shade. Tiled execution: of all passes.
     pub pixels: Duration,
-    /// Filling in what was not drawn, filtering, and laying lines over it.
+    /// Averaging the samples of each pixel. Classic execution: with the passes after the first.
+    pub resolve: Duration,
+    /// Finding the surface that each pixel shows, for upscalers that read it.
+    pub surfaces: Duration,
+    /// Filling in pixels that were not drawn, and keeping the frame as history.
     pub upscale: Duration,
-    /// Everything.
+    /// Post filter and wireframe.
+    pub post: Duration,
+    /// The whole frame.
     pub total: Duration,
+}
+
+impl FrameTimes {
+    /// Returns the time of the whole frame that belongs to none of its parts: buffers, pool, copies.
+    pub fn other(&self) -> Duration {
+        let parts = [self.geometry, self.pixels, self.resolve, self.surfaces, self.upscale, self.post];
+        self.total.saturating_sub(parts.into_iter().sum())
+    }
 }
 
 /// A finished frame and what it was made from.
@@ -197,7 +211,7 @@ impl Frame {
     /// The frame as it was at an earlier moment: `drawn` is what was drawn by then, with one sample for each pixel, and
     /// `geometry` has the triangles that were drawn.
     pub fn at_moment(&self, recipe: &Recipe, drawn: Framebuffer, geometry: Geometry) -> Self {
-        let Finished { picture, unfiltered, memory: _ } = {
+        let Finished { picture, unfiltered, .. } = {
             let triangles = || self.outlines.as_ref().unwrap_or(&geometry.triangles);
             finish(recipe, &self.as_drawn(&drawn.color), self.viewport, Spare::default(), triangles)
         };

@@ -1,7 +1,7 @@
 //! Frame after frame, on all threads.
 
 use std::sync::{Arc, OnceLock};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
@@ -170,21 +170,32 @@ impl Renderer {
                 self.draw_tiled(scene, &seen_by, settings, (grid, raster, samples), memory, keep_depth)
             })
         });
+        let mut passes = centres.as_ref().map(|(_, report)| report.times).unwrap_or_default();
+        let (passes_begun, mut in_passes) = (Instant::now(), Duration::ZERO);
         let smooth = mean_of_passes(recipe, (grid, raster), |place, spare| {
+            let begun = Instant::now();
             let seen = camera_of(camera, sampling, viewport, place);
             let memory = (spare.or_else(|| self.spare.take()), None);
             let (mut drawn, report) =
                 self.draw_tiled(scene, &seen, settings, (grid, raster, PixelSamples::Centre), memory, KeepDepth::No);
             let color = std::mem::replace(&mut drawn.color, Image::filled(0, 0, [0; 4]));
+            passes += report.times;
             centres.get_or_insert((drawn, report));
+            in_passes += begun.elapsed();
             color
         });
-        let (mut drawn, report) = centres.unwrap_or_else(|| {
+        let resolve = passes_begun.elapsed().saturating_sub(in_passes);
+        let recipe_has_passes = smooth.is_some();
+        let (mut drawn, mut report) = centres.unwrap_or_else(|| {
             self.draw_tiled(scene, &seen_by, settings, (grid, raster, PixelSamples::Centre), (None, None), keep_depth)
         });
         if let Some(smooth) = smooth {
             self.spare = Some(std::mem::replace(&mut drawn.color, smooth));
         }
+        if recipe_has_passes {
+            report.times = passes;
+        }
+        let surfaces_begun = Instant::now();
         let surfaces = shown_in_full(recipe).and_then(|shown| {
             surfaces(past.as_deref(), camera, self.lanes, || {
                 let area = (SampleGrid::FULL, viewport, PixelSamples::Centre);
@@ -196,13 +207,15 @@ impl Renderer {
         let outlines = outlines(scene, camera, recipe, viewport);
         let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_deref(), camera, past.as_deref()) };
         let spare = std::mem::take(&mut self.spare_full);
-        let Finished { picture, unfiltered, memory } =
+        let Finished { picture, unfiltered, memory, post } =
             finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or_else(|| &geometry.triangles));
-        let front = report.times.transform + report.times.cull;
         let times = FrameTimes {
-            geometry: front,
-            pixels: (drawn_at - start).saturating_sub(front),
-            upscale: drawn_at.elapsed(),
+            geometry: report.times.transform + report.times.cull,
+            pixels: report.times.rasterize + report.times.shade,
+            resolve,
+            surfaces: drawn_at - surfaces_begun,
+            upscale: drawn_at.elapsed().saturating_sub(post),
+            post,
             total: start.elapsed(),
         };
         Frame {

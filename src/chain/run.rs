@@ -49,6 +49,7 @@ pub(super) fn run_after<O: Observer>(
 
     let grid = sampling.grid();
     let mut drawn = draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, observer);
+    let first_pass_done = Instant::now();
     let smooth = if recipe.antialias.is_per_pixel() {
         Some(samples::per_pixel(scene, &geometry, recipe, (grid, raster)))
     } else {
@@ -59,6 +60,7 @@ pub(super) fn run_after<O: Observer>(
         })
     };
     drawn.color = smooth.unwrap_or(drawn.color);
+    let resolved = Instant::now();
     let surfaces = shown_in_full(recipe).and_then(|shown| {
         surfaces(past.as_deref(), camera, Lanes::best(), || {
             let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
@@ -69,12 +71,15 @@ pub(super) fn run_after<O: Observer>(
 
     let outlines = outlines(scene, camera, recipe, viewport);
     let known = Drawn { color: &drawn.color, seen: seen(surfaces.as_deref(), camera, past.as_deref()) };
-    let Finished { picture, unfiltered, memory } =
+    let Finished { picture, unfiltered, memory, post } =
         finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
         geometry: geometry_done - start,
-        pixels: drawn_at - geometry_done,
-        upscale: drawn_at.elapsed(),
+        pixels: first_pass_done - geometry_done,
+        resolve: resolved - first_pass_done,
+        surfaces: drawn_at - resolved,
+        upscale: drawn_at.elapsed().saturating_sub(post),
+        post,
         total: start.elapsed(),
     };
     Frame {

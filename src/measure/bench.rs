@@ -96,7 +96,7 @@ pub fn bench(
         }
         let frame = renderer.render(scene, &turned, recipe, viewport, KeepDepth::No);
         if number >= WARM_UP_FRAMES {
-            samples.push((frame.times.total, stages(&frame)));
+            samples.push((frame.times.total, stages(&frame, recipe)));
         }
         last = Some(frame);
     }
@@ -142,7 +142,7 @@ fn times_of_writing(bytes: usize, times: usize) -> Vec<Duration> {
     (0..WARM_UP_FRAMES + times).map(&mut write).skip(WARM_UP_FRAMES).collect()
 }
 
-fn stages(frame: &Frame) -> Vec<(&'static str, Duration)> {
+fn stages(frame: &Frame, recipe: &Recipe) -> Vec<(&'static str, Duration)> {
     let mut stages = match &frame.tiled {
         Some(TiledReport { times, .. }) => vec![
             ("transform", times.transform),
@@ -152,7 +152,15 @@ fn stages(frame: &Frame) -> Vec<(&'static str, Duration)> {
         ],
         None => vec![("geometry", frame.times.geometry), ("pixels", frame.times.pixels)],
     };
-    stages.push(("upscale", frame.times.upscale));
+    let times = &frame.times;
+    let rest = [
+        ("resolve", times.resolve, !recipe.antialias.is_off()),
+        ("surfaces", times.surfaces, recipe.upscaler.upscaler().reads().surfaces),
+        ("upscale", times.upscale, !recipe.upscaler.is_native()),
+        ("post filter", times.post, !recipe.post.is_off() || recipe.wireframe),
+        ("other", times.other(), true),
+    ];
+    stages.extend(rest.into_iter().filter(|(.., runs)| *runs).map(|(name, time, _)| (name, time)));
     stages
 }
 

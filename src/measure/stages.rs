@@ -1,6 +1,6 @@
 //! Where the time of a frame goes, stage by stage.
 //!
-//! Tile by tile, stages run one after the other, and each tells its own time. In the classic way rasterizing, depth and
+//! In tiled execution, stages run one after the other and each records its own time; the frame with the median time is shown. In the classic way rasterizing, depth and
 //! shading are interleaved sample by sample, and a clock in that loop would cost more than what it measures. There they are
 //! told apart by drawing the frame several times, each time one stage further, and taking differences. So they are estimates:
 //! a difference within the noise of its two runs comes out as zero, which means "too short to tell". The compiler may also
@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer, redraw};
+use crate::chain::{Frame, FrameTimes, KeepDepth, Recipe, Renderer, redraw};
 use crate::pipeline::Until;
 use crate::pipeline::settings::{DepthTest, Execution};
 use crate::pipeline::tiled::TiledTimes;
@@ -35,12 +35,22 @@ pub struct StageTimes {
     pub interpolate: Option<Duration>,
     /// Shading and writing. Tile by tile with interpolation.
     pub shade: Duration,
-    /// Filling in.
+    /// Averaging the samples of each pixel. Classic execution: with the passes after the first.
+    pub resolve: Option<Duration>,
+    /// Finding the surface that each pixel shows, for upscalers that read it.
+    pub surfaces: Option<Duration>,
+    /// Filling in pixels that were not drawn, and keeping the frame as history.
     pub upscale: Duration,
+    /// Post filter and wireframe.
+    pub post: Option<Duration>,
+    /// Work between the stages: buffers, thread pool, copies.
+    pub other: Duration,
+    /// The whole frame: the sum of all stages. Tiled execution: the median of warm frames.
+    pub frame: Duration,
 }
 
 impl StageTimes {
-    /// The stages that have a time of their own, with their names, in their order.
+    /// Returns the stages that have a time of their own, with their names, in their order; they add up to the frame.
     pub fn named(&self) -> Vec<(&'static str, Duration)> {
         let stages = [
             ("transform", Some(self.transform)),
@@ -51,9 +61,27 @@ impl StageTimes {
             ("depth", self.depth),
             ("interpolate", self.interpolate),
             ("shade", Some(self.shade)),
+            ("resolve", self.resolve),
+            ("surfaces", self.surfaces),
             ("upscale", Some(self.upscale)),
+            ("post filter", self.post),
+            ("other", Some(self.other)),
         ];
         stages.into_iter().filter_map(|(name, time)| Some((name, time?))).collect()
+    }
+
+    /// Takes over the stages that no redraw measures, and adds up the frame.
+    fn with_rest_of(self, recipe: &Recipe, times: &FrameTimes) -> Self {
+        let mut all = Self {
+            resolve: (!recipe.antialias.is_off()).then_some(times.resolve),
+            surfaces: recipe.upscaler.upscaler().reads().surfaces.then_some(times.surfaces),
+            upscale: times.upscale,
+            post: (!recipe.post.is_off() || recipe.wireframe).then_some(times.post),
+            other: times.other(),
+            ..self
+        };
+        all.frame = all.named().iter().map(|(_, time)| *time).sum();
+        all
     }
 }
 
@@ -77,7 +105,7 @@ pub struct StageTimer {
     wanted_runs: usize,
     /// Draws frames once more tile by tile.
     renderer: Renderer,
-    tiled: Option<TiledTimes>,
+    tiled: Vec<(FrameTimes, TiledTimes)>,
 }
 
 impl StageTimer {
@@ -89,7 +117,7 @@ impl StageTimer {
             runs: 0,
             wanted_runs: rounds * LEVELS.len(),
             renderer: Renderer::default(),
-            tiled: None,
+            tiled: Vec::new(),
         }
     }
 
@@ -121,18 +149,24 @@ impl StageTimer {
     ) -> Option<StageTimes> {
         let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
         let times = again.tiled.as_ref().map(|report| report.times)?;
+        self.tiled.push((again.times, times));
         self.renderer.recycle(again);
         self.runs += 1;
-        let least = self.tiled.map_or(times, |before| before.least(&times));
-        self.tiled = Some(least);
-        (self.runs >= self.wanted_runs).then_some(StageTimes {
-            transform: least.transform,
-            cull: least.cull,
-            rasterize: least.rasterize,
-            shade: least.shade,
-            upscale: frame.times.upscale,
+        (self.runs >= self.wanted_runs).then(|| self.median_frame(recipe))
+    }
+
+    /// Returns the stages of the frame whose time is the median: stages of one frame add up, medians of each do not.
+    fn median_frame(&mut self, recipe: &Recipe) -> StageTimes {
+        self.tiled.sort_by_key(|(frame, _)| frame.total);
+        let (frame, tiled) = self.tiled[self.tiled.len() / 2];
+        let stages = StageTimes {
+            transform: tiled.transform,
+            cull: tiled.cull,
+            rasterize: tiled.rasterize,
+            shade: tiled.shade,
             ..StageTimes::default()
-        })
+        };
+        stages.with_rest_of(recipe, &frame)
     }
 
     fn differences(&self, recipe: &Recipe, frame: &Frame) -> StageTimes {
@@ -151,8 +185,9 @@ impl StageTimer {
             depth: tests_depth.then(|| depth.saturating_sub(coverage)),
             interpolate: Some(interpolate.saturating_sub(depth)),
             shade: shade.saturating_sub(interpolate),
-            upscale: frame.times.upscale,
+            ..StageTimes::default()
         }
+        .with_rest_of(recipe, &frame.times)
     }
 }
 
@@ -187,10 +222,49 @@ mod tests {
         // A single difference may drown in noise; twenty do not, unless the compiler left the stage out.
         let runs: Vec<_> = (0..20).map(|_| times(DepthTest::Less).named()).collect();
         let names: Vec<_> = runs[0].iter().map(|(name, _)| *name).collect();
-        assert_eq!(names.len(), 9);
-        for (place, name) in names.into_iter().enumerate().filter(|(_, name)| *name != "upscale") {
+        assert_eq!(names.len(), 10);
+        for (place, name) in names.into_iter().enumerate().filter(|(_, name)| !["upscale", "other"].contains(name)) {
             assert!(runs.iter().any(|run| run[place].1 > Duration::ZERO), "{name} took none");
         }
+    }
+
+    #[test]
+    fn stages_add_up_to_the_frame_in_every_recipe() {
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let size = Viewport { width: 160, height: 120 };
+        for settings in [
+            &[][..],
+            &["antialias.method=regular", "antialias.samples=4"],
+            &["antialias.method=multisample", "antialias.samples=4"],
+            &["upscaler.method=checkerboard-surfaces", "post.filter=fxaa", "wireframe=true"],
+            &["upscaler.method=accumulation", "upscaler.scale=2"],
+            &["execution=classic", "antialias.method=regular", "antialias.samples=4", "post.filter=blur"],
+        ] {
+            let mut recipe = Recipe::default();
+            recipe.set_all(settings).unwrap();
+            let frame = Renderer::default().render(&scene, &scene.home, &recipe, size, KeepDepth::Yes);
+            let times = stage_times(&scene, &scene.home, &recipe, &frame);
+            let sum: Duration = times.named().iter().map(|(_, time)| *time).sum();
+            assert_eq!(sum, times.frame, "{settings:?}");
+            let parts = frame.times;
+            let known = parts.geometry + parts.pixels + parts.resolve + parts.surfaces + parts.upscale + parts.post;
+            assert!(known <= parts.total, "{settings:?}: no part is counted twice: {parts:?}");
+            let names: Vec<_> = times.named().into_iter().map(|(name, _)| name).collect();
+            assert_eq!(names.contains(&"resolve"), !recipe.antialias.is_off(), "{settings:?}");
+            assert_eq!(names.contains(&"post filter"), !recipe.post.is_off() || recipe.wireframe, "{settings:?}");
+        }
+    }
+
+    #[test]
+    fn every_pass_of_a_supersampled_frame_is_counted() {
+        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+        let size = Viewport { width: 320, height: 240 };
+        let mut recipe = Recipe::default();
+        recipe.set_all(&["antialias.method=regular", "antialias.samples=16"]).unwrap();
+        let frame = Renderer::default().render(&scene, &scene.home, &recipe, size, KeepDepth::No);
+        // Sixteen passes fill most of the frame however slow the machine is; one pass would fill a sixteenth of it.
+        let FrameTimes { geometry, pixels, total, .. } = frame.times;
+        assert!(geometry + pixels > total / 4, "{:?}", frame.times);
     }
 
     #[test]

@@ -85,6 +85,13 @@ impl Timings {
         self.slowest.truncate(SLOWEST);
     }
 
+    /// Returns the median time of the recent frames of a method in ms without the first one, which found caches and buffers
+    /// cold; `None` if there is no other.
+    pub fn warm_median_ms(&self, upscaling: Upscaling) -> Option<f64> {
+        let times: Vec<f64> = self.recent.get(&upscaling)?.iter().skip(1).copied().collect();
+        Some(summarize(&times)?.median)
+    }
+
     /// The slowest of the recent frames with their upscalers, also those that are no longer in the lines; the slowest first.
     pub fn slowest(&self) -> &[(Upscaling, f64)] {
         &self.slowest
@@ -218,6 +225,19 @@ mod tests {
             pick: None,
             look: Look::default(),
         }
+    }
+
+    #[test]
+    fn the_first_frame_does_not_count_as_warm() {
+        let mut timings = Timings::default();
+        let request = request();
+        let native = request.recipe.upscaler;
+        timings.record_recent(&request, 90.0);
+        assert_eq!(timings.warm_median_ms(native), None);
+        for ms in [3.0, 5.0, 4.0] {
+            timings.record_recent(&request, ms);
+        }
+        assert_eq!(timings.warm_median_ms(native), Some(4.0));
     }
 
     #[test]

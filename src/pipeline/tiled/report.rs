@@ -1,5 +1,6 @@
 //! What drawing a frame was.
 
+use std::ops::AddAssign;
 use std::time::Duration;
 
 use crate::pipeline::plan::DrawPlan;
@@ -18,15 +19,13 @@ pub struct TiledTimes {
     pub shade: Duration,
 }
 
-impl TiledTimes {
-    /// The shorter time of each stage.
-    pub fn least(&self, other: &Self) -> Self {
-        Self {
-            transform: self.transform.min(other.transform),
-            cull: self.cull.min(other.cull),
-            rasterize: self.rasterize.min(other.rasterize),
-            shade: self.shade.min(other.shade),
-        }
+impl AddAssign for TiledTimes {
+    /// Adds the times of another pass over the same frame, stage by stage.
+    fn add_assign(&mut self, pass: Self) {
+        self.transform += pass.transform;
+        self.cull += pass.cull;
+        self.rasterize += pass.rasterize;
+        self.shade += pass.shade;
     }
 }
 

@@ -215,11 +215,15 @@ fn figures(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     );
     let mut figures = vec![drawn];
     // With a triangle limit the picture is drawn twice; its time would tell about neither.
-    if view.request.triangle_limit.is_none() {
-        let ms = view.frame.times.total.as_secs_f64() * 1e3;
+    let warm_ms = session.timings.warm_median_ms(view.request.recipe.upscaler).or_else(|| {
+        let frame = session.stages.as_ref()?.times.frame;
+        Some(frame.as_secs_f64() * 1e3)
+    });
+    if let Some(ms) = warm_ms.filter(|_| view.request.triangle_limit.is_none()) {
         let fps = "Frames per second if frames were drawn one after the other; nothing is drawn while nothing changes";
         figures.push((format!("{:.0} fps", 1e3 / ms.max(1e-3)), fps));
-        figures.push((format::ms(ms), "Time of the frame on screen, from planning to the finished picture"));
+        figures
+            .push((format::ms(ms), "Median time of a frame with warm caches, from planning to the finished picture"));
     }
     for (text, help) in figures {
         ui.label(RichText::new(text).monospace().color(tokens(ui).text)).on_hover_text(help);

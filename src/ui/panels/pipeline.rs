@@ -12,11 +12,11 @@ use crate::inspect::Stage;
 use crate::measure::stages::StageTimes;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
-use crate::ui::engine::{Shown, View};
+use crate::ui::engine::{Shown, StageFigures, View};
 use crate::ui::format;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
-use crate::ui::widgets::{figure, icon_button};
+use crate::ui::widgets::{figure, icon_button, value_row};
 
 /// Has all rows show their switches with the next pass, or none.
 pub fn open_all(ui: &Ui, open: bool) {
@@ -34,6 +34,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     for stage in Stage::ALL {
         stage_row(ui, *stage, all, session, &mut recipe, commands);
     }
+    rest(ui, session);
     if recipe != session.state.recipe {
         commands.push(Command::SetRecipe(recipe));
     }
@@ -46,6 +47,31 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         .clicked()
     {
         commands.push(Command::ResetRecipe);
+    }
+}
+
+/// Draws the times of a frame that belong to no stage of the list, and the whole frame, which is the sum of all rows.
+fn rest(ui: &mut Ui, session: &Session) {
+    let Some(StageFigures { times, .. }) = session.stages.as_ref() else { return };
+    let rows = [
+        (
+            "Resolve",
+            times.resolve,
+            "Averaging the samples of each pixel. In classic execution with the passes after the first",
+        ),
+        ("Surfaces", times.surfaces, "Finding the surface that each pixel shows, which the upscaler reads"),
+        ("Post filter", times.post, "Post filter and wireframe"),
+        ("Other", Some(times.other), "Work between the stages: buffers, thread pool, copies"),
+        (
+            "Whole frame",
+            Some(times.frame),
+            "Sum of all stages; in tiled execution the frame with the median time of several",
+        ),
+    ];
+    for (name, time, help) in rows {
+        if let Some(time) = time {
+            value_row(ui, name, &format::ms(time.as_secs_f64() * 1e3), help);
+        }
     }
 }
 
@@ -124,7 +150,7 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage for the frame on screen, the least of several. Tile by tile, projection counts with transform, clipping with cull, depth with rasterize, interpolation with shade. In the classic way rasterize, depth, interpolate and shade are told apart by drawing the frame several times, each time one stage further; 0 means too short to tell";
+    let help = "Time of this stage for the frame on screen, of the frame with the median time of several. Tile by tile, projection counts with transform, clipping with cull, depth with rasterize, interpolation with shade. In the classic way rasterize, depth, interpolate and shade are told apart by drawing the frame several times, each time one stage further; 0 means too short to tell";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));
