@@ -9,11 +9,14 @@
 //! same folder, are flushed to the disk, and take the name of the output by a rename. At any moment the name therefore
 //! stands for the old file or for the new one, never for a part.
 
+pub mod stored_path;
+
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use tempfile::{Builder, NamedTempFile};
 
@@ -131,6 +134,23 @@ pub fn check_writable(path: &Path) -> io::Result<()> {
         }
         Target::New(path) => written(folder_of(&path), &[]).map(drop),
     }
+}
+
+/// Opens the file at `path`, which is created if missing, and locks it against other processes until it is dropped.
+///
+/// # Errors
+/// The file cannot be opened, or another process has held the lock for two seconds.
+pub fn lock(path: &Path) -> io::Result<File> {
+    const TRIES: u32 = 100;
+    let file = OpenOptions::new().create(true).truncate(false).write(true).open(path)?;
+    for _ in 0..TRIES {
+        match file.try_lock() {
+            Ok(()) => return Ok(file),
+            Err(std::fs::TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(20)),
+            Err(std::fs::TryLockError::Error(error)) => return Err(error),
+        }
+    }
+    Err(ErrorKind::WouldBlock.into())
 }
 
 /// The file behind the path of an output.

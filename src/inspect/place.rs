@@ -14,6 +14,7 @@ use super::intermediate::Intermediate;
 use super::overlays::Layer;
 use super::stages::Stage;
 use crate::chain::Recipe;
+use crate::disk::stored_path;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, camera_file};
@@ -22,6 +23,7 @@ use crate::scene::{Camera, camera_file};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Place {
     /// The scene: the id of a built-in one, or a path.
+    #[serde(with = "stored_path")]
     pub scene: PathBuf,
     /// Whether it is shown mirrored in z. `camera` is a view of what is shown.
     pub mirrored: bool,

@@ -41,6 +41,7 @@ use super::place;
 use super::range;
 use super::scrub;
 use super::session::{Level, PointerMode, Session};
+use super::store::Store;
 use super::task::Task;
 use super::theme;
 use super::what_if;
@@ -100,6 +101,8 @@ pub struct Workbench {
     waits: bool,
     /// What was asked for from outside of the window, to be done with the next frame.
     asked_for: Vec<Command>,
+    /// Preferences on disk; `None` where nothing is kept, as in screenshots and tests.
+    store: Option<Store>,
 }
 
 impl Workbench {
@@ -132,6 +135,7 @@ impl Workbench {
             look: (false, 1.0),
             waits,
             asked_for: Vec::new(),
+            store: None,
         }
     }
 
@@ -153,6 +157,20 @@ impl Workbench {
     /// Does all this with the next frame, as if a person had asked for it.
     pub fn ask_for(&mut self, commands: Vec<Command>) {
         self.asked_for.extend(commands);
+    }
+
+    /// Keeps the preferences on disk from now on.
+    pub(super) fn keep_in(&mut self, store: Store) {
+        self.store = Some(store);
+    }
+
+    /// Hands changed preferences to the thread that writes them, and reports what could not be written.
+    fn keep_preferences(&mut self) {
+        let Some(store) = &mut self.store else { return };
+        store.keep(self.session.preferences(self.look.0, self.look.1));
+        for failure in store.failures().collect::<Vec<_>>() {
+            self.session.report(Level::Error, failure);
+        }
     }
 
     /// One frame of the window.
@@ -433,11 +451,7 @@ impl eframe::App for Workbench {
             self.session.window_times.record(f64::from(seconds) * 1e3);
         }
         self.show(ui);
-    }
-
-    fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        let preferences = self.session.preferences(self.look.0, self.look.1);
-        storage.set_string(eframe::APP_KEY, preferences.write());
+        self.keep_preferences();
     }
 }
 

@@ -82,6 +82,8 @@ pub mod app;
 
 mod start;
 
+mod store;
+
 pub mod window_time;
 
 pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, run_window, screenshot};

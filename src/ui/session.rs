@@ -413,6 +413,21 @@ impl Session {
         }
     }
 
+    /// Opens the picture of a file in the lab. The scene stays, and is there again when the lab is closed.
+    pub fn open_in_lab(&mut self, path: &Path) {
+        match file::read(path) {
+            Ok(picture) => {
+                self.lab.apply(lab::Change::Open(true));
+                self.lab.show_picture(&picture);
+                self.report(
+                    Level::Info,
+                    format!("Opened {} in the 2D lab: it is a picture, not a model", path.display()),
+                );
+            }
+            Err(error) => self.report(Level::Error, error.to_string()),
+        }
+    }
+
     fn mirror_z(&mut self) {
         self.scene = Arc::new(self.scene.mirrored_z());
         self.mirrored = !self.mirrored;
@@ -467,4 +482,4 @@ fn nearest_drawn(frame: &Frame, place: (u32, u32)) -> Option<(u32, u32)> {
 }
 
 #[cfg(test)]
-mod tests;
+pub(in crate::ui) mod tests;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
@@ -14,7 +15,8 @@ use super::fates;
 use super::headless::Headless;
 use super::lab;
 use super::panels::bottom::Tab;
-use super::session::{PictureSize, Preferences, Session};
+use super::session::{Level, PictureSize, Preferences, Session};
+use super::store::{self, Found, Store};
 use super::theme;
 use super::watch;
 use super::worker::Worker;
@@ -135,6 +137,9 @@ pub struct ScreenshotRequest {
 /// Passes of a picture: the first finds the canvas's size, the second has a frame, the rest let sizes settle.
 const SCREENSHOT_PASSES: usize = 6;
 
+/// Name of the folder with the program's data.
+const APP_ID: &str = "rasterscope";
+
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
 pub fn run_window(start: WindowStart) -> Result<(), String> {
     let options = eframe::NativeOptions {
@@ -149,13 +154,18 @@ pub fn run_window(start: WindowStart) -> Result<(), String> {
     };
     let make =
         |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> { Ok(Box::new(windowed(start, cc))) };
-    eframe::run_native("rasterscope", options, Box::new(make)).map_err(|error| one_line(&error.to_string()))
+    eframe::run_native(APP_ID, options, Box::new(make)).map_err(|error| one_line(&error.to_string()))
 }
 
 /// The application in a window: resumed from storage, with a renderer of its own.
 fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
-    let stored = cc.storage.and_then(|storage| storage.get_string(eframe::APP_KEY));
-    let preferences = stored.map(|stored| Preferences::read(&stored)).unwrap_or_default();
+    let folder = eframe::storage_dir(APP_ID);
+    let found = folder.as_deref().and_then(store::read).unwrap_or_else(|| {
+        // Earlier versions kept the preferences with the geometry of the window.
+        let stored = cc.storage.and_then(|storage| storage.get_string(eframe::APP_KEY));
+        Found { preferences: stored.map(|stored| Preferences::read(&stored)).unwrap_or_default(), warning: None }
+    });
+    let preferences = found.preferences;
     theme::install(&cc.egui_ctx);
     cc.egui_ctx.set_theme(if preferences.light_theme { egui::Theme::Light } else { egui::Theme::Dark });
     if preferences.scale > 0.0 {
@@ -163,8 +173,34 @@ fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
     }
     let context = cc.egui_ctx.clone();
     let worker = Worker::spawn(move || context.request_repaint());
+    close_on_signals(cc.egui_ctx.clone());
     let start = if start.resume { resumed(start, &preferences) } else { start };
-    workbench(start, preferences, worker)
+    let store = folder.map(|folder| Store::new(folder, preferences.clone()));
+    let mut workbench = workbench(start, preferences, worker);
+    match store {
+        Some(store) => workbench.keep_in(store),
+        None => {
+            workbench.session_mut().report(Level::Warning, "There is no folder to keep preferences and bookmarks in")
+        }
+    }
+    if let Some(warning) = found.warning {
+        workbench.session_mut().report(Level::Error, warning);
+    }
+    workbench
+}
+
+/// Closes the window in the ordinary way on SIGTERM, SIGHUP and SIGINT. A window that does not answer ends all the same:
+/// its preferences are on disk already.
+fn close_on_signals(context: egui::Context) {
+    const PATIENCE: Duration = Duration::from_secs(3);
+    let close = move || {
+        context.send_viewport_cmd(egui::ViewportCommand::Close);
+        context.request_repaint();
+        std::thread::sleep(PATIENCE);
+        std::process::exit(1);
+    };
+    // Without a handler the signals end the process at once, which loses nothing that is on disk.
+    drop(ctrlc::set_handler(close));
 }
 
 /// The start with what was left last time, as far as it is still there and makes sense: a stored file may be of an older

@@ -3,14 +3,16 @@
 use std::path::PathBuf;
 
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
-use super::Session;
+use super::{RECENT_FILES, Session};
 use crate::chain::Recipe;
+use crate::disk::stored_path::StoredPath;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, SceneSource};
 use crate::ui::place::Bookmark;
+use crate::ui::watch;
 
 /// How large the picture is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -60,6 +62,7 @@ impl PointerMode {
 #[serde(default)]
 pub struct Preferences {
     /// Last scene: the id of a built-in one, or a path.
+    #[serde(serialize_with = "stored", deserialize_with = "restored")]
     pub source: Option<PathBuf>,
     /// Last recipe.
     pub recipe: Recipe,
@@ -68,7 +71,7 @@ pub struct Preferences {
     /// Last picture size.
     pub size: PictureSize,
     /// Files opened, newest first.
-    #[serde(deserialize_with = "the_readable")]
+    #[serde(serialize_with = "all_stored", deserialize_with = "all_restored")]
     pub recent: Vec<PathBuf>,
     /// Whether the first hint was closed.
     pub hint_closed: bool,
@@ -87,9 +90,49 @@ pub struct Preferences {
 impl Preferences {
     /// From what was stored, but for what cannot be read of it.
     pub fn read(stored: &str) -> Self {
-        let fields: Map<String, Value> = serde_json::from_str(stored).unwrap_or_default();
+        Self::read_checked(stored).0
+    }
+
+    /// Like [`Self::read`]; also returns whether everything was read.
+    pub fn read_checked(stored: &str) -> (Self, bool) {
+        let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
         let can_be_read = |(key, value): &(String, Value)| Self::deserialize(json!({ key: value })).is_ok();
-        serde_json::from_value(fields.into_iter().filter(can_be_read).collect()).unwrap_or_default()
+        let (readable, others): (Map<_, _>, Map<_, _>) = fields.into_iter().partition(can_be_read);
+        let read: Self = serde_json::from_value(readable.clone().into()).unwrap_or_default();
+        // Unknown fields and list items that were left out are missing when it is written again.
+        let again = serde_json::to_value(&read).unwrap_or_default();
+        let is_kept = |(key, value): (&String, &Value)| {
+            let length = |value: &Value| value.as_array().map(Vec::len);
+            again.get(key).is_some_and(|kept| length(kept) == length(value))
+        };
+        let is_complete = others.is_empty() && readable.iter().all(is_kept);
+        (read, is_complete)
+    }
+
+    /// Returns `theirs` with the changes that lead from `base` to these: lists are merged item by item, and of everything
+    /// else what was changed here replaces theirs.
+    pub fn merged(&self, base: &Self, theirs: &Self) -> Self {
+        fn one<T: PartialEq + Clone>(mine: &T, base: &T, theirs: &T) -> T {
+            if mine == base { theirs.clone() } else { mine.clone() }
+        }
+        let mut recent = self.recent.clone();
+        let others = theirs.recent.iter().filter(|path| !self.recent.contains(path) && !base.recent.contains(path));
+        recent.extend(others.cloned());
+        recent.truncate(RECENT_FILES);
+        let mut watched = merged_list(&self.watched, &base.watched, &theirs.watched);
+        watched.truncate(watch::MOST);
+        Self {
+            source: one(&self.source, &base.source, &theirs.source),
+            recipe: one(&self.recipe, &base.recipe, &theirs.recipe),
+            camera: one(&self.camera, &base.camera, &theirs.camera),
+            size: one(&self.size, &base.size, &theirs.size),
+            recent,
+            hint_closed: self.hint_closed || theirs.hint_closed,
+            light_theme: one(&self.light_theme, &base.light_theme, &theirs.light_theme),
+            scale: one(&self.scale, &base.scale, &theirs.scale),
+            bookmarks: merged_list(&self.bookmarks, &base.bookmarks, &theirs.bookmarks),
+            watched,
+        }
     }
 
     /// As it is stored.
@@ -97,6 +140,32 @@ impl Preferences {
         // Nothing in it can fail to be written: its maps have names, and what is not finite becomes null.
         serde_json::to_string(self).unwrap_or_default()
     }
+}
+
+/// Returns `theirs` without the items that `mine` lost since `base`, and with those that it gained.
+fn merged_list<T: PartialEq + Clone>(mine: &[T], base: &[T], theirs: &[T]) -> Vec<T> {
+    if theirs == base {
+        return mine.to_vec();
+    }
+    let is_kept = |item: &&T| mine.contains(item) || !base.contains(item);
+    let gained = mine.iter().filter(|item| !base.contains(item) && !theirs.contains(item));
+    theirs.iter().filter(is_kept).chain(gained).cloned().collect()
+}
+
+fn stored<S: Serializer>(path: &Option<PathBuf>, to: S) -> Result<S::Ok, S::Error> {
+    path.clone().map(StoredPath).serialize(to)
+}
+
+fn restored<'de, D: Deserializer<'de>>(from: D) -> Result<Option<PathBuf>, D::Error> {
+    Ok(Option::<StoredPath>::deserialize(from)?.map(|path| path.0))
+}
+
+fn all_stored<S: Serializer>(paths: &[PathBuf], to: S) -> Result<S::Ok, S::Error> {
+    to.collect_seq(paths.iter().cloned().map(StoredPath))
+}
+
+fn all_restored<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PathBuf>, D::Error> {
+    Ok(the_readable::<D, StoredPath>(from)?.into_iter().map(|path| path.0).collect())
 }
 
 /// Those of a list that can be read.

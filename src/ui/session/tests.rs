@@ -3,12 +3,18 @@ use crate::case::Case;
 use crate::pipeline::settings::DepthFormat;
 use crate::report::stability::column::Column;
 use crate::ui::engine::Engine;
+use crate::ui::place::Bookmark;
 
 fn session() -> Session {
     let source = SceneSource::default();
     let scene = source.load().unwrap().scene;
     let home = scene.home;
     Session::new(Arc::new(scene), source, Recipe::default(), home)
+}
+
+/// A bookmark of the default scene.
+pub(in crate::ui) fn bookmark(name: &str) -> Bookmark {
+    Bookmark { name: name.to_owned(), place: session().place() }
 }
 
 #[test]

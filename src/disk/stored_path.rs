@@ -1,0 +1,85 @@
+//! Paths in JSON: text where a path is UTF-8, else its bytes, so that reading gives the same path.
+//!
+//! For fields: `#[serde(with = "stored_path")]`; for lists of paths: [`StoredPath`].
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// A path that can always be stored.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StoredPath(pub PathBuf);
+
+/// The two forms of a path.
+#[derive(Deserialize, Serialize)]
+#[serde(untagged)]
+enum Form {
+    Text(String),
+    Bytes(Vec<u8>),
+}
+
+/// Writes a path.
+pub fn serialize<S: Serializer>(path: &Path, to: S) -> Result<S::Ok, S::Error> {
+    form(path).serialize(to)
+}
+
+/// Reads a path.
+pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<PathBuf, D::Error> {
+    Form::deserialize(from).map(path)
+}
+
+impl Serialize for StoredPath {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        serialize(&self.0, to)
+    }
+}
+
+impl<'de> Deserialize<'de> for StoredPath {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        deserialize(from).map(Self)
+    }
+}
+
+#[cfg(unix)]
+fn form(path: &Path) -> Form {
+    use std::os::unix::ffi::OsStrExt as _;
+    path.to_str().map_or_else(|| Form::Bytes(path.as_os_str().as_bytes().to_vec()), |text| Form::Text(text.to_owned()))
+}
+
+#[cfg(unix)]
+fn path(form: Form) -> PathBuf {
+    use std::os::unix::ffi::OsStringExt as _;
+    match form {
+        Form::Text(text) => text.into(),
+        Form::Bytes(bytes) => std::ffi::OsString::from_vec(bytes).into(),
+    }
+}
+
+#[cfg(not(unix))]
+fn form(path: &Path) -> Form {
+    Form::Text(path.to_string_lossy().into_owned())
+}
+
+#[cfg(not(unix))]
+fn path(form: Form) -> PathBuf {
+    match form {
+        Form::Text(text) => text.into(),
+        Form::Bytes(bytes) => String::from_utf8_lossy(&bytes).into_owned().into(),
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_path_comes_back() {
+        use std::os::unix::ffi::OsStrExt as _;
+        for bytes in [&b"/models/chair.obj"[..], b"/models/\xFF\xFE.obj", "/Stühle/椅子.obj".as_bytes(), b""] {
+            let path = StoredPath(std::ffi::OsStr::from_bytes(bytes).into());
+            let json = serde_json::to_string(&path).unwrap();
+            assert_eq!(serde_json::from_str::<StoredPath>(&json).unwrap(), path, "{json}");
+        }
+        assert_eq!(serde_json::to_string(&StoredPath("a.obj".into())).unwrap(), r#""a.obj""#);
+    }
+}
