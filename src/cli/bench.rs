@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use rasterscope::chain::{Recipe, Renderer};
 use rasterscope::math::lanes::Lanes;
 use rasterscope::measure::against::Figures;
-use rasterscope::measure::bench::{BenchReport, bench};
+use rasterscope::measure::bench::{BenchReport, Frames, bench};
 use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
 use rasterscope::measure::timing::Summary;
 use rasterscope::pipeline::viewport::Viewport;
@@ -16,6 +16,7 @@ use super::bench_verify;
 use super::bench_window;
 use super::diff::motion_line;
 use super::failure::Failure;
+use super::interrupt;
 use super::output;
 use super::parse;
 use super::scene_args::{FrameArgs, View};
@@ -101,16 +102,19 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
     let moving = (&view.camera, args.turn);
+    let frames = Frames { count: args.frames as usize, cancel: interrupt::flag() };
     let report = pool.install(|| {
-        let report = bench(&view.scene, moving, &view.recipe, size, args.frames as usize, Renderer::on(lanes))?;
-        let error = MeasuredError::of(&view, size, args.turn);
+        let report = bench(&view.scene, moving, &view.recipe, size, frames, Renderer::on(lanes))?;
+        let error = if report.partial { None } else { MeasuredError::of(&view, size, args.turn) };
         Some(Report { report, error })
     });
-    let Some(report) = report else { return Ok(()) };
+    let report = report.ok_or_else(interrupt::nothing)?;
     if args.json {
-        return output::print_json(&report);
+        output::print_json(&report)?;
+    } else {
+        output::print(&table(&report))?;
     }
-    output::print(&table(&report))
+    interrupt::outcome(report.report.partial)
 }
 
 /// Times of the frames, and how wrong they are.
@@ -172,6 +176,9 @@ fn table(report: &Report) -> String {
         if *threads == 1 { "thread" } else { "threads" },
         frame_ms.n
     );
+    if report.partial {
+        text += "partial: interrupted before all frames were drawn\n\n";
+    }
     text += &format!("{:24} {:>10} {:>10} {:>10}\n", "milliseconds", "median", "p10", "p90");
     let line = |name: &str, ms: &Summary| format!("{name:24} {:10.3} {:10.3} {:10.3}\n", ms.median, ms.p10, ms.p90);
     text += &line("whole frame", frame_ms);

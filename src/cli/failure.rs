@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use super::interrupt::INTERRUPTED;
 use rasterscope::case::CaseError;
 use rasterscope::chain::SetError;
 use rasterscope::drawing::file::DrawingFileError;
@@ -68,6 +69,9 @@ pub(crate) enum Failure {
     /// What should be the same bits is not.
     #[error("{differing} of {of} ways to draw it tile by tile differ from triangle after triangle")]
     Unequal { differing: usize, of: usize },
+    /// A measurement was interrupted.
+    #[error("interrupted: {0}")]
+    Interrupted(&'static str),
     /// There can be no window.
     #[error("{0}")]
     NoWindow(String),
@@ -78,6 +82,7 @@ impl Failure {
     pub(crate) fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::NoWindow(_) => NO_WINDOW,
+            Self::Interrupted(_) => INTERRUPTED,
             Self::Violated { .. } | Self::Unequal { .. } => VIOLATED,
             _ => BAD_INPUT,
         })

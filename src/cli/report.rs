@@ -3,6 +3,7 @@
 use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use clap::Args;
 use rasterscope::chain::Recipe;
@@ -15,7 +16,7 @@ use rasterscope::report::upscaling::sweep::{self, Plan, Progress, Subject, every
 use rasterscope::scene::obj::Loaded;
 
 use super::failure::Failure;
-use super::{output, parse, scene_args};
+use super::{interrupt, output, parse, scene_args};
 
 /// The page, the table and the JSON of the report.
 const FILES: [&str; 3] = ["index.html", "report.csv", "report.json"];
@@ -70,19 +71,21 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let threads = args.threads.map_or(0, usize::from);
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
-    let report = pool.install(|| sweep::run(&plan, &|progress| tell(progress), &|| false));
+    let interrupted = interrupt::flag();
+    let report =
+        pool.install(|| sweep::run(&plan, &|progress| tell(progress), &|| interrupted.load(Ordering::Relaxed)));
     if shown {
         clear();
     }
-    // Nobody cancels.
-    let Some(report) = report else { return Ok(()) };
+    let report = report.ok_or_else(interrupt::nothing)?;
     let [index, table, json] = FILES.map(|name| args.output.join(name));
     let page = page(&report).map_err(|source| Failure::ResultFile { path: index.clone(), source })?;
     output::write(&index, &page)?;
     output::write(&table, &csv(&report))?;
     output::write(&json, &output::json(&report)?)?;
     let rows = report.scenes.iter().map(|scene| scene.rows.len()).sum::<usize>();
-    output::print(&format!("{}: {rows} rows, with report.csv and report.json\n", output::display(&index)))
+    output::print(&format!("{}: {rows} rows, with report.csv and report.json\n", output::display(&index)))?;
+    interrupt::outcome(report.partial)
 }
 
 fn plan(args: &ReportArgs) -> Result<Plan, Failure> {

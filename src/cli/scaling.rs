@@ -2,15 +2,14 @@
 
 use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use rasterscope::chain::Recipe;
-use rasterscope::measure::scaling::{Plan, Quantity, Scaling, measure};
+use rasterscope::measure::scaling::{Plan, Quantity, Scaling, ScalingError, measure};
 use rasterscope::report::scaling::{csv, page, text};
 
 use super::failure::Failure;
-use super::output;
+use super::{interrupt, output};
 
 /// The page, the table and the JSON of the report.
 const FILES: [&str; 3] = ["index.html", "scaling.csv", "scaling.json"];
@@ -56,15 +55,19 @@ pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
             let _ = write!(stderr(), "\r{}: {:3.0} %    ", quantity.name(), share * 100.0);
         }
     };
-    // Nobody cancels but with the program.
-    let scaling = measure(&plan, &tell, &AtomicBool::new(false)).map_err(|e| Failure::Threads(e.to_string()))?;
+    let scaling = measure(&plan, &tell, interrupt::flag());
     if shown {
         let _ = write!(stderr(), "\r{:40}\r", "");
     }
+    let scaling = scaling.map_err(|error| match error {
+        ScalingError::Cancelled => interrupt::nothing(),
+        ScalingError::Threads(error) => Failure::Threads(error.to_string()),
+    })?;
     match &args.output {
-        None => output::print(&text(&scaling)),
-        Some(folder) => write_all(folder, &scaling),
+        None => output::print(&text(&scaling))?,
+        Some(folder) => write_all(folder, &scaling)?,
     }
+    interrupt::outcome(scaling.partial)
 }
 
 fn write_all(folder: &Path, scaling: &Scaling) -> Result<(), Failure> {

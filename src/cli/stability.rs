@@ -2,7 +2,6 @@
 
 use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -12,7 +11,7 @@ use rasterscope::report::stability::sweep::{self, DEFAULT_SEED, Plan, Progress, 
 use rasterscope::report::stability::{csv::csv, html::html, text::text};
 
 use super::failure::Failure;
-use super::{output, parse};
+use super::{interrupt, output, parse};
 
 /// What `stability` takes.
 #[derive(Args, Debug)]
@@ -77,17 +76,17 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
             show(progress);
         }
     };
-    let report = sweep::run(&plan, &tell, &AtomicBool::new(false));
+    let report = sweep::run(&plan, &tell, interrupt::flag());
     if shown {
         clear();
     }
-    // Nobody cancels.
-    let Some(report) = report else { return Ok(()) };
+    let report = report.ok_or_else(interrupt::nothing)?;
     let written = render(args, &report)?;
     match &args.output {
-        None => output::print(&written),
-        Some(path) => output::write(path, &written),
+        None => output::print(&written)?,
+        Some(path) => output::write(path, &written)?,
     }
+    interrupt::outcome(report.partial)
 }
 
 fn or_all<T: Clone>(chosen: &[T], all: Vec<T>) -> Vec<T> {

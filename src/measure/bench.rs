@@ -2,6 +2,7 @@
 
 use std::hint::black_box;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -48,6 +49,8 @@ pub struct BenchReport {
     pub turn_degrees: f32,
     /// How frames were executed.
     pub execution: &'static str,
+    /// Whether it was cancelled before all frames were drawn.
+    pub partial: bool,
     /// Milliseconds of a whole frame.
     pub frame_ms: Summary,
     /// Milliseconds of its stages, in their order.
@@ -75,18 +78,31 @@ pub struct Bytes {
     pub scene: usize,
 }
 
-/// Draws a view again and again, turned by some degrees from frame to frame, on the threads of the present rayon pool. `frames` ≥ 1.
+/// The frames of a measurement.
+#[derive(Clone, Copy, Debug)]
+pub struct Frames<'a> {
+    /// Number of frames that count, at least 1.
+    pub count: usize,
+    /// Ends the measurement with the frames drawn so far.
+    pub cancel: &'a AtomicBool,
+}
+
+/// Draws a view again and again, turned by some degrees from frame to frame, on the threads of the present rayon pool. `None` if
+/// it was cancelled before a frame that counts was complete.
 pub fn bench(
     scene: &Arc<Scene>,
     (camera, turn_degrees): (&Camera, f32),
     recipe: &Recipe,
     viewport: Viewport,
-    frames: usize,
+    Frames { count, cancel }: Frames<'_>,
     mut renderer: Renderer,
 ) -> Option<BenchReport> {
-    let mut samples: Vec<(Duration, Vec<(&'static str, Duration)>)> = Vec::with_capacity(frames);
+    let mut samples: Vec<(Duration, Vec<(&'static str, Duration)>)> = Vec::with_capacity(count);
     let mut last: Option<Frame> = None;
-    for number in 0..WARM_UP_FRAMES + frames {
+    for number in 0..WARM_UP_FRAMES + count {
+        if cancel.load(Ordering::Relaxed) {
+            break;
+        }
         if let Some(frame) = last.take() {
             renderer.recycle(frame);
         }
@@ -112,13 +128,14 @@ pub fn bench(
     });
     let pixels = f64::from(viewport.width) * f64::from(viewport.height);
     let bytes = frame.image().bytes() + frame.drawn.depth.as_ref().map_or(0, crate::image::Image::bytes);
-    let writing = summary(&mut times_of_writing(bytes, frames).into_iter())?;
+    let writing = summary(&mut times_of_writing(bytes, samples.len()).into_iter())?;
     Some(BenchReport {
         scene: scene.name.clone(),
         size: [viewport.width, viewport.height],
         threads: rayon::current_num_threads(),
         turn_degrees,
         execution: frame.execution.id(),
+        partial: samples.len() < count,
         stages: stages.collect(),
         writing: Writing { frame_over_writing: frame_ms.median / writing.median, ms: writing },
         counts: counts(scene, &frame),

@@ -140,6 +140,8 @@ pub struct Scaling {
     pub rounds: usize,
     /// One series for each quantity.
     pub series: Vec<Series>,
+    /// Whether it was cancelled before all series were complete.
+    pub partial: bool,
 }
 
 /// Why nothing was measured.
@@ -165,10 +167,17 @@ struct Run<'a> {
 }
 
 /// Measures everything; the points of a series in turn, in rounds, after one that does not count. `progress` hears what is
-/// measured, and the share of it that is done.
+/// measured, and the share of it that is done. If cancelled, returns the complete series, or an error if there are none.
 pub fn measure(plan: &Plan, progress: &dyn Fn(Quantity, f32), cancel: &AtomicBool) -> Result<Scaling, ScalingError> {
     let pool = |threads: &usize| rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
     let mut series = Vec::new();
+    let found = |series, partial| Scaling {
+        size: [plan.viewport.width, plan.viewport.height],
+        threads: plan.threads.last().copied().unwrap_or(1),
+        rounds: plan.rounds,
+        series,
+        partial,
+    };
     for quantity in Quantity::ALL {
         let counts = match quantity {
             Quantity::Threads => &plan.threads[..],
@@ -179,7 +188,7 @@ pub fn measure(plan: &Plan, progress: &dyn Fn(Quantity, f32), cancel: &AtomicBoo
         for round in 0..=plan.rounds {
             for run in &mut runs {
                 if cancel.load(Ordering::Relaxed) {
-                    return Err(ScalingError::Cancelled);
+                    return if series.is_empty() { Err(ScalingError::Cancelled) } else { Ok(found(series, true)) };
                 }
                 let ms = run.draw(&plan.recipe);
                 if round > 0 {
@@ -191,12 +200,7 @@ pub fn measure(plan: &Plan, progress: &dyn Fn(Quantity, f32), cancel: &AtomicBoo
         let point = |run: Run<'_>| Some(Point { value: run.value, ms: summarize(&run.ms)?, bytes: run.bytes });
         series.push(Series { quantity, points: runs.into_iter().filter_map(point).collect() });
     }
-    Ok(Scaling {
-        size: [plan.viewport.width, plan.viewport.height],
-        threads: plan.threads.last().copied().unwrap_or(1),
-        rounds: plan.rounds,
-        series,
-    })
+    Ok(found(series, false))
 }
 
 fn runs<'a>(plan: &Plan, quantity: Quantity, pools: &'a [ThreadPool]) -> Vec<Run<'a>> {
@@ -294,7 +298,12 @@ mod tests {
         assert_eq!(values, [[8.0, 968.0], [144.0, 2304.0], [1.0, 3.0], [1.0, 2.0]]);
         let points = || found.series.iter().flat_map(|series| &series.points);
         assert!(points().all(|point| point.ms.n == 2 && point.ms.median > 0.0 && point.bytes > 0));
+        assert!(!found.partial);
         assert!(matches!(measure(&small(), &|_, _| {}, &AtomicBool::new(true)), Err(ScalingError::Cancelled)));
+        let cancel = AtomicBool::new(false);
+        let cancel_later = |quantity, _| cancel.store(quantity == Quantity::ALL[1], Ordering::Relaxed);
+        let partial = measure(&small(), &cancel_later, &cancel).unwrap();
+        assert_eq!((partial.partial, partial.series.len()), (true, 1), "the complete series, marked");
     }
 
     #[test]

@@ -18,6 +18,11 @@ pub(super) fn document(title: &str, style: &str, body: &str) -> String {
     )
 }
 
+/// Returns a paragraph that marks an interrupted measurement; nothing for a complete one.
+pub(super) fn partial(is_partial: bool) -> &'static str {
+    if is_partial { "<p><b>Partial: interrupted before everything was measured.</b></p>\n" } else { "" }
+}
+
 /// What stands in a row at the top: a value and its name each.
 pub(super) fn tiles<const N: usize>(tiles: [(String, &str); N]) -> String {
     let tile = |(value, name): (String, &str)| {

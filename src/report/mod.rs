@@ -15,3 +15,6 @@ pub mod scaling;
 pub mod stability;
 
 pub mod upscaling;
+
+/// Last line of the text and tables of a measurement that was interrupted.
+const PARTIAL: &str = "# partial: interrupted before everything was measured";

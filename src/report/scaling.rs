@@ -2,7 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::html::{document, escaped, tiles};
+use super::PARTIAL;
+use super::html::{document, escaped, partial, tiles};
 use super::plot::{Axis, MARK, Plot, svg};
 use super::stability::machine::Machine;
 use crate::measure::scaling::{Point, Quantity, Scaling, Series};
@@ -182,6 +183,9 @@ pub fn text(scaling: &Scaling) -> String {
             let _ = writeln!(text, "{finding}");
         }
     }
+    if scaling.partial {
+        let _ = writeln!(text, "{PARTIAL}");
+    }
     text
 }
 
@@ -203,6 +207,9 @@ pub fn csv(scaling: &Scaling) -> String {
             point.bytes
         );
     }
+    if scaling.partial {
+        let _ = writeln!(csv, "{PARTIAL}");
+    }
     csv
 }
 
@@ -217,11 +224,12 @@ pub fn page(scaling: &Scaling) -> String {
     ];
     let mut body = format!(
         "<h1>What a frame costs</h1>\n<p class=\"soft\">Whole frames of generated scenes against one quantity at a time. \
-         Rasterscope {} on {}, {}.{}</p>\n{}",
+         Rasterscope {} on {}, {}.{}</p>\n{}{}",
         escaped(machine.version),
         escaped(&machine.platform),
         escaped(machine.processor.as_deref().unwrap_or("unknown processor")),
         if machine.optimized { "" } else { " The program was not optimised: its times say little." },
+        partial(scaling.partial),
         tiles(figures)
     );
     scaling.series.iter().for_each(|series| body += &section(series));
@@ -316,6 +324,7 @@ mod tests {
                 series(Quantity::Triangles, vec![point(1000.0, 3.0), point(5000.0, 7.0)]),
                 series(Quantity::Threads, vec![point(1.0, 8.0), point(2.0, 5.0)]),
             ],
+            partial: false,
         }
     }
 
@@ -339,6 +348,16 @@ mod tests {
         assert_eq!(page.matches("class=\"mark\"").count(), 4);
         assert_eq!((page.matches("<section>").count(), page.matches("</section>").count()), (2, 2));
         assert_eq!(csv(&scaling()).lines().count(), 5);
+    }
+
+    #[test]
+    fn partial_results_are_marked_in_every_form() {
+        let partial = Scaling { partial: true, ..scaling() };
+        for form in [text, csv, page] {
+            assert!(
+                form(&partial).contains("artial: interrupted") && !form(&scaling()).contains("artial: interrupted")
+            );
+        }
     }
 
     #[test]

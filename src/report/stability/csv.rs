@@ -3,6 +3,7 @@
 use super::metric::Metric;
 use super::sweep::{Cell, ClassReport, Report};
 use crate::pipeline::settings::Choice as _;
+use crate::report::PARTIAL;
 
 /// Columns before the measures.
 const KEYS: [&str; 10] =
@@ -18,7 +19,8 @@ pub fn csv(report: &Report) -> String {
         KEYS.into_iter().map(str::to_owned).chain(metrics).chain(TIMES.into_iter().map(str::to_owned)).collect();
     let cells = report.classes.iter().flat_map(|class| class.cells.iter().map(move |cell| (class, cell)));
     let lines = cells.map(|(class, cell)| line(report, class, cell));
-    std::iter::once(head.join(",")).chain(lines).map(|line| line + "\n").collect()
+    let mark = report.partial.then(|| PARTIAL.to_owned());
+    std::iter::once(head.join(",")).chain(lines).chain(mark).map(|line| line + "\n").collect()
 }
 
 /// No word in it has a comma or a quotation mark: they are all names that this program gives.

@@ -106,6 +106,8 @@ pub struct Report {
     pub timing_noise: Option<f64>,
     /// Class by class.
     pub classes: Vec<ClassReport>,
+    /// Whether it was cancelled before all classes were judged and timed.
+    pub partial: bool,
 }
 
 fn seconds<S: serde::Serializer>(duration: &Duration, to: S) -> Result<S::Ok, S::Error> {
@@ -171,33 +173,44 @@ pub struct Worst {
     pub case: Case,
 }
 
-/// Runs a plan. `progress` hears of every step, from several threads. Gives nothing if `cancel` becomes true meanwhile.
+/// Runs a plan. `progress` hears of every step, from several threads. If `cancel` becomes true meanwhile,
+/// returns the classes that were judged, or `None` if there are none.
 pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBool) -> Option<Report> {
     let start = Instant::now();
     let machine = Machine::here();
     let cases: Vec<Vec<Case>> = plan.classes.iter().map(|class| class.cases(plan.seed)).collect();
-    let judged = judge(plan, &cases, progress, cancel)?;
+    let judged = judge(plan, &cases, progress, cancel);
     let (mut classes, mut noises) = (Vec::new(), Vec::new());
-    for (done, ((mut report, units), cases)) in judged.into_iter().zip(&cases).enumerate() {
+    for (done, (judged, cases)) in judged.into_iter().zip(&cases).enumerate() {
+        let Some((mut report, units)) = judged else { continue };
         if plan.timed && !report.cells.is_empty() {
             progress(Progress { stage: Stage::Timing, done, of: plan.classes.len() });
-            noises.push(time(&mut report, cases, &units, cancel)?);
+            match time(&mut report, cases, &units, cancel) {
+                Some(noise) => noises.push(noise),
+                None if cancel.load(Ordering::Relaxed) => {}
+                None => return None,
+            }
         }
         classes.push(report);
     }
     for report in &mut classes {
         report.cells.iter_mut().for_each(|cell| cell.verdict = verdict(report.class, cell));
     }
-    Some(Report { seed: plan.seed, machine, duration: start.elapsed(), timing_noise: median(noises), classes })
+    let partial = cancel.load(Ordering::Relaxed);
+    if partial && classes.is_empty() {
+        return None;
+    }
+    Some(Report { seed: plan.seed, machine, duration: start.elapsed(), timing_noise: median(noises), classes, partial })
 }
 
-/// Judges all cases in all columns. With each class comes how many pixels, samples or depths each of its cases has.
+/// Judges all cases in all columns. With each class comes how many pixels, samples or depths each of its cases has. Classes
+/// that were not complete when it was cancelled are `None`.
 fn judge(
     plan: &Plan,
     cases: &[Vec<Case>],
     progress: &(dyn Fn(Progress) + Sync),
     cancel: &AtomicBool,
-) -> Option<Vec<(ClassReport, Vec<u64>)>> {
+) -> Vec<Option<(ClassReport, Vec<u64>)>> {
     let columns: Vec<Vec<Column>> = plan.classes.iter().map(|class| plan.columns(class)).collect();
     let of = cases.iter().map(Vec::len).sum();
     let done = AtomicUsize::new(0);
@@ -213,10 +226,11 @@ fn judge(
     };
     let jobs: Vec<(usize, &Case)> =
         cases.iter().enumerate().flat_map(|(i, cases)| cases.iter().map(move |c| (i, c))).collect();
-    let judged: Vec<(u64, Vec<Option<Outcome>>)> = jobs.into_par_iter().map(judge_case).collect::<Option<_>>()?;
+    let judged: Vec<Option<(u64, Vec<Option<Outcome>>)>> = jobs.into_par_iter().map(judge_case).collect();
     let mut judged = judged.into_iter();
     let reports = plan.classes.iter().zip(cases).zip(columns).map(|((class, cases), columns)| {
         let judged: Vec<_> = judged.by_ref().take(cases.len()).collect();
+        let judged = judged.into_iter().collect::<Option<Vec<_>>>()?;
         let cell = |(index, column): (usize, Column)| {
             let outcomes =
                 cases.iter().zip(&judged).filter_map(|(case, (_, outcomes))| Some((case, outcomes[index].as_ref()?)));
@@ -230,9 +244,9 @@ fn judge(
             units: units.iter().sum(),
             cells: columns.into_iter().enumerate().map(cell).collect(),
         };
-        (report, units)
+        Some((report, units))
     });
-    Some(reports.collect())
+    reports.collect()
 }
 
 /// Joins what came of all cases of a class in one column.

@@ -4,6 +4,7 @@ use super::catalogue::Family;
 use super::column::Column;
 use super::metric::{Verdict, short};
 use super::sweep::{Cell, ClassReport, Report};
+use crate::report::PARTIAL;
 
 /// Width of the column of classes.
 const CLASS_WIDTH: usize = 17;
@@ -28,6 +29,7 @@ pub fn text(report: &Report) -> String {
     }
     lines.push(String::new());
     lines.push(totals(report));
+    lines.extend(report.partial.then(|| PARTIAL.to_owned()));
     lines.join("\n") + "\n"
 }
 

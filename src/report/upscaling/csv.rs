@@ -2,6 +2,7 @@
 
 use super::sweep::{Report, Row, SceneReport};
 use crate::pipeline::settings::Choice as _;
+use crate::report::PARTIAL;
 
 /// The columns.
 const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
@@ -12,7 +13,8 @@ const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,
 pub fn csv(report: &Report) -> String {
     let rows = report.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
     let lines = rows.map(|(scene, row)| line(report, scene, row));
-    std::iter::once(HEAD.to_owned()).chain(lines).map(|line| line + "\n").collect()
+    let mark = report.partial.then(|| PARTIAL.to_owned());
+    std::iter::once(HEAD.to_owned()).chain(lines).chain(mark).map(|line| line + "\n").collect()
 }
 
 fn line(report: &Report, scene: &SceneReport, row: &Row) -> String {

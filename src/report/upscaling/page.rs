@@ -10,7 +10,7 @@ use crate::image::{Image, Rgba8};
 use crate::measure::error::ImageError;
 use crate::measure::motion::Turn;
 use crate::pipeline::settings::Choice as _;
-use crate::report::html::{document, escaped, tiles};
+use crate::report::html::{document, escaped, partial, tiles};
 use crate::upscale::Anchor;
 
 /// What this page has of its own.
@@ -38,9 +38,10 @@ fn head(report: &Report) -> String {
     ];
     format!(
         "<h1>Error against run time</h1>\n<p class=\"soft\">What drawing fewer samples and filling in the rest saves, and what \
-         it costs the picture. Every error is against one named reference: <b>{}</b>. Rasterscope {}.</p>\n{}",
+         it costs the picture. Every error is against one named reference: <b>{}</b>. Rasterscope {}.</p>\n{}{}",
         escaped(report.reference),
         escaped(report.machine.version),
+        partial(report.partial),
         tiles(figures)
     )
 }

@@ -87,6 +87,8 @@ pub struct Report {
     pub turn: Turn,
     /// Scene by scene.
     pub scenes: Vec<SceneReport>,
+    /// Whether it was cancelled before all scenes and rounds were complete.
+    pub partial: bool,
 }
 
 /// What was measured on one scene.
@@ -147,11 +149,19 @@ const CROP: (u32, u32) = (160, 110);
 /// Seed of the order of rounds.
 const SEED: u64 = 7;
 
-/// Measures everything; `None` if it was cancelled.
+/// Measures everything. If cancelled, returns the complete scenes, the last one with the rounds that were complete, or `None`
+/// if there are none.
 pub fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -> Option<Report> {
     let mut scenes = Vec::with_capacity(plan.subjects.len());
     for subject in &plan.subjects {
-        scenes.push(of_scene(plan, subject, tell, cancelled)?);
+        match of_scene(plan, subject, tell, cancelled) {
+            Some(scene) => scenes.push(scene),
+            None if cancelled() && !scenes.is_empty() => break,
+            None => return None,
+        }
+        if cancelled() {
+            break;
+        }
     }
     let Viewport { width, height } = plan.viewport;
     Some(Report {
@@ -162,6 +172,7 @@ pub fn run(plan: &Plan, tell: &dyn Fn(Progress), cancelled: &dyn Fn() -> bool) -
         reference: plan.reference.name(),
         turn: plan.turn,
         scenes,
+        partial: cancelled(),
     })
 }
 
@@ -198,13 +209,10 @@ fn of_scene(
     say("shares", 0, 1);
     let first = plan.recipes.first()?;
     let applies = skipping::applies(&subject.scene, first, &subject.camera, plan.viewport);
-    let shares = match applies {
-        true => {
-            let Subject { scene, camera, .. } = subject;
-            Some(skipping::measure(scene, camera, first, plan.viewport, plan.rounds.min(SHARE_ROUNDS), cancelled)?)
-        }
-        false => None,
-    };
+    let Subject { scene, camera, .. } = subject;
+    let rounds = plan.rounds.min(SHARE_ROUNDS);
+    let shares = applies.then(|| skipping::measure(scene, camera, first, plan.viewport, rounds, cancelled));
+    let shares = shares.map_or(Some(None), |shares| shares.map(Some).or(cancelled().then_some(None)))?;
     let crop = crop_of(&judged);
     let noise = noise(&samples)?;
     let mut rows = Vec::with_capacity(judged.len());
@@ -293,7 +301,8 @@ fn time(
         random.shuffle(&mut order);
         for place in &order {
             if cancelled() {
-                return None;
+                // A round that counts and is complete is a result; the first round is the warm-up.
+                return (round > 1).then_some(samples);
             }
             let recipe = plan.recipes[place % plan.recipes.len()];
             let frame = frame_of(plan, subject, &recipe, renderer);
@@ -388,5 +397,15 @@ mod tests {
     #[test]
     fn a_cancelled_sweep_has_no_report() {
         assert!(run(&plan(Viewport { width: 16, height: 16 }, 1), &|_| {}, &|| true).is_none());
+    }
+
+    #[test]
+    fn a_sweep_cancelled_later_has_the_rounds_that_were_complete() {
+        let rounds_begun = std::cell::Cell::new(0);
+        let count = |progress: Progress| rounds_begun.set(rounds_begun.get() + usize::from(progress.stage == "times"));
+        // The warm-up and two more rounds are complete when the fourth begins.
+        let report = run(&plan(Viewport { width: 16, height: 16 }, 9), &count, &|| rounds_begun.get() == 4).unwrap();
+        assert!(report.partial && report.scenes[0].shares.is_none());
+        assert!(report.scenes[0].rows.iter().all(|row| row.frame_ms.n == 2), "two complete rounds");
     }
 }

@@ -20,7 +20,9 @@ impl Workbench {
         self.tab = Tab::Stability;
         self.session.stability.progress = Some(Progress { stage: Stage::Judging, done: 0, of: 1 });
         let plan = Plan::default();
-        self.judging = Some(Task::start(ui.ctx().clone(), move |tell, stop| sweep::run(&plan, tell, stop)));
+        self.judging = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
+            sweep::run(&plan, tell, stop).filter(|report| !report.partial)
+        }));
     }
 
     /// Measures what the plan of the present view saves.
@@ -45,7 +47,8 @@ impl Workbench {
         self.session.growth.progress = Some((Quantity::Triangles, 0.0));
         self.measuring_growth = Some(Task::start(ui.ctx().clone(), move |tell, stop| {
             let plan = scaling::Plan::new(recipe, MOST.0, threads, MOST.1);
-            let found = scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok()?;
+            let found = scaling::measure(&plan, &|quantity, share| tell((quantity, share)), stop).ok();
+            let found = found.filter(|found| !found.partial)?;
             Some((found, recipe))
         }));
     }

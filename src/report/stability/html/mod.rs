@@ -10,7 +10,7 @@ use super::metric::{Metric, Verdict};
 use super::sweep::Report;
 use super::text::machine;
 use crate::pipeline::settings::Choice as _;
-use crate::report::html::{document, escaped, tiles};
+use crate::report::html::{document, escaped, partial, tiles};
 
 /// The whole page.
 pub fn html(report: &Report) -> String {
@@ -42,8 +42,9 @@ fn head(report: &Report) -> String {
     format!(
         "<h1>Stability report</h1>\n<p class=\"soft\">How wrong, and at what cost: stiff and extreme cases against every \
          rasterizer, arithmetic and depth format of Rasterscope {}. What is right is decided in exact arithmetic that shares no \
-         code with what is judged.</p>\n{}",
+         code with what is judged.</p>\n{}{}",
         escaped(report.machine.version),
+        partial(report.partial),
         tiles(figures)
     )
 }

@@ -1,0 +1,33 @@
+//! Ctrl+C during a long measurement: what is complete is written, marked as partial.
+
+use std::process::exit;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::failure::Failure;
+
+/// Exit code of a process that was interrupted.
+pub(crate) const INTERRUPTED: u8 = 130;
+
+static FLAG: AtomicBool = AtomicBool::new(false);
+
+/// Returns a flag that the first SIGINT, SIGTERM or SIGHUP sets; the second ends the process at once.
+pub(crate) fn flag() -> &'static AtomicBool {
+    let interrupt = || {
+        if FLAG.swap(true, Ordering::Relaxed) {
+            exit(INTERRUPTED.into());
+        }
+    };
+    // Without a handler the signals end the process, as for any other command.
+    drop(ctrlc::set_handler(interrupt));
+    &FLAG
+}
+
+/// Returns the failure of a measurement whose results are partial, if they are.
+pub(crate) fn outcome(is_partial: bool) -> Result<(), Failure> {
+    if is_partial { Err(Failure::Interrupted("what was complete is written, marked as partial")) } else { Ok(()) }
+}
+
+/// Returns the failure of a measurement that was interrupted before anything was complete.
+pub(crate) fn nothing() -> Failure {
+    Failure::Interrupted("nothing was complete yet, and nothing is written")
+}
