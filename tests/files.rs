@@ -221,3 +221,78 @@ fn only_one_module_opens_files() {
     }
     assert!(elsewhere.is_empty(), "go through `disk`: {elsewhere:?}");
 }
+
+#[test]
+fn pixels_of_the_smallest_pictures_are_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    for size in ["1x1", "2x1", "1x2", "2x2", "3x3"] {
+        let (width, height) = size.split_once('x').unwrap();
+        let last = format!("{},{}", width.parse::<u32>().unwrap() - 1, height.parse::<u32>().unwrap() - 1);
+        for upscaler in rasterscope::upscale::ALL {
+            let method = format!("upscaler.method={}", upscaler.id());
+            for extra in [&[][..], &["--trace"], &["--json"]] {
+                let command = ["pixel", "triangle", "--size", size, "--at", &last, "--set", &method];
+                let output = run(folder.path(), &[&command[..], extra].concat());
+                assert!(output.status.success(), "{size} {method} {extra:?}: {}", text(&output));
+            }
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_measurement_writes_what_is_complete() {
+    use std::process::Stdio;
+    let folder = tempfile::tempdir().unwrap();
+    let started = |args: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rasterscope"));
+        command.args(args).current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+    };
+    // More frames than any test waits for; the signal comes when the first have been drawn.
+    let child = started(&["bench", "triangle", "--size", "320x240", "--frames", "100000", "--json"]);
+    let interrupt = || Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let cpu = || {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
+        stat.rsplit(") ")
+            .next()
+            .unwrap_or_default()
+            .split(' ')
+            .nth(11)
+            .and_then(|ticks| ticks.parse().ok())
+            .unwrap_or(0_u64)
+    };
+    while cfg!(target_os = "linux") && cpu() < 30 {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    assert!(interrupt().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(report["partial"], true);
+    assert!(report["frame_ms"]["n"].as_u64().unwrap() > 0);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("marked as partial"));
+}
+
+#[test]
+fn long_measurements_check_their_output_before_they_begin() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("file"), "").unwrap();
+    // None of these would end within the time of a test.
+    for command in [
+        &["report", "-o", "file/report", "--rounds", "1000"][..],
+        &["scaling", "-o", "file/scaling", "--rounds", "1000"],
+        &["stability", "-o", "missing/stability.txt"],
+    ] {
+        let output = run(folder.path(), command);
+        assert_eq!(output.status.code(), Some(2), "{command:?}: {}", text(&output));
+    }
+}
+
+#[test]
+fn licences_of_fonts_and_icons_are_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = text(&run(folder.path(), &["--version"]));
+    for part in ["Lucide", "Hack", "NotoEmoji", "Ubuntu-Light", "emoji-icon-font"] {
+        assert!(said.contains(part), "no licence of {part}");
+    }
+}

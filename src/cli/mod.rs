@@ -1,7 +1,8 @@
 //! The command line: one file per subcommand, each a function from its options to results on standard output.
 //!
 //! Warnings and errors go to standard error, one line each. Exit codes: 0 done; 2 input that cannot be used or output
-//! that cannot be written; 3 no window where one was asked for; 1 what `check` or `bench --verify` checked does not hold.
+//! that cannot be written; 3 no window where one was asked for; 130 a
+//! measurement was interrupted, and what was complete is written; 1 what `check` or `bench --verify` checked does not hold.
 
 mod bench;
 mod bench_scrub;
@@ -12,6 +13,7 @@ mod check;
 mod diff;
 mod failure;
 mod fates;
+mod interrupt;
 mod lab;
 mod output;
 mod parse;
@@ -49,7 +51,7 @@ use seen_args::WindowArgs;
 /// Without a command the window opens; without scene and options, too, it takes up scene, settings and view as they were
 /// left. Where there is no display, the whole workbench is drawn once into rasterscope.png instead.
 #[derive(Parser, Debug)]
-#[command(version, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
+#[command(version, long_version = VERSION, args_conflicts_with_subcommands = true, after_help = EXIT_CODES)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -58,7 +60,10 @@ struct Cli {
     start: WindowArgs,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 1 what `check` or `bench --verify` checked does not hold";
+/// Version, and the licences of the fonts and icons in the program.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), "\n\n", include_str!("../../assets/NOTICES.txt"));
+
+const EXIT_CODES: &str = "Exit codes: 0 done; 2 bad input, or output that cannot be written; 3 no window possible; 130 interrupted; 1 what `check` or `bench --verify` checked does not hold";
 
 #[derive(Subcommand, Debug)]
 enum Command {

@@ -219,14 +219,15 @@ pub(super) fn replayed(scene: &Scene, recipe: &Recipe, frame: &Frame, x: u32, y:
     let pixels: Vec<_> = taps.iter().map(|tap| (tap.x, tap.y)).collect();
     let replayed = samples::replay(scene, recipe, frame, &pixels);
     let sources: Vec<_> = taps.into_iter().zip(&replayed).map(|(tap, samples)| source(frame, tap, samples)).collect();
-    let main = (0..sources.len()).max_by(|a, b| sources[*a].tap.weight.total_cmp(&sources[*b].tap.weight))?;
-    let drawn_at = if frame.is_drawn(x, y) { (x, y) } else { pixels[main] };
+    let main = (0..sources.len()).max_by(|a, b| sources[*a].tap.weight.total_cmp(&sources[*b].tap.weight));
+    // A frame of at most 2 × 2 pixels may draw none of them: all come from the frame before.
+    let drawn_at = main.filter(|_| !frame.is_drawn(x, y)).map_or((x, y), |main| pixels[main]);
     let samples = pixels.iter().position(|pixel| *pixel == drawn_at).map_or_else(Vec::new, |place| {
         let places = samples::places(frame.antialias, drawn_at);
         places.into_iter().zip(&replayed[place]).map(|(place, color)| SampleRecord { place, color: *color }).collect()
     });
     let mut recorder = Recorder::new(scene, recipe, frame);
-    let final_depth = replay(scene, recipe, frame, drawn_at, &mut recorder)?;
+    let final_depth = replay(scene, recipe, frame, drawn_at, &mut recorder).flatten();
 
     let upscaled = upscaler.pixel(how, &frame.as_drawn(&picture_of(&sources, frame)), (width, height), (x, y));
     let filtered = filtered(recipe, frame, (x, y), upscaled);

@@ -50,6 +50,11 @@ fn story(report: &PixelReport, drawn: bool, comparison: Comparison) -> String {
         return story;
     }
     if let Some([x, y]) = report.remembered_at {
+        if report.sources.is_empty() {
+            return format!(
+                "Taken over from the frame before, at {x:.2}, {y:.2}. This frame draws none of the pixels around it."
+            );
+        }
         return format!(
             "Remembered from the frame before, at {x:.2}, {y:.2}, within what is drawn around. The weightiest sample now: {story}"
         );

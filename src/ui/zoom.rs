@@ -8,6 +8,9 @@ use eframe::egui::{Pos2, Rect, Ui, Vec2, pos2, vec2};
 /// Screen pixels per picture pixel, least and greatest.
 const SCALE_RANGE: (f32, f32) = (1.0 / 32.0, 256.0);
 
+/// Least scale of a fitted picture: a canvas without height must not divide by zero.
+const LEAST_FIT: f32 = 1.0 / 65_536.0;
+
 /// From this enlargement on it is a whole factor.
 const WHOLE_FROM: f32 = 8.0;
 
@@ -108,7 +111,8 @@ impl Zoom {
             Some(scale) => (scale, self.origin),
             None => {
                 let available = canvas.size() * screen;
-                let exact = (available.x / size.x).min(available.y / size.y);
+                // A canvas of no height still has a scale: positions on it are divided by it.
+                let exact = (available.x / size.x).min(available.y / size.y).max(LEAST_FIT);
                 // From 1:1 on only whole factors, so that all squares are equal.
                 let scale = if exact >= 1.0 { exact.floor() } else { exact };
                 // Whole pixels of the screen: a canvas that is larger by less than one shows the picture in its corner.
@@ -153,6 +157,24 @@ impl Zoom {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_canvas_without_height_has_finite_positions() {
+        let context = eframe::egui::Context::default();
+        let canvas = Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 0.0));
+        let mut placed = None;
+        drop(context.run_ui(Default::default(), |ui| {
+            let mut zoom = Zoom::default();
+            let fitted = zoom.placement(ui, canvas, (640, 480));
+            zoom.enlarge(ui, fitted, canvas.center(), 1.5);
+            placed = Some((fitted, zoom.placement(ui, canvas, (640, 480))));
+        }));
+        let (fitted, enlarged) = placed.unwrap();
+        for placement in [fitted, enlarged] {
+            let position = placement.to_picture(canvas.center());
+            assert!(position.x.is_finite() && position.y.is_finite(), "{placement:?}");
+        }
+    }
 
     #[test]
     fn a_pixel_is_kept_in_view_by_the_least_move() {

@@ -45,6 +45,19 @@ fn a_dropped_model_replaces_the_scene_and_is_remembered() {
 }
 
 #[test]
+fn a_dropped_picture_opens_in_the_lab_and_the_scene_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.png");
+    let picture = rasterscope::image::Image::from_pixels(3, 2, vec![[9, 8, 7, 255]; 6]);
+    rasterscope::image::file::write_png(&path, &picture).unwrap();
+    let mut bench = Bench::small("triangle");
+    let scene = bench.session().scene.clone();
+    bench.drop_file(&path);
+    assert_eq!(bench.session().error, None);
+    assert!(bench.session().lab.open && Arc::ptr_eq(&bench.session().scene, &scene));
+}
+
+#[test]
 fn a_bad_file_is_named_and_the_scene_stays() {
     let folder = tempfile::tempdir().unwrap();
     let bad = folder.path().join("broken.obj");

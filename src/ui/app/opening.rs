@@ -8,6 +8,7 @@ use eframe::egui::Ui;
 
 use super::Workbench;
 use crate::case::Case;
+use crate::image::file::is_named_picture;
 use crate::scene::obj::Loaded;
 use crate::scene::{SceneError, SceneSource};
 use crate::ui::panels::bottom::Tab;
@@ -33,6 +34,13 @@ impl Workbench {
                 Ok(case) => self.session.show_case(case),
                 Err(error) => self.session.report(Level::Error, error.to_string()),
             }
+            return;
+        }
+        if let SceneSource::File(path) = &source
+            && is_named_picture(path)
+        {
+            // A picture is no scene; the lab fills in and samples pictures.
+            self.session.open_in_lab(path);
             return;
         }
         if self.waits {

@@ -85,6 +85,11 @@ impl Palette {
         self.chosen = (self.chosen as i64 + step).clamp(0, count.saturating_sub(1) as i64) as usize;
         let entered = ui.input(|input| input.key_pressed(Key::Enter));
         ui.add_space(space::XS);
+        if count == 0 {
+            // No scroll area: egui panics if a scroll bar is pressed in the pass in which its list empties.
+            ui.label(RichText::new("Nothing has these letters.").color(tokens(ui).text_weak));
+            return None;
+        }
         let clicked = ScrollArea::vertical()
             .max_height(LIST_HEIGHT)
             .min_scrolled_height(LIST_HEIGHT)
@@ -105,9 +110,6 @@ impl Palette {
                 }
                 clicked
             });
-        if count == 0 {
-            ui.label(RichText::new("Nothing has these letters.").color(tokens(ui).text_weak));
-        }
         let place = clicked.inner.or_else(|| entered.then_some(self.chosen))?;
         self.at(place).map(|(entry, _)| entry.action.clone())
     }
@@ -193,3 +195,6 @@ fn marked(ui: &Ui, title: &str, letters: &[usize]) -> LayoutJob {
     }
     job
 }
+
+#[cfg(test)]
+mod tests;

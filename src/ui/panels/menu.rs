@@ -1,6 +1,6 @@
 //! The menu bar, and the figures of the frame at its right end.
 
-use eframe::egui::{self, Button, Layout, MenuBar, RichText, Ui};
+use eframe::egui::{self, Button, Layout, MenuBar, RichText, ScrollArea, Ui};
 
 use crate::chain::Recipe;
 use crate::inspect::outline::OutlineKind;
@@ -181,10 +181,21 @@ fn view(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     });
 }
 
+/// Licences of the fonts and icons in the program.
+const NOTICES: &str = include_str!("../../../assets/NOTICES.txt");
+
+/// Size of the notices, in points.
+const NOTICES_WIDTH: f32 = 620.0;
+const NOTICES_HEIGHT: f32 = 420.0;
+
 fn help(ui: &mut Ui, commands: &mut Vec<Command>) {
     entry(ui, "Keys and mouse", Command::ToggleKeys, commands);
     entry(ui, "Find anything …", Command::OpenPalette, commands);
     ui.separator();
+    ui.menu_button("Licences of fonts and icons", |ui| {
+        ui.set_min_width(NOTICES_WIDTH);
+        ScrollArea::vertical().max_height(NOTICES_HEIGHT).show(ui, |ui| ui.monospace(NOTICES));
+    });
     ui.weak(concat!("Rasterscope ", env!("CARGO_PKG_VERSION")));
 }
 
