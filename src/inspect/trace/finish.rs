@@ -81,7 +81,7 @@ fn upscale(recipe: &Recipe, frame: &Frame, at: (u32, u32), scribe: &mut Scribe) 
         }
     }
     let is_codes = recipe.upscaler.light() == Light::Bytes;
-    for (channel, name) in CHANNELS.into_iter().enumerate() {
+    for (channel, name) in CHANNELS.into_iter().enumerate().filter(|_| !mixture.sources.is_empty()) {
         let what = format!("weighted sum {name}");
         if is_codes {
             let term = |source: &Source| given("weight", source.tap.weight) * given("code", source.color[channel]);

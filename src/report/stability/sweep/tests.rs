@@ -115,6 +115,13 @@ fn progress_is_told_to_the_end_and_cancelling_ends_it() {
     assert_eq!(heard.len(), cases + 1);
     assert!(heard.iter().any(|p| p.done == p.of) && heard.iter().all(|p| p.of == cases));
     assert!(run(&plan, &|_| {}, &AtomicBool::new(true)).is_none());
+    let (timed, cancel) = (Plan { timed: true, ..plan }, AtomicBool::new(false));
+    let cancel_timing = |progress: Progress| {
+        cancel.fetch_or(progress.stage == Stage::Timing, Ordering::Relaxed);
+    };
+    let partial = run(&timed, &cancel_timing, &cancel).unwrap();
+    assert!(partial.partial && partial.classes.len() == 2, "what was judged stays");
+    assert!(partial.classes.iter().flat_map(|class| &class.cells).all(|cell| cell.time.is_none()));
 }
 
 #[test]
