@@ -9,6 +9,7 @@ mod clip_tri;
 mod coplanar_pair;
 mod depth;
 mod distance_line;
+mod ellipse;
 mod file;
 mod json;
 mod line;
@@ -28,6 +29,7 @@ pub use clip_tri::{ClipTri, ClipTriAnswer};
 pub use coplanar_pair::{CoplanarPair, CoplanarPairAnswer};
 pub use depth::{Depth, DepthAnswer, DepthFormat, Mapping};
 pub use distance_line::{DistanceLine, DistanceLineAnswer};
+pub use ellipse::{Ellipse, EllipseAnswer};
 pub use file::CaseError;
 pub use json::{Exactly, Float, Point, Real};
 pub use line::{Line, LineAnswer};
@@ -85,8 +87,13 @@ pub struct Options {
 impl Options {
     /// Fraction bits of the grid that corners are snapped to; `None` if they are used as given.
     fn snap_bits(self) -> Option<u32> {
-        (self.arithmetic == Arithmetic::Fixed).then_some(SUBPIXEL_BITS)
+        snap_bits(self.arithmetic)
     }
+}
+
+/// Returns the fraction bits of the grid that an arithmetic snaps corners to; `None` if it uses them as given.
+fn snap_bits(arithmetic: Arithmetic) -> Option<u32> {
+    (arithmetic == Arithmetic::Fixed).then_some(SUBPIXEL_BITS)
 }
 
 impl Default for Options {
@@ -151,6 +158,7 @@ tasks! {
     RealLine = "real_line", "A line between two real points.";
     DistanceLine = "distance_line", "The pixels close to a segment.";
     Circle = "circle", "A circle around a pixel.";
+    Ellipse = "ellipse", "An ellipse around a pixel, with axes along rows and columns.";
     RegionFill = "region_fill", "A region filled from a seed.";
     Depth = "depth", "What a depth buffer stores.";
     Texture = "texture", "What a texture reads as.";
@@ -172,6 +180,7 @@ pub enum Answer {
     RealLine(RealLineAnswer),
     DistanceLine(DistanceLineAnswer),
     Circle(CircleAnswer),
+    Ellipse(EllipseAnswer),
     RegionFill(RegionFillAnswer),
     Depth(DepthAnswer),
     Texture(TextureAnswer),
@@ -192,6 +201,7 @@ pub fn answer(case: &Case, options: Options) -> Result<Answer, Refusal> {
         Task::RealLine(task) => Answer::RealLine(task.answer()?),
         Task::DistanceLine(task) => Answer::DistanceLine(task.answer()),
         Task::Circle(task) => Answer::Circle(task.answer()?),
+        Task::Ellipse(task) => Answer::Ellipse(task.answer()?),
         Task::RegionFill(task) => Answer::RegionFill(task.answer()),
         Task::Texture(task) => Answer::Texture(task.answer()?),
         Task::Upscale(task) => Answer::Upscale(task.answer()?),
@@ -238,7 +248,7 @@ fn check_picture(width: u32, height: u32) -> Result<(), String> {
 /// Refuses to list more pixels than the largest picture has; `pixels` is at most a little too large.
 fn check_length(shape: &str, pixels: u64) -> Result<(), Refusal> {
     if pixels > MAX_PIXELS {
-        return Err(Refusal(format!("a {shape} of some {pixels} pixels is too long: at most {MAX_PIXELS} are listed")));
+        return Err(Refusal(format!("the {shape} has about {pixels} pixels: at most {MAX_PIXELS} are listed")));
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::{Check, Exactly, Float, Refusal};
 use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
-use crate::pipeline::raster::AnyTriangle;
+use crate::pipeline::raster::{AnyTriangle, Sample};
 use crate::pipeline::settings::{Arithmetic, FillRule, Interpolation};
 use crate::pipeline::vertex::Varyings;
 use crate::pipeline::viewport::{MAX_SIDE_PX, ScreenTriangle, ScreenVertex};
@@ -51,12 +51,15 @@ impl Check for TriAttr {
 }
 
 impl TriAttr {
-    /// What the pipeline interpolates. Where snapping leaves the triangle no area, its corners are taken as given.
+    /// Returns what the pipeline interpolates, and the linear extrapolation of depth outside of the triangle. Corners are
+    /// used as given where snapping leaves the triangle no area.
     pub(super) fn answer(&self, arithmetic: Arithmetic) -> Result<TriAttrAnswer, Refusal> {
         let vertices = self.vertices.0.map(Vertex::on_screen);
         let corners_px = vertices.map(|v| v.position_px);
         let in_arithmetic = |arithmetic| AnyTriangle::new(arithmetic, corners_px, FillRule::TopLeft);
-        let edges = in_arithmetic(arithmetic).or_else(|| in_arithmetic(Arithmetic::Exact));
+        let snapped = in_arithmetic(arithmetic);
+        let snap_bits = snapped.as_ref().and_then(|_| super::snap_bits(arithmetic));
+        let edges = snapped.or_else(|| in_arithmetic(Arithmetic::Exact));
         let edges = edges.ok_or_else(|| Refusal("a triangle without area has no weights".to_owned()))?;
         let nobody = (TriangleId(0), 0);
         let triangle = ScreenTriangle::new(nobody, vertices, edges.doubled_area(), &DepthScale::default(), true);
@@ -68,12 +71,21 @@ impl TriAttr {
                 pixel: [*x, *y],
                 affine_weights: affine_weights(&triangle, &sample).map(f64::from),
                 perspective_weights: fragment.weights.map(f64::from),
-                depth: depth_at(&triangle, &sample).into(),
+                depth: depth(&triangle, &sample),
                 uv: fragment.uv.as_dvec2().into(),
             })
         });
-        Ok(TriAttrAnswer { pixels: pixels.collect() })
+        Ok(TriAttrAnswer { snap_bits, pixels: pixels.collect() })
     }
+}
+
+/// Returns the pipeline's depth inside of a triangle and the plane's depth outside, where the pipeline would clamp it.
+fn depth(triangle: &ScreenTriangle, sample: &Sample) -> f64 {
+    if sample.edges.iter().all(|edge| *edge >= 0.0) {
+        return depth_at(triangle, sample).into();
+    }
+    let weighted = triangle.vertices.iter().zip(sample.edges).map(|(vertex, edge)| edge * vertex.depth);
+    weighted.sum::<f64>() / triangle.doubled_area
 }
 
 impl Vertex {
@@ -87,6 +99,8 @@ impl Vertex {
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TriAttrAnswer {
+    /// Fraction bits of the grid that corners were snapped to; `None` if they were used as given.
+    pub snap_bits: Option<u32>,
     /// One for each pixel asked for, in any order.
     pub pixels: Vec<SampleAttributes>,
 }
@@ -131,6 +145,41 @@ mod tests {
                 assert!((weight - 1.0 / 3.0).abs() < 1e-6, "{arithmetic:?}: {sample:?}");
             }
         }
+    }
+
+    /// Corners x, y, z, w; u and v are 0.
+    fn case(corners: [[f32; 4]; 3], eval: &[[i64; 2]]) -> TriAttr {
+        let vertex = |[x, y, z, w]: [f32; 4]| {
+            let [x, y, z, w, u, v] = [x, y, z, w, 0.0, 0.0].map(Float);
+            Vertex { x, y, z, w, u, v }
+        };
+        TriAttr { vertices: Exactly(corners.map(vertex)), eval: eval.iter().map(|pixel| Exactly(*pixel)).collect() }
+    }
+
+    #[test]
+    fn depth_outside_of_the_triangle_follows_its_plane() {
+        // z = (x − 10) / 10 + (y − 10) / 20: a plane whose values are exact at these pixels but for rounding.
+        let corners = [[10.0, 10.0, 0.0, 1.0], [20.0, 10.0, 1.0, 2.0], [10.0, 20.0, 0.5, 4.0]];
+        let pixels = [[12, 12], [2, 12], [30, 12], [18, 18], [0, 0], [40, 40]];
+        for arithmetic in [Arithmetic::Fixed, Arithmetic::F32, Arithmetic::F64, Arithmetic::Exact] {
+            let answer = case(corners, &pixels).answer(arithmetic).unwrap();
+            for SampleAttributes { pixel: [x, y], depth, .. } in answer.pixels {
+                let [x, y] = [x, y].map(|at| at as f64 + 0.5 - 10.0);
+                let plane = x / 10.0 + y / 20.0;
+                assert!((depth - plane).abs() < 1e-6, "{arithmetic:?}: {depth}, not {plane}");
+            }
+        }
+    }
+
+    #[test]
+    fn snap_bits_are_those_of_the_corners_that_were_used() {
+        let corners = [[1.0, 1.0, 0.0, 1.0], [9.0, 1.0, 0.0, 1.0], [1.0, 9.0, 0.0, 1.0]];
+        // Snapping leaves this one no area.
+        let tiny = corners.map(|[x, y, z, w]| [1.0 + x * 1e-4, 1.0 + y * 1e-4, z, w]);
+        let bits = |corners, arithmetic| case(corners, &[[0, 0]]).answer(arithmetic).unwrap().snap_bits;
+        assert_eq!(bits(corners, Arithmetic::Fixed), Some(8));
+        assert_eq!(bits(tiny, Arithmetic::Fixed), None);
+        assert_eq!(bits(corners, Arithmetic::Exact), None);
     }
 
     #[test]

@@ -13,8 +13,8 @@ pub struct Upscale {
     /// Codes, row by row from the top.
     #[serde(deserialize_with = "json::rows")]
     pub image: Image<Real>,
-    /// Enlargement per axis.
-    pub scale: u32,
+    /// Enlargement per axis: a whole number or one and a half.
+    pub scale: Real,
     /// How samples are weighted.
     pub kernel: String,
     /// `corner` if output pixel scale · k is sample k, `center` if the pictures have their middle in common.
@@ -42,8 +42,13 @@ impl Upscale {
     pub(super) fn answer(&self) -> Result<UpscaleAnswer, Refusal> {
         let how = self.choice()?;
         let drawn = codes(&self.image)?;
-        let [width, height] = [drawn.width(), drawn.height()].map(|side| side.saturating_mul(self.scale));
+        let (pixels, samples) = how.scale().ratio();
+        let enlarged = |side: u32| u32::try_from(u64::from(side) * u64::from(pixels) / u64::from(samples));
+        let [width, height] = [drawn.width(), drawn.height()].map(|side| enlarged(side).unwrap_or(u32::MAX));
         check_picture(width, height).map_err(Refusal)?;
+        if self.kernel == "nearest" && self.phase == "corner" {
+            return Ok(nearest_at_corner(how.scale(), &drawn, (width, height)));
+        }
         let full = how.upscale(&Drawn::from(&drawn), width, height);
         let codes = |y: u32| full.row(y).iter().map(|pixel| pixel[0]).collect();
         let values = |y: u32| (0..width).map(|x| weighted(how, &drawn, full.size(), (x, y))).collect();
@@ -57,16 +62,17 @@ impl Upscale {
     fn choice(&self) -> Result<Upscaling, Refusal> {
         let Self { kernel, phase, scale, .. } = self;
         let id = METHOD_OF_KERNEL.iter().find(|(known, _)| known == kernel).map(|(_, id)| *id);
-        let how = id.and_then(|id| Upscaling::new(id, *scale));
+        let how = id.and_then(|id| Upscaling::new(id, scale.0));
         let how = how.ok_or_else(|| Refusal(format!("no upscaler has the kernel `{kernel}`")))?;
         let anchor = ANCHOR_OF_PHASE.iter().find(|(known, _)| known == phase).map(|(_, anchor)| *anchor);
         let anchor = anchor.ok_or_else(|| Refusal(format!("no upscaler works in the phase `{phase}`")))?;
-        if how.scale().whole() != Some(*scale) {
+        if how.scale().value() != scale.0 {
             let scales: Vec<_> = how.upscaler().offers().scales.iter().map(Scale::to_string).collect();
             let scales = scales.join(", ");
             return Err(Refusal(format!(
-                "the upscaler `{}` does not enlarge by {scale}, only by {scales}",
-                how.method()
+                "the upscaler `{}` does not enlarge by {}, only by {scales}",
+                how.method(),
+                scale.0
             )));
         }
         if kernel == "nearest_floor" && anchor != Anchor::Corner {
@@ -74,6 +80,17 @@ impl Upscale {
         }
         Ok(how.with_anchor(anchor))
     }
+}
+
+/// Returns the picture whose pixel x is the sample nearest to place x / scale on each axis, the later one of two equally near.
+/// The method `nearest` copies the sample before the place in this phase, which cases call `nearest_floor`.
+fn nearest_at_corner(scale: Scale, drawn: &Image<Rgba8>, (width, height): (u32, u32)) -> UpscaleAnswer {
+    let (pixels, samples) = scale.ratio();
+    let nearest = |at: u32, count: u32| ((2 * at * samples + pixels) / (2 * pixels)).min(count - 1);
+    let code = |x: u32, y: u32| drawn.at(nearest(x, drawn.width()), nearest(y, drawn.height()))[0];
+    let codes: Vec<Vec<u8>> = (0..height).map(|y| (0..width).map(|x| code(x, y)).collect()).collect();
+    let values = codes.iter().map(|row| row.iter().map(|code| f64::from(*code)).collect()).collect();
+    UpscaleAnswer { quantized: false, values, codes }
 }
 
 /// What a pixel is before it is rounded to a code, not clamped.
@@ -93,4 +110,60 @@ pub struct UpscaleAnswer {
     pub values: Vec<Vec<f64>>,
     /// The codes that are drawn, row by row.
     pub codes: Vec<Vec<u8>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::case::{Answer, Case, Options, answer};
+
+    fn enlarged(row: &str, scale: &str, kernel: &str, phase: &str) -> Result<Vec<Vec<f64>>, String> {
+        let text = format!(
+            r#"{{"id":"u","kind":"upscale","image":[{row}],"scale":{scale},"kernel":"{kernel}","phase":"{phase}"}}"#
+        );
+        let case = Case::parse(text.as_bytes(), "u.json".as_ref()).map_err(|error| error.to_string())?;
+        let Answer::Upscale(picture) = answer(&case, Options::default()).map_err(|refusal| refusal.to_string())? else {
+            unreachable!("the case is one of its kind")
+        };
+        for (values, codes) in picture.values.iter().zip(&picture.codes) {
+            assert!(values.iter().zip(codes).all(|(value, code)| (value - f64::from(*code)).abs() <= 0.6), "{text}");
+        }
+        Ok(picture.values)
+    }
+
+    #[test]
+    fn the_nearest_sample_from_the_corner_changes_halfway_between_samples() {
+        let row = |scale| enlarged("[0,30,60,90]", scale, "nearest", "corner").unwrap()[0].clone();
+        assert_eq!(row("3"), [0, 0, 30, 30, 30, 60, 60, 60, 90, 90, 90, 90].map(f64::from));
+        assert_eq!(row("2"), [0, 30, 30, 60, 60, 90, 90, 90].map(f64::from));
+        assert_eq!(row("4"), [0, 0, 30, 30, 30, 30, 60, 60, 60, 60, 90, 90, 90, 90, 90, 90].map(f64::from));
+        // At 0, 2/3, 4/3, 2, 8/3 and 10/3.
+        assert_eq!(row("1.5"), [0, 30, 30, 60, 90, 90].map(f64::from));
+        let floor = enlarged("[0,30,60,90]", "3", "nearest_floor", "corner").unwrap();
+        assert_eq!(floor[0], [0, 0, 0, 30, 30, 30, 60, 60, 60, 90, 90, 90].map(f64::from));
+    }
+
+    #[test]
+    fn an_enlargement_by_one_and_a_half_is_exact_between_its_samples() {
+        for (phase, places) in [
+            ("corner", [0.0, 2.0 / 3.0, 4.0 / 3.0, 2.0, 8.0 / 3.0, 3.0]),
+            ("center", [0.0, 0.5, 7.0 / 6.0, 11.0 / 6.0, 2.5, 3.0]),
+        ] {
+            let row = enlarged("[0,30,60,90],[0,30,60,90]", "1.5", "bilinear", phase).unwrap();
+            assert_eq!(row.len(), 3, "two rows become three");
+            for row in row {
+                assert_eq!(row.len(), 6);
+                assert!(row.iter().zip(places).all(|(value, place)| (value - 30.0 * place).abs() < 1e-4), "{row:?}");
+            }
+        }
+        let part_of_a_pixel = enlarged("[0,30,60]", "1.5", "nearest", "corner").unwrap();
+        assert_eq!(part_of_a_pixel[0].len(), 4, "four whole pixels");
+    }
+
+    #[test]
+    fn enlargements_that_no_upscaler_offers_are_refused() {
+        for scale in ["2.5", "0.5", "-3", "5", "1.4999", "1e30"] {
+            let refusal = enlarged("[0,30]", scale, "bilinear", "corner").unwrap_err();
+            assert!(refusal.starts_with("the upscaler `bilinear` does not enlarge by "), "{refusal}");
+        }
+    }
 }

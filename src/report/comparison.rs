@@ -74,6 +74,7 @@ impl Comparison {
             (Task::Line(_), Answer::Line(answer)) => Self::of_pixels(answer.pixels.iter().copied()),
             (Task::RealLine(_), Answer::RealLine(answer)) => Self::of_pixels(answer.pixels.iter().copied()),
             (Task::Circle(_), Answer::Circle(answer)) => Self::of_pixels(answer.pixels.iter().copied()),
+            (Task::Ellipse(_), Answer::Ellipse(answer)) => Self::of_pixels(answer.pixels.iter().copied()),
             (Task::RegionFill(task), Answer::RegionFill(answer)) => {
                 let (width, height) = task.grid.size();
                 let filled = |x: u32, y: u32| answer.grid[y as usize][x as usize] != task.grid.at(x, y);
