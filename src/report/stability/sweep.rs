@@ -3,6 +3,7 @@
 //! First all cases are judged, on all processors; then the classes are timed one after the other with nothing else going
 //! on. The engine's answers do not depend on the time or on the number of threads, and neither do the errors.
 
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
@@ -128,6 +129,8 @@ pub struct ClassReport {
     pub units: u64,
     /// Column by column.
     pub cells: Vec<Cell>,
+    /// Complete cases that [`Worst::of`] names, each once: what the counts of the cells can be recomputed from.
+    pub worst_cases: Vec<Case>,
 }
 
 /// What came of one class in one configuration.
@@ -237,12 +240,16 @@ fn judge(
             join(class, column, &outcomes.collect::<Vec<_>>())
         };
         let units: Vec<u64> = judged.iter().map(|(units, _)| *units).collect();
+        let cells: Vec<Cell> = columns.into_iter().enumerate().map(cell).collect();
+        let worst: HashSet<&str> = cells.iter().filter_map(|cell| Some(&*cell.worst.as_ref()?.of)).collect();
+        let worst_cases = cases.iter().filter(|case| worst.contains(&*case.id)).cloned().collect();
         let report = ClassReport {
             class,
             cases: cases.len(),
             triangles: cases.iter().map(Case::triangle_count).sum(),
             units: units.iter().sum(),
-            cells: columns.into_iter().enumerate().map(cell).collect(),
+            cells,
+            worst_cases,
         };
         Some((report, units))
     });

@@ -83,6 +83,25 @@ fn the_worst_cases_show_the_fault_when_they_are_opened_again() {
 }
 
 #[test]
+fn the_counts_of_the_worst_cases_can_be_recomputed_from_the_complete_cases() {
+    let report: serde_json::Value = serde_json::from_str(&serde_json::to_string(small()).unwrap()).unwrap();
+    let mut recomputed = 0;
+    for (class, written) in small().classes.iter().zip(report["classes"].as_array().unwrap()) {
+        let complete: Vec<Case> = serde_json::from_value(written["worst_cases"].clone()).unwrap();
+        for cell in &class.cells {
+            let Some(worst) = &cell.worst else { continue };
+            let case = complete.iter().find(|case| case.id == worst.of).expect("the complete case is saved");
+            let outcome = answer(case, &Expected::new(case), cell.column).unwrap();
+            assert_eq!(outcome.measures, worst.measures, "{} {}", worst.of, cell.column.label());
+            recomputed += 1;
+        }
+        let used = |case: &Case| class.cells.iter().any(|c| c.worst.as_ref().is_some_and(|w| w.of == case.id));
+        assert!(complete.iter().all(used), "{}: a case that no cell names", class.class.id);
+    }
+    assert!(recomputed > 15, "only {recomputed}");
+}
+
+#[test]
 fn the_same_plan_gives_the_same_report() {
     let plan = plan(&["slivers", "thin"], false);
     let once = report(&plan);
