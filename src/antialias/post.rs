@@ -7,11 +7,11 @@ use crate::flat2d::convolve::Mask;
 use crate::image::{Image, Rgba8};
 use crate::pipeline::settings::ColorSpace;
 
-/// The filtered picture; none if there is nothing to do.
-pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>) -> Option<Image<Rgba8>> {
+/// Returns the filtered picture, in `memory` where the filter can reuse it; none if there is nothing to do.
+pub fn apply(filter: &PostFilter, picture: &Image<Rgba8>, memory: Option<Image<Rgba8>>) -> Option<Image<Rgba8>> {
     let linear = filter.light == ColorSpace::Linear;
     if filter.filter == Filter::Fxaa {
-        return Some(fxaa::apply(picture, linear));
+        return Some(fxaa::apply(picture, linear, memory));
     }
     mask_of(filter).map(|mask| mask::apply(&mask, picture, linear))
 }
@@ -48,7 +48,7 @@ mod tests {
         let filter = PostFilter { filter: Filter::Own, mask: widened(weights), ..PostFilter::default() };
         let picture = Image::from_fn(3, 6, |x, y| [(x * 20 + y * 7) as u8, 0, 0, 255]);
         let expected = mask::apply(&Mask::square(&weights).unwrap(), &picture, true);
-        assert_eq!(apply(&filter, &picture), Some(expected));
-        assert_eq!(apply(&PostFilter::default(), &picture), None);
+        assert_eq!(apply(&filter, &picture, None), Some(expected));
+        assert_eq!(apply(&PostFilter::default(), &picture, None), None);
     }
 }

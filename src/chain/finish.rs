@@ -42,20 +42,20 @@ pub(super) fn finish<'a>(
     recipe: &Recipe,
     drawn: &Drawn<'_>,
     viewport: Viewport,
-    spare: Spare,
+    mut spare: Spare,
     triangles: impl Fn() -> &'a TriangleList,
 ) -> Finished {
     let Viewport { width, height } = viewport;
     let (upscaled, memory) = if recipe.upscaler.is_native() {
         (None, None)
     } else {
-        let mut full = Image::reusing(spare.full, width, height, [0; 4]);
+        let mut full = Image::reusing(spare.full.take(), width, height, [0; 4]);
         let upscaler = recipe.upscaler.upscaler();
         let memory = upscaler.upscale_and_remember(recipe.upscaler, drawn, &mut full, spare.memory);
         (Some(full), memory)
     };
     let upscaled_at = Instant::now();
-    let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color));
+    let filtered = post::apply(&recipe.post, upscaled.as_ref().unwrap_or(drawn.color), spare.full);
     if filtered.is_none() && !recipe.wireframe {
         return Finished { picture: upscaled, unfiltered: Unfiltered::Finished, memory, post: Duration::ZERO };
     }

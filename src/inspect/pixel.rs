@@ -277,7 +277,7 @@ fn filtered(recipe: &Recipe, frame: &Frame, (x, y): (u32, u32), own: Rgba8) -> O
             frame.unfiltered().at_clamped(i, j)
         }
     });
-    post::apply(&recipe.post, &neighbours).map(|patch| patch.at(reach as u32, reach as u32))
+    post::apply(&recipe.post, &neighbours, None).map(|patch| patch.at(reach as u32, reach as u32))
 }
 
 /// What was drawn, as far as the replayed sources tell: all that the upscaler may look at.
