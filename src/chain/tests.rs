@@ -69,6 +69,27 @@ fn in_motion_the_frame_before_helps_more_than_neighbours() {
 }
 
 #[test]
+fn a_settled_picture_changes_no_more() {
+    // The view stands still from the start, or after it has moved.
+    for (id, moved) in [("chess", 0), ("stained-glass", 5)] {
+        let scene = scene(id);
+        let mut cameras = vec![scene.home; moved + 40];
+        for (step, camera) in cameras.iter_mut().enumerate().take(moved) {
+            camera.orbit(0.01 * (step as f32 - moved as f32), 0.0);
+        }
+        for (method, scale) in [("checkerboard-temporal", 1), ("accumulation", 1), ("accumulation", 2)] {
+            let upscaler = Upscaling::new(method, scale).unwrap();
+            let recipe = Recipe { upscaler, ..Recipe::default() };
+            let drawn = frames(method, scale, &cameras, &scene, Execution::Tiled);
+            let settled = drawn.iter().skip(moved).position(|frame| !frame.wants_another(&recipe)).unwrap();
+            assert_eq!(settled + 1, upscaler.upscaler().settles_after(upscaler) as usize, "{method} ×{scale}");
+            let [first, rest @ ..] = &drawn[moved + settled..] else { panic!("no frame is settled") };
+            assert!(rest.len() > 20 && rest.iter().all(|frame| frame.image() == first.image()), "{method} ×{scale}");
+        }
+    }
+}
+
+#[test]
 fn every_pixel_of_a_frame_with_a_past_is_replayed() {
     let scene = scene("cubes");
     let mut cameras = [scene.home; 3];

@@ -2,7 +2,7 @@
 //!
 //! With n samples remembered at a pixel, a new one counts for 1 / (n + 1), until n has reached the most that is remembered;
 //! from then on the past fades. While the view stands still nothing fades before all places of the pattern were drawn once,
-//! so that the picture becomes the mean of as many samples as the pattern has. In motion the past is looked up where the frame
+//! so that the picture becomes the mean of as many samples as the pattern has; further frames leave it as it is. In motion the past is looked up where the frame
 //! before showed the same surface, and kept between the least and the greatest of the nine samples around: what is no longer
 //! true is cut off there, and sometimes what is still true, too.
 //!
@@ -44,8 +44,8 @@ impl Upscaler for Accumulation {
 
     fn help(&self) -> &'static str {
         "Moves the samples by a fraction of a pixel in every frame and keeps the mean of what the frames before found, \
-         looked up where they showed the same surface. Still pictures become as smooth as with 16 samples for the price \
-         of one; enlarged ones regain the detail that one frame has not. In motion it softens, and where the remembered \
+         looked up where they showed the same surface. Still pictures become the mean of 16 samples of each pixel, one \
+         a frame, and then change no more; enlarged ones regain the detail that one frame has not. In motion it softens, and where the remembered \
          colour is cut off to what is around, fine detail flickers. TAA, in the way of B. Karis, “High Quality Temporal \
          Supersampling”, 2014."
     }
@@ -141,6 +141,8 @@ struct Now<'a> {
     size: (u32, u32),
     /// Where in its pixel this frame samples.
     place: [f64; 2],
+    /// Whether all places were drawn since the view stands still: then the picture stays.
+    is_settled: bool,
     /// What the frames before found, and where.
     past: Option<(Motion<'a>, &'a Image<[f32; 4]>)>,
     tables: &'static Tables,
@@ -149,8 +151,10 @@ struct Now<'a> {
 impl<'a> Now<'a> {
     fn new(how: Upscaling, drawn: &'a Drawn<'a>, size: (u32, u32)) -> Self {
         let place = drawn.seen.map_or(super::CENTRE, |seen| place(seen.frames()));
-        let past = drawn.seen.and_then(|seen| Some((seen.motion(size)?, seen.past?.memory.as_ref()?)));
-        Self { light: how.light(), lattice: how.lattice(), drawn, size, place, past, tables: Tables::get() }
+        let past: Option<(Motion<'_>, _)> =
+            drawn.seen.and_then(|seen| Some((seen.motion(size)?, seen.past?.memory.as_ref()?)));
+        let is_settled = past.as_ref().is_some_and(|(motion, _)| motion.is_still() && motion.past.still >= PLACES);
+        Self { light: how.light(), lattice: how.lattice(), drawn, size, place, is_settled, past, tables: Tables::get() }
     }
 
     fn number(&self, code: u8) -> f32 {
@@ -211,7 +215,7 @@ impl<'a> Now<'a> {
             }
         }
         let count = count.min((PLACES - 1) as f32);
-        let share = counts_for / (count + counts_for);
+        let share = if self.is_settled { 0.0 } else { counts_for / (count + counts_for) };
         let mix = |past: f32, now: f32| past + (now - past) * share;
         [mix(r, now[0]), mix(g, now[1]), mix(b, now[2]), count + counts_for]
     }

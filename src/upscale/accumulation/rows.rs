@@ -259,7 +259,7 @@ impl Frame<'_> {
         let count = past[3];
         let known = count.simd_ge(f32x16::splat(simd, 0.0));
         let count = count.min((PLACES - 1) as f32);
-        let share = counts_for / (count + counts_for);
+        let share = if self.now.is_settled { f32x16::splat(simd, 0.0) } else { counts_for / (count + counts_for) };
         let [red, green, blue] = each!(channel in [0, 1, 2] => {
             let (past, now) = (past[channel], present[channel]);
             known.select(past + (now - past) * share, now)
