@@ -12,10 +12,10 @@ choice! {
         None = "none", "None", "One sample at the pixel's centre: stairs along edges, and moiré where a pattern is finer than pixels.";
         Regular = "regular", "Supersampling, regular", "The middles of n × n squares of the pixel, all shaded, and their mean: simple, but edges that are nearly upright or level show only n steps.";
         Recursive = "recursive", "Supersampling, recursive", "The pixel quartered again and again, as some ray tracers do: the places of the regular grid, square by square. It splits everywhere, so the picture is that of the regular grid.";
-        Jittered = "jittered", "Supersampling, jittered", "Somewhere in each of n × n squares, elsewhere in each pixel: what would be moiré becomes noise, which the eye forgives.";
+        Jittered = "jittered", "Supersampling, jittered", "Somewhere in each of n × n squares, elsewhere in each pixel: what would be moiré becomes noise.";
         RotatedGrid = "rotated-grid", "Supersampling, rotated grid", "Four samples, each in a row and a column of its own: four steps along edges where the regular grid of four has two.";
-        LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy", "The first points of Sobol's sequence: as many steps along any edge as there are samples. Converges fastest.";
-        Multisample = "multisample", "Multisampling", "Coverage and depth at every sample, but each triangle shaded once in a pixel: smooth edges for about half of what supersampling costs, or less. Inside of surfaces, in textures and at cut-outs, nothing improves.";
+        LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy", "The first points of Sobol's sequence, each in a row and a column of its own: as many steps as samples along upright and level edges. Closer to the truth than the regular grid where patterns run along rows, as on the chess floor; the regular grid is closer on edges in random directions.";
+        Multisample = "multisample", "Multisampling", "Coverage and depth at every sample, but each triangle shaded once in a pixel: smooth edges at less cost than supersampling. Inside of surfaces, in textures and at cut-outs, nothing improves.";
     }
 }
 
@@ -25,7 +25,7 @@ choice! {
         Four = "4", "4", "2 × 2, or one level of quarters.";
         Sixteen = "16", "16", "4 × 4, or two levels of quarters.";
         SixtyFour = "64", "64", "8 × 8, or three levels of quarters.";
-        All = "256", "256", "16 × 16, or four levels of quarters: as good as the truth for the eye, and as slow.";
+        All = "256", "256", "16 × 16, or four levels of quarters: the number that the converged reference has.";
     }
 }
 
@@ -112,8 +112,8 @@ choice! {
     /// What is done with the finished picture.
     Filter {
         None = "none", "None", "Nothing.";
-        Fxaa = "fxaa", "Edges (FXAA)", "Finds edges by their contrast in brightness, follows each to its ends, and shifts it by the share that a slanted line would cover: stairs vanish for a few percent of a frame's time. Texture detail and letters soften too, and thin lines stay broken (after T. Lottes, FXAA, 2009).";
-        Blur = "blur", "Blur", "The mean of 3 × 3 pixels or more: the cheapest smoothing, and everything loses sharpness, not only edges.";
+        Fxaa = "fxaa", "Edges (FXAA)", "Finds edges by their contrast in brightness, follows each to its ends, and shifts it by the share that a slanted line would cover: stairs become ramps. The cost grows with the number of pixels and of edges, not with that of triangles. Texture detail and letters soften too, and thin lines stay broken (after T. Lottes, FXAA, 2009).";
+        Blur = "blur", "Blur", "The mean of 3 × 3 pixels or more: everything loses sharpness, not only edges.";
         Gaussian = "gaussian", "Gaussian blur", "A bell-shaped mean: softer than the plain one, without its boxes.";
         Sharpen = "sharpen", "Sharpen", "What sets a pixel off from its four neighbours, added to it: crisper, and stairs and noise grow too.";
         Motion = "motion", "Motion blur", "The mean along a straight way, as if the camera had moved while the shutter was open.";

@@ -73,7 +73,7 @@ fn a_settled_picture_changes_no_more() {
     // The view stands still from the start, or after it has moved.
     for (id, moved) in [("chess", 0), ("stained-glass", 5)] {
         let scene = scene(id);
-        let mut cameras = vec![scene.home; moved + 40];
+        let mut cameras = vec![scene.home; moved + 26];
         for (step, camera) in cameras.iter_mut().enumerate().take(moved) {
             camera.orbit(0.01 * (step as f32 - moved as f32), 0.0);
         }
@@ -84,7 +84,7 @@ fn a_settled_picture_changes_no_more() {
             let settled = drawn.iter().skip(moved).position(|frame| !frame.wants_another(&recipe)).unwrap();
             assert_eq!(settled + 1, upscaler.upscaler().settles_after(upscaler) as usize, "{method} ×{scale}");
             let [first, rest @ ..] = &drawn[moved + settled..] else { panic!("no frame is settled") };
-            assert!(rest.len() > 20 && rest.iter().all(|frame| frame.image() == first.image()), "{method} ×{scale}");
+            assert!(rest.len() >= 10 && rest.iter().all(|frame| frame.image() == first.image()), "{method} ×{scale}");
         }
     }
 }

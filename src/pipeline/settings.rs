@@ -78,7 +78,7 @@ choice! {
     /// Which triangles are dropped because of the side that they show.
     Culling {
         None = "none", "None", "Both sides are drawn.";
-        Back = "back", "Back", "Triangles that turn their back are dropped: in a closed body they are always hidden, and half the work is saved.";
+        Back = "back", "Back", "Triangles that turn their back are dropped: in a closed body they are always hidden.";
         Front = "front", "Front", "Triangles that face the viewer are dropped: one looks into bodies.";
     }
 }
@@ -115,7 +115,7 @@ choice! {
         Fixed = "fixed", "24.8 fixed point", "Corners are snapped to 1/256 px; from there on everything is exact integers, as in hardware.";
         F32 = "f32", "f32", "Single-precision floats on corners as they are: a pixel centre close to an edge may fall on the wrong side.";
         F64 = "f64", "f64", "Double-precision floats on corners as they are: wrong only where numbers differ by many orders of magnitude.";
-        Exact = "exact", "Exact", "Corners as they are, and every decision exact, by adaptive predicates: the truth, at several times the cost.";
+        Exact = "exact", "Exact", "Corners as they are, and every decision exact, by adaptive predicates: the truth, and slower.";
     }
 }
 
@@ -156,7 +156,7 @@ choice! {
         ReversedF32 = "reversed-f32", "Reversed f32", "z/w as a float, 1 near and 0 far: floats are finest where perspective is coarsest, so far surfaces fight less.";
         ReversedInfinite = "reversed-infinite", "Reversed, infinite far", "Reversed f32 with the far plane at infinity: nothing is too far to be drawn. Without perspective it is reversed f32.";
         Unorm24 = "unorm24", "unorm24", "z/w in 24-bit steps, 0 near and 1 far, as graphics cards keep it: in perspective nearly all steps lie close to the near plane.";
-        Unorm16 = "unorm16", "unorm16", "z/w in 16-bit steps, 0 near and 1 far: half the memory, and surfaces fight wherever they are close to each other.";
+        Unorm16 = "unorm16", "unorm16", "z/w in 16-bit steps, 0 near and 1 far: surfaces fight wherever they are close to each other.";
         WBuffer = "w-buffer", "w-buffer", "The distance itself as a float, 0 at the near plane and 1 at the far plane: no place is coarse, but every fragment costs a division.";
     }
 }

@@ -9,8 +9,8 @@ pub static BICUBIC: Separable = Separable {
     id: "bicubic",
     name: "Bicubic",
     help: "Fits a cubic through the four samples around, along rows and then columns (the 4-point Lagrange \
-           cubic, not Catmull-Rom). Good on smooth detail, which stays sharper than bilinear. Overshoots at hard \
-           edges by up to 6 % of their height, a dark or bright seam, and keeps the stairs of slanted edges.",
+           cubic, not Catmull-Rom). Good on smooth detail. Overshoots at hard edges by up to \
+           6.5 % of their height, a dark or bright seam, and keeps the stairs of slanted edges.",
     weights: Weights::Four(weights),
     deringing: true,
 };

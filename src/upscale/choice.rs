@@ -11,8 +11,8 @@ choice! {
     /// The numbers that are filtered.
     #[derive(PartialOrd, Ord)]
     Light {
-        Bytes = "bytes", "Bytes", "sRGB codes, as most programs do: what looks even is treated as even. Fast.";
-        Linear = "linear", "Linear", "Linear light: physically right averages, but dark edges ring more. Several times slower.";
+        Bytes = "bytes", "Bytes", "sRGB codes, as most programs do: what looks even is treated as even.";
+        Linear = "linear", "Linear", "Linear light: physically right averages, but dark edges ring more. Slower: each sample is decoded and each pixel encoded.";
     }
 }
 

@@ -10,7 +10,7 @@ pub static CATMULL_ROM: Separable = Separable {
     id: "catmull-rom",
     name: "Catmull-Rom",
     help: "A spline through the samples with a steady slope, along rows and then columns; what Pillow calls bicubic. Good on \
-           natural pictures: as sharp as the Lagrange cubic of Bicubic, without its kinks. Overshoots at hard edges by up to 7 % of \
+           natural pictures: without the kinks of the Lagrange cubic of Bicubic. Overshoots at hard edges by up to 7.5 % of \
            their height. Source: Catmull and Rom (1974), in the form of Mitchell and Netravali (1988), B = 0, C = ½.",
     weights: Weights::Four(|t| weights(t, 0.0, 0.5)),
     deringing: true,
@@ -21,7 +21,7 @@ pub static MITCHELL: Separable = Separable {
     id: "mitchell",
     name: "Mitchell",
     help: "A cubic that keeps a balance between blur, ringing and stairs. Good where hard edges meet smooth shading: \
-           overshoots by 4 % only. It does not pass through the samples, so the picture turns a little softer, drawn \
+           overshoots by up to 4 % of an edge's height. It does not pass through the samples, so the picture turns a little softer, drawn \
            pixels too. Source: Mitchell and Netravali, Reconstruction Filters in Computer Graphics (1988), B = C = ⅓.",
     weights: Weights::Four(|t| weights(t, 1.0 / 3.0, 1.0 / 3.0)),
     deringing: false,

@@ -12,8 +12,8 @@ use super::separable::{Separable, Weights};
 pub static LANCZOS2: Separable = Separable {
     id: "lanczos2",
     name: "Lanczos 2",
-    help: "A sinc cut off by a wider sinc after two samples, along rows and then columns. Good on fine detail: a little \
-           sharper than Catmull-Rom at the same cost. Overshoots at hard edges by up to 9 % of their height. Source: \
+    help: "A sinc cut off by a wider sinc after two samples, along rows and then columns. Good on fine detail. \
+           Overshoots at hard edges by up to 9 % of their height. Source: \
            Duchon, Lanczos Filtering in One and Two Dimensions (1979); weights divided by their sum.",
     weights: Weights::Four(lanczos),
     deringing: true,
@@ -23,8 +23,7 @@ pub static LANCZOS2: Separable = Separable {
 pub static LANCZOS3: Separable = Separable {
     id: "lanczos3",
     name: "Lanczos 3",
-    help: "A sinc cut off by a wider sinc after three samples, along rows and then columns: the closest here to what \
-           sampling theory asks for. Good on natural pictures that were smoothed before. Rings: up to 12 % of an edge's \
+    help: "A sinc cut off by a wider sinc after three samples, along rows and then columns. Good on natural pictures that were smoothed before. Rings: up to 12 % of an edge's \
            height beside it, with a second wave. Source: Duchon, Lanczos Filtering in One and Two Dimensions (1979); \
            weights divided by their sum.",
     weights: Weights::Six(lanczos),

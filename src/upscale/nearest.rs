@@ -29,9 +29,9 @@ impl Upscaler for Nearest {
     }
 
     fn help(&self) -> &'static str {
-        "Repeats each sample over its block. The cheapest, and good for finding out what was drawn: invents no colour. \
-         Edges turn into stairs as large as the block; anchored at the corner, the picture moves right and down by \
-         (scale − 1)/2 px, too. The last blocks are filled in even where they are cut off."
+        "Repeats each sample over its block. Good for finding out what was drawn: invents no colour. Edges turn into stairs \
+         as large as the block. Anchored at the corner, the picture moves right and down: by ½ px at ×1.5 and ×2, 1 px at \
+         ×3, 1½ px at ×4. The last blocks are filled in even where they are cut off."
     }
 
     fn offers(&self) -> Offers {
