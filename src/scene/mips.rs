@@ -3,7 +3,9 @@
 //!
 //! Every texel of a copy is the mean of the area of the last one that it covers; where a side is odd, texels at the border
 //! of that area count by what lies inside. Copies are kept unrounded until the last is made. Colours count by their alpha,
-//! so that what cannot be seen does not tint what can.
+//! so that what cannot be seen does not tint what can. Texels of a copy whose alpha is 0 have the colour of the next smaller
+//! copy there, so that filtering between texels takes no colour of hidden ones either (the push phase of Gortler et al., "The
+//! Lumigraph", 1996).
 
 use crate::image::color::{Tables, quantize};
 use crate::image::{Image, Rgba8};
@@ -93,17 +95,37 @@ pub(super) fn smaller(image: &Image<Rgba8>, linear: bool) -> Vec<Image<Rgba8>> {
         let alpha = f32::from(a) / 255.0;
         [value(r) * alpha, value(g) * alpha, value(b) * alpha, alpha]
     });
-    let mut copies = Vec::new();
+    let encode = |value: f32| if linear { tables.encode(value) } else { quantize(value) };
+    let mut means = Vec::new();
     while last.width() > 1 || last.height() > 1 {
         last = halved(&last);
-        copies.push(last.map(|[r, g, b, alpha]| {
-            let encode = |value: f32| {
-                let straight = if alpha > 0.0 { value / alpha } else { 0.0 };
-                if linear { tables.encode(straight) } else { quantize(straight) }
-            };
-            [encode(r), encode(g), encode(b), quantize(alpha)]
-        }));
+        means.push(last.clone());
     }
+    // From the smallest on, as hidden texels take the colour of the next smaller copy.
+    let mut colors: Option<Image<[f32; 3]>> = None;
+    let mut copies: Vec<_> = means
+        .iter()
+        .rev()
+        .map(|mean| {
+            let color = Image::from_fn(mean.width(), mean.height(), |x, y| {
+                let [r, g, b, alpha] = mean.at(x, y);
+                if alpha > 0.0 {
+                    return [r / alpha, g / alpha, b / alpha];
+                }
+                let below = |at: u32, to: u32, from: u32| (at * to / from).min(to - 1);
+                colors.as_ref().map_or([0.0; 3], |smaller| {
+                    smaller.at(below(x, smaller.width(), mean.width()), below(y, smaller.height(), mean.height()))
+                })
+            });
+            let copy = Image::from_fn(mean.width(), mean.height(), |x, y| {
+                let ([r, g, b], [_, _, _, alpha]) = (color.at(x, y), mean.at(x, y));
+                [encode(r), encode(g), encode(b), quantize(alpha)]
+            });
+            colors = Some(color);
+            copy
+        })
+        .collect();
+    copies.reverse();
     copies
 }
 
