@@ -22,8 +22,8 @@ use rasterscope::image::Rgba8;
 use rasterscope::inspect::trace::TraceLine;
 use rasterscope::inspect::{PixelReport, Trace, inspect};
 use rasterscope::pipeline::settings::{
-    Address, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution, FillRule,
-    Filter, Force, Interpolation, Rasterizer, Shading,
+    Address, AlphaMode, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, Execution,
+    FillRule, Filter, Force, Interpolation, Rasterizer, Shading,
 };
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::{Scene, Transparency};
@@ -68,6 +68,7 @@ fn factors() -> Vec<Vec<String>> {
         values::<Interpolation>("interpolation"),
         values::<Filter>("filter"),
         values::<Address>("address"),
+        values::<AlphaMode>("alpha"),
         values::<ColorSpace>("color_space"),
         values::<BlendingOrder>("blending.order"),
     ]

@@ -93,11 +93,13 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
     let normal = shading.normal.map(|n| numbers(&n));
     let cosine = shading.cosine.map(|c| format!("N·L {c:?}"));
     let light = shading.light.map(|l| format!("light {l:?}"));
-    let lighting: Vec<_> = [normal, cosine, light].into_iter().flatten().collect();
+    let highlight = shading.highlight.map(|h| format!("highlight {h:?}"));
+    let lighting: Vec<_> = [normal, cosine, light, highlight].into_iter().flatten().collect();
     let mut rows = Vec::new();
     if !lighting.is_empty() {
         rows.push(("normal", lighting.join(", ")));
     }
+    rows.extend(shading.emission.map(|emission| ("emission", numbers(&emission))));
     rows.extend(shading.uv.map(|uv| ("uv", numbers(&uv))));
     rows.extend(shading.texels.iter().map(|texel| {
         let tap = texel.tap;

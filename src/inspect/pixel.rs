@@ -112,6 +112,10 @@ pub struct ShadingRecord {
     pub cosine: Option<f32>,
     /// The factor that light contributes.
     pub light: Option<f32>,
+    /// Factor of the specular colour: max(0, N·H)^Ns.
+    pub highlight: Option<f32>,
+    /// Emitted light, in the numbers that light is computed in.
+    pub emission: Option<[f32; 3]>,
     /// Texels read, with their weights.
     pub texels: Vec<TexelRecord>,
     /// The colour that it was blended with.

@@ -14,6 +14,7 @@ use super::plan::{DrawPlan, Part};
 use super::raster::Sample;
 use super::settings::{Arithmetic, Filter, Interpolation, Settings, Shading};
 use super::viewport::ScreenTriangle;
+use crate::scene::TriangleId;
 
 /// Screen-space weights λ at a sample: areas over the whole area. Each is correctly rounded but for the division.
 #[inline]
@@ -110,7 +111,7 @@ impl Attributes {
             uv: plan.runs(Part::TextureCoordinates),
             color: plan.runs(Part::VertexColors),
             light: settings.shading == Shading::Gouraud,
-            source_weights: settings.shading == Shading::Barycentric,
+            source_weights: settings.shading == Shading::Barycentric || plan.runs(Part::Highlight),
             uv_gradient: (settings.filter == Filter::Trilinear && plan.runs(Part::Texels))
                 .then_some(settings.arithmetic),
         }
@@ -122,6 +123,8 @@ impl Attributes {
 pub struct Fragment {
     /// The sample.
     pub sample: Sample,
+    /// The triangle of the scene that it belongs to.
+    pub triangle: TriangleId,
     /// Weights of the three corners for attributes.
     pub weights: [f32; 3],
     /// World-space normal, not normalised.
@@ -146,6 +149,7 @@ pub fn interpolate(triangle: &ScreenTriangle, sample: Sample, attributes: Attrib
     let [a, b, c] = triangle.vertices.each_ref().map(|v| &v.varyings);
     let mut fragment = Fragment {
         sample,
+        triangle: triangle.id,
         weights,
         normal: a.normal,
         uv: a.uv,
@@ -215,7 +219,6 @@ mod tests {
     use crate::pipeline::settings::FillRule;
     use crate::pipeline::vertex::Varyings;
     use crate::pipeline::viewport::ScreenVertex;
-    use crate::scene::TriangleId;
 
     /// The texture coordinates of a triangle at a place in px, from its corners in px, in double precision.
     fn true_uv(corners: &[ScreenVertex; 3], [x, y]: [f64; 2]) -> DVec2 {

@@ -4,10 +4,12 @@
 //! triangle or per pixel. Leaving a part out never changes the picture. An attribute that is left out keeps one value at
 //! all vertices: it is neither transformed nor interpolated, but clipping carries it along.
 
+use glam::{Vec2, Vec3};
 use serde::Serialize;
 
 use super::settings::{Culling, DepthTest, Force, Interpolation, Settings, Shading};
-use crate::scene::{Camera, Instance, Library, Projection, TextureId, Transparency};
+use super::shade::Eye;
+use crate::scene::{Camera, Instance, Library, Material, Projection, TextureId, Transparency, TriangleId};
 
 /// A part of the work that a draw may not need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -39,13 +41,19 @@ pub enum Part {
     CutOut,
     /// Computing light, at vertices (Gouraud) or per fragment.
     Light,
+    /// Replacing the interpolated normal by that of a normal map.
+    NormalMap,
+    /// Adding the highlight of Blinn–Phong shading.
+    Highlight,
+    /// Adding emitted light.
+    Emission,
     /// Mixing with what is drawn already, from far to near and without storing depth.
     Blending,
 }
 
 impl Part {
     /// All parts, in the order of the stages.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 16] = [
         Self::Vertices,
         Self::EveryCluster,
         Self::Clipping,
@@ -58,6 +66,9 @@ impl Part {
         Self::Texels,
         Self::CutOut,
         Self::Light,
+        Self::NormalMap,
+        Self::Highlight,
+        Self::Emission,
         Self::Blending,
     ];
 
@@ -71,7 +82,15 @@ impl Part {
             Self::TextureCoordinates => Some(Force::TextureCoordinates),
             Self::Normals => Some(Force::Normals),
             Self::VertexColors => Some(Force::VertexColors),
-            Self::Culling | Self::Depth | Self::Texels | Self::CutOut | Self::Light | Self::Blending => None,
+            Self::Culling
+            | Self::Depth
+            | Self::Texels
+            | Self::CutOut
+            | Self::Light
+            | Self::NormalMap
+            | Self::Highlight
+            | Self::Emission
+            | Self::Blending => None,
         }
     }
 
@@ -101,6 +120,9 @@ impl Part {
             Self::Texels => "Texture reads",
             Self::CutOut => "Alpha cut-out",
             Self::Light => "Light",
+            Self::NormalMap => "Normal map",
+            Self::Highlight => "Highlight",
+            Self::Emission => "Emission",
             Self::Blending => "Blending",
         }
     }
@@ -181,11 +203,18 @@ impl Unseen {
 }
 
 /// The plan of one draw: a step for every [`Part`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DrawPlan {
     steps: [Step; Part::ALL.len()],
     transparency: Transparency,
     clusters: Unseen,
+    /// Scale and offset of texture coordinates, unless they leave them as they are.
+    #[serde(skip)]
+    uv_transform: Option<[Vec2; 2]>,
+    #[serde(skip)]
+    eye: Eye,
+    #[serde(skip)]
+    first_triangle: TriangleId,
 }
 
 impl DrawPlan {
@@ -207,7 +236,36 @@ impl DrawPlan {
             let can_run = outside.is_none() && part.can_run(library, instance, settings);
             Step::unless(reason.filter(|_| !(forced(part) && can_run)))
         });
-        Self { steps, transparency, clusters: Unseen::default() }
+        let Material { uv_scale, uv_offset, .. } = *library.material(instance.material);
+        let uv_transform = [uv_scale, uv_offset];
+        Self {
+            steps,
+            transparency,
+            clusters: Unseen::default(),
+            uv_transform: (uv_transform != [Vec2::ONE, Vec2::ZERO]).then_some(uv_transform),
+            eye: Eye::of(camera),
+            first_triangle: TriangleId(0),
+        }
+    }
+
+    /// Returns the plan for an instance whose first triangle has this identifier.
+    pub(super) fn starting_at(self, first_triangle: TriangleId) -> Self {
+        Self { first_triangle, ..self }
+    }
+
+    /// Identifier of the first triangle of its instance.
+    pub(super) fn first_triangle(&self) -> TriangleId {
+        self.first_triangle
+    }
+
+    /// The place that it is seen from.
+    pub(super) fn eye(&self) -> Eye {
+        self.eye
+    }
+
+    /// Scale and offset that the material applies to the texture coordinates of vertices, if any.
+    pub fn uv_transform(&self) -> Option<[Vec2; 2]> {
+        self.uv_transform
     }
 
     /// The same with some clusters left out, if there are any that show nothing.
@@ -268,8 +326,9 @@ fn left_out(
     let mesh = library.mesh(instance.mesh);
     let shading = settings.shading;
     let reads_albedo = shading.reads_material();
-    let lit = matches!(shading, Shading::Gouraud | Shading::Lambert | Shading::Cel);
-    let textured = || textures_read(library, instance, shading).next().is_some();
+    let lit = shading.is_lit();
+    let material = library.material(instance.material);
+    let textured = || textures_read(library, instance, shading).iter().any(Option::is_some);
     match part {
         // Which clusters show something is known later: `DrawPlan::without`.
         Part::Vertices | Part::EveryCluster => None,
@@ -284,7 +343,9 @@ fn left_out(
         }
         Part::TextureCoordinates | Part::Texels if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
         Part::TextureCoordinates if matches!(shading, Shading::Uv | Shading::Checker) => None,
-        Part::TextureCoordinates | Part::Texels if !reads_albedo => Some("this shading reads no texture"),
+        Part::TextureCoordinates | Part::Texels if !reads_albedo && !textured() => {
+            Some("this shading reads no texture")
+        }
         Part::TextureCoordinates | Part::Texels => (!textured()).then_some("the material has no texture"),
         Part::Normals => (!lit && shading != Shading::Normals).then_some("this shading reads no normal"),
         Part::VertexColors if mesh.colors.is_empty() => Some("the mesh has no vertex colours"),
@@ -298,6 +359,13 @@ fn left_out(
             Transparency::Blended => Some("it is blended instead"),
         },
         Part::Light => (!lit).then_some("this shading is unlit"),
+        Part::NormalMap if !shading.reads_pixel_normals() => Some("this shading reads no normal in pixels"),
+        Part::NormalMap if mesh.uvs.is_empty() => Some("the mesh has no texture coordinates"),
+        Part::NormalMap => material.normal_texture.is_none().then_some("the material has no normal map"),
+        Part::Highlight if shading != Shading::BlinnPhong => Some("this shading has no highlight"),
+        Part::Highlight => (material.specular == Vec3::ZERO).then_some("the specular colour of the material is black"),
+        Part::Emission if !reads_albedo => Some("this shading ignores emission"),
+        Part::Emission => (material.emission == Vec3::ZERO).then_some("the material emits no light"),
         Part::Blending => match transparency {
             Transparency::Opaque => Some("material and texture are opaque"),
             Transparency::CutOut => Some("alpha is all or nothing: cut out instead"),
@@ -311,15 +379,21 @@ pub(super) fn transparency(library: &Library, instance: &Instance, shading: Shad
     if !shading.reads_material() {
         return Transparency::Opaque;
     }
-    let read = textures_read(library, instance, shading);
-    library.material(instance.material).transparency(library, read)
+    let [color, dark, alpha, ..] = textures_read(library, instance, shading);
+    let with_alpha = [color, dark, alpha].into_iter().flatten();
+    library.material(instance.material).transparency(library, with_alpha)
 }
 
-/// The textures that a shading reads somewhere on an instance.
-fn textures_read(library: &Library, instance: &Instance, shading: Shading) -> impl Iterator<Item = TextureId> {
+/// The textures that a shading reads somewhere on an instance: colour, its dark one, opacity, normal map, emission.
+fn textures_read(library: &Library, instance: &Instance, shading: Shading) -> [Option<TextureId>; 5] {
     let material = library.material(instance.material);
     let has_coordinates = !library.mesh(instance.mesh).uvs.is_empty();
-    let light = material.texture.filter(|_| has_coordinates && shading.reads_material());
-    let dark = material.dark_texture.filter(|_| has_coordinates && shading == Shading::Cel);
-    light.into_iter().chain(dark)
+    let reads_material = has_coordinates && shading.reads_material();
+    [
+        material.texture.filter(|_| reads_material),
+        material.dark_texture.filter(|_| has_coordinates && shading == Shading::Cel),
+        material.alpha_texture.filter(|_| reads_material),
+        material.normal_texture.filter(|_| has_coordinates && shading.reads_pixel_normals()),
+        material.emission_texture.filter(|_| reads_material && material.emission != Vec3::ZERO),
+    ]
 }

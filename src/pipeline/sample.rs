@@ -8,7 +8,7 @@
 
 use std::ops::{Add, Mul};
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use serde::Serialize;
 
 use super::settings::{Address, ColorSpace, Filter};
@@ -72,6 +72,16 @@ impl Sampler {
     #[inline]
     pub fn alpha(self, texture: &Image<Rgba8>, uv: Vec2) -> f32 {
         self.mixed(texture, uv, alpha_of) * ALPHA_SCALE
+    }
+
+    /// Returns colour × alpha, and alpha, each in the numbers that are mixed: codes of alpha, and what stands for codes of
+    /// colours times those. Their quotient is the colour without that of texels whose alpha is 0.
+    #[inline]
+    pub fn sample_premultiplied(self, texture: &Image<Rgba8>, uv: Vec2) -> Vec4 {
+        self.mixed(texture, uv, |texel| {
+            let alpha = alpha_of(texel);
+            (self.number_of(texel) * alpha).extend(alpha)
+        })
     }
 
     /// What texels stand for at `uv`, mixed by their weights.

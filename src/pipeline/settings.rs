@@ -177,6 +177,7 @@ choice! {
         VertexColor = "vertex-color", "Vertex colour", "The colours given at the vertices, interpolated, no light.";
         Gouraud = "gouraud", "Gouraud", "Light is computed at the vertices and interpolated: cheap, and highlights depend on the mesh.";
         Lambert = "lambert", "Lambert", "The normal is interpolated and light computed in every pixel.";
+        BlinnPhong = "blinn-phong", "Blinn–Phong", "Lambert plus a highlight: Ks·max(0, N·H)^Ns, with H halfway between the directions to the light and to the eye.";
         Cel = "cel", "Cel", "Two textures: the light one where N·L > 0.5, the dark one elsewhere.";
         Checker = "checker", "Checker", "A chess pattern computed from the texture coordinates, no texture read.";
         Normals = "normals", "Normals", "The unit normal as colour: x, y, z from −1…1 to 0…255.";
@@ -192,7 +193,22 @@ impl Shading {
     /// Whether it shows the material's colour and texture, and with them its opacity; the others show something else, and
     /// are opaque.
     pub fn reads_material(self) -> bool {
-        matches!(self, Self::Texture | Self::Gouraud | Self::Lambert | Self::Cel)
+        matches!(self, Self::Texture | Self::Gouraud | Self::Lambert | Self::BlinnPhong | Self::Cel)
+    }
+
+    /// Whether light is computed.
+    pub fn is_lit(self) -> bool {
+        self == Self::Gouraud || self.is_lit_per_pixel()
+    }
+
+    /// Whether light is computed in every pixel, from an interpolated normal.
+    pub fn is_lit_per_pixel(self) -> bool {
+        matches!(self, Self::Lambert | Self::BlinnPhong | Self::Cel)
+    }
+
+    /// Whether it reads the normal of every pixel, and with it normal maps.
+    pub fn reads_pixel_normals(self) -> bool {
+        self == Self::Normals || self.is_lit_per_pixel()
     }
 }
 
@@ -202,6 +218,14 @@ choice! {
         Point = "point", "Point", "The nearest texel: sharp squares near, glitter far.";
         Bilinear = "bilinear", "Bilinear", "The four texels around, weighted by nearness: smooth near, still glitters far.";
         Trilinear = "trilinear", "Trilinear, mip-mapped", "Bilinear in the two copies of the texture whose texels come nearest to a pixel's size, weighted: no moiré and no glitter far away, but slanted surfaces blur.";
+    }
+}
+
+choice! {
+    /// How texels with alpha are mixed by a texture filter.
+    AlphaMode {
+        Straight = "straight", "Straight", "Colour and alpha are filtered apart: the colour of texels with alpha 0 bleeds into the edges of what is visible.";
+        Premultiplied = "premultiplied", "Premultiplied", "Each texel's colour counts by its alpha: texels with alpha 0 tint nothing. Opaque textures look the same either way.";
     }
 }
 
@@ -305,6 +329,8 @@ pub struct Settings {
     pub filter: Filter,
     /// Texture addressing.
     pub address: Address,
+    /// How texels with alpha are mixed.
+    pub alpha: AlphaMode,
     /// Numbers that light is computed in.
     pub color_space: ColorSpace,
     /// Blended materials.
@@ -328,6 +354,7 @@ impl Default for Settings {
             light: Light::default(),
             filter: Filter::Bilinear,
             address: Address::Repeat,
+            alpha: AlphaMode::Straight,
             color_space: ColorSpace::Linear,
             blending: Blending::default(),
             force: Force::Nothing,

@@ -4,22 +4,34 @@
 //! takes the light texture where N·L > 0.5 (60° with unit vectors) and the dark one elsewhere. Colours are computed in
 //! linear light, or directly on the codes, by the colour space; the views of single quantities (normals, texture
 //! coordinates, weights …) are codes and know no light.
+//!
+//! Blinn–Phong shading adds a highlight to that light, and all shadings of materials add their emission last.
+
+mod blinn_phong;
+
+mod normal_map;
+
+mod surface;
 
 use std::ops::{Add, Mul};
 
+pub use blinn_phong::Eye;
+pub(crate) use blinn_phong::Highlight;
 use glam::Vec3;
+pub(crate) use normal_map::NormalMap;
+use surface::PlacedMesh;
 
 use super::depth::depth_at;
 use super::interpolate::{Attributes, Fragment};
 use super::plan::{DrawPlan, Part};
 use super::sample::Sampler;
-use super::settings::{ColorSpace, Filter, Settings, Shading};
+use super::settings::{Address, AlphaMode, ColorSpace, Filter, Settings, Shading};
 use super::viewport::ScreenTriangle;
 use crate::image::color::{Tables, decode_rgb, quantize};
 use crate::image::{Image, Rgba8};
 use crate::math::unit_or;
 use crate::scene::material::CUT_OUT_BELOW;
-use crate::scene::{Instance, Library, Texture, Transparency, TriangleId};
+use crate::scene::{Alpha, Instance, Library, Texture, Transparency, TriangleId};
 
 /// N·L above which cel shading takes the light texture.
 pub const CEL_THRESHOLD: f32 = 0.5;
@@ -40,13 +52,42 @@ pub struct Readable<'a> {
     /// Each half as long as the last; none unless they are read.
     smaller: &'a [Image<Rgba8>],
     mips: bool,
+    /// Colours are weighted by alpha where texels are mixed.
+    premultiplied: bool,
 }
 
 impl<'a> Readable<'a> {
     fn new(texture: &'a Texture, settings: &Settings) -> Self {
+        Self {
+            // A single texel has one colour whatever its alpha, and opaque ones all count alike.
+            premultiplied: settings.alpha == AlphaMode::Premultiplied
+                && settings.filter != Filter::Point
+                && texture.alpha() != Alpha::Opaque,
+            ..Self::straight(texture, settings, settings.color_space)
+        }
+    }
+
+    /// A texture whose alpha does not weight its colours, mixed in the numbers of `space`.
+    fn straight(texture: &'a Texture, settings: &Settings, space: ColorSpace) -> Self {
         let mips = settings.filter == Filter::Trilinear;
-        let smaller = if mips { texture.smaller(settings.color_space == ColorSpace::Linear) } else { &[] };
-        Self { image: texture.image(), smaller, mips }
+        let smaller = if mips { texture.smaller(space == ColorSpace::Linear) } else { &[] };
+        Self { image: texture.image(), smaller, mips, premultiplied: false }
+    }
+
+    /// Whether colours are weighted by alpha where texels are mixed.
+    pub(crate) fn is_premultiplied(&self) -> bool {
+        self.premultiplied
+    }
+
+    /// Returns colour in [0, 1] weighted by the alpha of each texel; black where all of them have alpha 0.
+    #[cold]
+    fn premultiplied_color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
+        let mixed = if self.mips {
+            self.mixed(fragment, |image| sampler.sample_premultiplied(image, fragment.uv))
+        } else {
+            sampler.sample_premultiplied(self.image, fragment.uv)
+        };
+        if mixed.w > 0.0 { mixed.truncate() / mixed.w * sampler.scale } else { Vec3::ZERO }
     }
 
     /// The texture itself at level 0, or one of its copies.
@@ -76,6 +117,9 @@ impl<'a> Readable<'a> {
 
     #[inline(always)] // One of several callers is the loop over opaque samples, where a call shows.
     fn color(&self, sampler: Sampler, fragment: &Fragment) -> Vec3 {
+        if self.premultiplied {
+            return self.premultiplied_color(sampler, fragment);
+        }
         if self.mips {
             return self.mixed(fragment, |image| sampler.sample(image, fragment.uv));
         }
@@ -92,7 +136,7 @@ impl<'a> Readable<'a> {
 
     #[inline(always)]
     fn color_and_alpha(&self, sampler: Sampler, fragment: &Fragment) -> (Vec3, f32) {
-        if self.mips {
+        if self.mips || self.premultiplied {
             return (self.color(sampler, fragment), self.alpha(sampler, fragment));
         }
         sampler.sample_with_alpha(self.image, fragment.uv)
@@ -110,6 +154,12 @@ pub struct Shader<'a> {
     pub(crate) diffuse: Vec3,
     pub(super) texture: Option<Readable<'a>>,
     dark_texture: Option<Readable<'a>>,
+    alpha_texture: Option<Readable<'a>>,
+    normal_map: Option<NormalMap<'a>>,
+    highlight: Option<Highlight<'a>>,
+    /// Emitted colour, in the numbers of the colour space, if there is any.
+    emission: Option<Vec3>,
+    emission_texture: Option<Readable<'a>>,
     /// Of the material alone.
     opacity: f32,
     transparency: Transparency,
@@ -122,14 +172,34 @@ impl<'a> Shader<'a> {
         let material = library.material(instance.material);
         let image = |id| Readable::new(library.texture(id), settings);
         let reads_texels = plan.runs(Part::Texels);
+        let address = if material.clamp { Address::Clamp } else { settings.address };
+        let mesh = || PlacedMesh::new(library, instance, plan);
+        let normal_map = |id| NormalMap {
+            texture: Readable::straight(library.texture(id), settings, ColorSpace::Bytes),
+            sampler: Sampler::new(settings.filter, address, ColorSpace::Bytes),
+            scale: material.normal_scale,
+            uv_scale: material.uv_scale,
+            mesh: mesh(),
+        };
+        let emits = plan.runs(Part::Emission);
         Self {
             settings,
-            sampler: Sampler::new(settings.filter, settings.address, settings.color_space),
+            sampler: Sampler::new(settings.filter, address, settings.color_space),
             tables: Tables::get(),
             light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
             diffuse: to_working_space(material.diffuse * instance.tint, settings.color_space),
             texture: material.texture.filter(|_| reads_texels).map(image),
             dark_texture: material.dark_texture.filter(|_| reads_texels).map(image),
+            alpha_texture: material.alpha_texture.filter(|_| reads_texels).map(image),
+            normal_map: material.normal_texture.filter(|_| plan.runs(Part::NormalMap)).map(normal_map),
+            highlight: plan.runs(Part::Highlight).then(|| Highlight {
+                specular: to_working_space(material.specular, settings.color_space),
+                shininess: material.shininess,
+                eye: plan.eye(),
+                mesh: mesh(),
+            }),
+            emission: emits.then(|| to_working_space(material.emission, settings.color_space)),
+            emission_texture: material.emission_texture.filter(|_| emits && reads_texels).map(image),
             opacity: material.opacity,
             transparency: plan.transparency(),
             attributes: Attributes::read_by(plan, settings),
@@ -167,10 +237,57 @@ impl<'a> Shader<'a> {
         self.sampler
     }
 
+    /// The texture that multiplies the opacity, if one is read.
+    pub(crate) fn alpha_texture(&self) -> Option<Readable<'a>> {
+        self.alpha_texture
+    }
+
+    /// The normal map, if it is read.
+    pub(crate) fn normal_map(&self) -> Option<&NormalMap<'a>> {
+        self.normal_map.as_ref()
+    }
+
+    /// The highlight, if the shading has one.
+    pub(crate) fn highlight(&self) -> Option<&Highlight<'a>> {
+        self.highlight.as_ref()
+    }
+
+    /// Whether it is shaded by the code on lanes, which knows neither emission, highlights, normal maps, opacity maps nor
+    /// premultiplied filtering.
+    pub(super) fn fits_lanes(&self) -> bool {
+        let has_more = self.emission.is_some()
+            || self.highlight.is_some()
+            || self.normal_map.is_some()
+            || self.alpha_texture.is_some()
+            || self.texture.is_some_and(|texture| texture.is_premultiplied());
+        !has_more
+    }
+
+    /// Number of textures that a fragment reads.
+    pub(super) fn texture_count(&self) -> u64 {
+        let read = [
+            self.texture.is_some(),
+            self.alpha_texture.is_some(),
+            self.normal_map.is_some(),
+            self.emission_texture.is_some(),
+        ];
+        read.into_iter().map(u64::from).sum()
+    }
+
+    /// Returns the interpolated unit normal of a fragment before any normal map; zero where it has none.
+    #[inline]
+    pub fn smooth_normal(&self, fragment: &Fragment) -> Vec3 {
+        fragment.normal.normalize_or_zero()
+    }
+
     /// The unit normal of a fragment; zero where it has none, so that no direct light reaches it.
     #[inline]
     pub fn unit_normal(&self, fragment: &Fragment) -> Vec3 {
-        fragment.normal.normalize_or_zero()
+        let smooth = self.smooth_normal(fragment);
+        match &self.normal_map {
+            Some(map) => map.apply(smooth, fragment),
+            None => smooth,
+        }
     }
 
     /// N·L of a fragment, in [−1, 1].
@@ -183,7 +300,9 @@ impl<'a> Shader<'a> {
     pub fn light(&self, fragment: &Fragment) -> f32 {
         match self.settings.shading {
             Shading::Gouraud => fragment.light,
-            Shading::Lambert => lambert(self.unit_normal(fragment), self.light_direction, self.settings.light.ambient),
+            Shading::Lambert | Shading::BlinnPhong => {
+                lambert(self.unit_normal(fragment), self.light_direction, self.settings.light.ambient)
+            }
             Shading::Cel if self.dark_texture.is_none() && !self.is_lit(fragment) => CEL_DARK_FACTOR,
             _ => 1.0,
         }
@@ -193,7 +312,16 @@ impl<'a> Shader<'a> {
     /// the texture, if one is read.
     #[inline]
     pub fn alpha(&self, fragment: &Fragment) -> f32 {
-        self.texture_for(fragment).map_or(self.opacity, |texture| self.opacity * texture.alpha(self.sampler, fragment))
+        let alpha = self
+            .texture_for(fragment)
+            .map_or(self.opacity, |texture| self.opacity * texture.alpha(self.sampler, fragment));
+        self.with_alpha_texture(alpha, fragment)
+    }
+
+    /// Returns `alpha` times the alpha of the texture of the opacity, if there is one.
+    #[inline]
+    fn with_alpha_texture(&self, alpha: f32, fragment: &Fragment) -> f32 {
+        self.alpha_texture.map_or(alpha, |texture| alpha * texture.alpha(self.sampler, fragment))
     }
 
     /// Whether a fragment of a cut-out surface is not there.
@@ -216,14 +344,14 @@ impl<'a> Shader<'a> {
     #[inline(always)]
     pub(crate) fn mixed_over(&self, fragment: &Fragment, below: Rgba8) -> Vec3 {
         let (albedo, alpha) = self.albedo_and_alpha(fragment);
-        albedo * self.light(fragment) * alpha + self.sampler.value_of(below) * (1.0 - alpha)
+        self.with_added(albedo * self.light(fragment), fragment) * alpha + self.sampler.value_of(below) * (1.0 - alpha)
     }
 
     /// Colour of a fragment of `triangle` as if nothing could be seen through it.
     #[inline]
     pub fn shade(&self, fragment: &Fragment, triangle: &ScreenTriangle) -> Rgba8 {
         match self.settings.shading {
-            Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel => {
+            Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel | Shading::BlinnPhong => {
                 self.encode(self.reflected(fragment))
             }
             Shading::VertexColor => self.encode(fragment.color),
@@ -246,10 +374,49 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// The light that the surface gives back, in the numbers of the colour space, before it is encoded.
+    /// The light that the surface gives off, in the numbers of the colour space, before it is encoded.
     #[inline(always)]
     pub(crate) fn reflected(&self, fragment: &Fragment) -> Vec3 {
-        self.albedo(fragment) * self.light(fragment)
+        self.with_added(self.albedo(fragment) * self.light(fragment), fragment)
+    }
+
+    /// Returns diffuse light with highlight and emission added, if the draw has any.
+    #[inline(always)]
+    fn with_added(&self, diffuse: Vec3, fragment: &Fragment) -> Vec3 {
+        if self.highlight.is_none() && self.emission.is_none() {
+            return diffuse;
+        }
+        diffuse + self.specular(fragment) + self.emitted(fragment)
+    }
+
+    /// Returns the share of the specular colour that a fragment reflects: max(0, N·H)^Ns.
+    pub(crate) fn highlight_factor(&self, fragment: &Fragment) -> f32 {
+        let Some(highlight) = &self.highlight else { return 0.0 };
+        highlight.factor(self.unit_normal(fragment), self.light_direction, fragment)
+    }
+
+    /// Returns the light of the highlight, in the numbers of the colour space.
+    #[cold]
+    pub(crate) fn specular(&self, fragment: &Fragment) -> Vec3 {
+        let specular = self.highlight.map_or(Vec3::ZERO, |highlight| highlight.specular);
+        specular * self.highlight_factor(fragment)
+    }
+
+    /// Returns the emitted colour without its texture, in the numbers of the colour space; `None` if nothing is emitted.
+    pub(crate) fn emission(&self) -> Option<Vec3> {
+        self.emission
+    }
+
+    /// Returns the colour of the emission texture at a fragment; `None` without one.
+    pub(crate) fn emission_texel(&self, fragment: &Fragment) -> Option<Vec3> {
+        self.emission_texture.map(|texture| texture.color(self.sampler, fragment))
+    }
+
+    /// Returns the emitted light, in the numbers of the colour space.
+    #[cold]
+    pub(crate) fn emitted(&self, fragment: &Fragment) -> Vec3 {
+        let emission = self.emission.unwrap_or(Vec3::ZERO);
+        self.emission_texel(fragment).map_or(emission, |texel| emission * texel)
     }
 
     /// Surface colour without light, in the numbers of the colour space.
@@ -275,9 +442,9 @@ impl<'a> Shader<'a> {
         match self.texture_for(fragment) {
             Some(texture) => {
                 let (color, alpha) = texture.color_and_alpha(self.sampler, fragment);
-                (plain * color, self.opacity * alpha)
+                (plain * color, self.with_alpha_texture(self.opacity * alpha, fragment))
             }
-            None => (plain, self.opacity),
+            None => (plain, self.with_alpha_texture(self.opacity, fragment)),
         }
     }
 

@@ -137,6 +137,7 @@ pub(crate) struct Transformer<'a> {
     normals: bool,
     uvs: bool,
     colors: bool,
+    uv_transform: Option<[Vec2; 2]>,
     light_direction: Vec3,
 }
 
@@ -151,6 +152,7 @@ impl<'a> Transformer<'a> {
             normals: reads(Part::Normals),
             uvs: reads(Part::TextureCoordinates),
             colors: reads(Part::VertexColors),
+            uv_transform: plan.uv_transform(),
             light_direction: unit_or(settings.light.direction.as_dvec3(), Vec3::Y),
         }
     }
@@ -167,13 +169,20 @@ impl<'a> Transformer<'a> {
             }
         }
         if self.uvs {
-            varyings.uv = mesh.uvs[i];
+            varyings.uv = self.uv(i);
         }
         if self.colors {
             varyings.color = to_working_space(mesh.colors[i], settings.color_space);
         }
         let position = matrices.clip_position(mesh.positions[i]);
         ClipVertex { position, cut_at: None, varyings }
+    }
+
+    /// Texture coordinates of a vertex with the scale and offset of the material.
+    #[inline]
+    fn uv(&self, i: usize) -> Vec2 {
+        let uv = self.mesh.uvs[i];
+        self.uv_transform.map_or(uv, |[scale, offset]| uv * scale + offset)
     }
 
     /// The normal of a vertex in world space, of any length.

@@ -186,6 +186,8 @@ fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, col
         vertex_color: plan.runs(Part::VertexColors).then(|| fragment.color.into()),
         cosine: lit.then(|| shader.cosine(fragment)),
         light: lit.then(|| shader.light(fragment)),
+        highlight: plan.runs(Part::Highlight).then(|| shader.highlight_factor(fragment)),
+        emission: plan.runs(Part::Emission).then(|| shader.emitted(fragment).into()),
         texels,
         below: None,
         color,

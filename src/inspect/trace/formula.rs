@@ -37,6 +37,8 @@ pub enum Op {
     Max,
     /// The smaller one.
     Min,
+    /// a to the power of b, evaluated with the precision of an f64.
+    Power,
 }
 
 /// A function of one number.
@@ -96,6 +98,11 @@ impl Formula {
         Self::Binary(Op::Min, Box::new(self), Box::new(other))
     }
 
+    /// It to the power of another one; not below 0.
+    pub fn to_power(self, exponent: Self) -> Self {
+        Self::Binary(Op::Power, Box::new(self), Box::new(exponent))
+    }
+
     /// A function of it.
     pub fn apply(self, function: Function) -> Self {
         Self::Unary(function, Box::new(self))
@@ -127,6 +134,8 @@ impl Formula {
         match self {
             Self::Given(..) | Self::Constant(..) => 0,
             Self::Binary(Op::Max | Op::Min, a, b) => a.operations() + b.operations(),
+            // A power is no operation that rounds correctly.
+            Self::Binary(Op::Power, a, b) => 2 + a.operations() + b.operations(),
             Self::Binary(_, a, b) => 1 + a.operations() + b.operations(),
             Self::Unary(Function::Negate, a) => a.operations(),
             Self::Unary(_, a) => 1 + a.operations(),
@@ -157,6 +166,7 @@ impl Formula {
                     Op::Divide => a.value.divided_by(&b.value)?,
                     Op::Max => (&a.value).max(&b.value).clone(),
                     Op::Min => (&a.value).min(&b.value).clone(),
+                    Op::Power => Exact::from_f64(libm::pow(a.value.approximate(), b.value.approximate()))?,
                 };
                 let here = match op {
                     Op::Add | Op::Subtract => cancelled_bits(&a.value, &b.value, &value),
@@ -194,6 +204,10 @@ impl Formula {
                     Op::Subtract => ("−", Binding::Sum, Binding::Product),
                     Op::Multiply => ("·", Binding::Product, Binding::Product),
                     Op::Divide => ("/", Binding::Product, Binding::Atom),
+                    Op::Power => {
+                        let (base, exponent) = (inside(a, Binding::Atom), inside(b, Binding::Atom));
+                        return (format!("{base}^{exponent}"), Binding::Atom);
+                    }
                     Op::Max => return (format!("max({}, {})", a.text(name).0, b.text(name).0), Binding::Atom),
                     Op::Min => return (format!("min({}, {})", a.text(name).0, b.text(name).0), Binding::Atom),
                 };

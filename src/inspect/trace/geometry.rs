@@ -71,6 +71,14 @@ fn model(subject: &Subject<'_>, scribe: &mut Scribe) {
         if subject.runs(Part::VertexColors) {
             read("colour", &mesh.colors[vertex].to_array());
         }
+        if let Some([scale, offset]) = subject.plan.uv_transform().filter(|_| subject.runs(Part::TextureCoordinates)) {
+            let (uv, moved) = (mesh.uvs[vertex], mesh.uvs[vertex] * scale + offset);
+            for axis in 0..2 {
+                let name = ["u", "v"][axis];
+                let formula = given(name, uv[axis]) * given("scale", scale[axis]) + given("offset", offset[axis]);
+                scribe.compute(format!("corner {corner} · {name} of the material"), moved[axis], &formula);
+            }
+        }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::inspect::intermediate::Intermediate;
 use crate::pipeline::depth::depth_at;
 use crate::pipeline::plan::Part;
 use crate::pipeline::settings::{Choice as _, ColorSpace, Shading};
-use crate::pipeline::shade::CEL_THRESHOLD;
+use crate::pipeline::shade::{CEL_THRESHOLD, Highlight, NormalMap};
 use crate::scene::Transparency;
 use crate::scene::material::CUT_OUT_BELOW;
 
@@ -44,10 +44,47 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
 }
 
 fn unit_normal(subject: &Subject<'_>, scribe: &mut Scribe) {
-    let unit = subject.shader.unit_normal(&subject.fragment).to_array();
-    for (axis, value) in unit.into_iter().enumerate() {
+    let smooth = subject.shader.smooth_normal(&subject.fragment);
+    for (axis, value) in smooth.to_array().into_iter().enumerate() {
         let formula = unit_component(subject.fragment.normal.to_array(), axis);
         scribe.compute(format!("unit normal {}", AXES[axis]), value, &formula);
+    }
+    if let Some(map) = subject.shader.normal_map() {
+        mapped_normal(subject, map, smooth, scribe);
+    }
+}
+
+/// The normal that a normal map puts in place of the interpolated one.
+fn mapped_normal(subject: &Subject<'_>, map: &NormalMap<'_>, smooth: Vec3, scribe: &mut Scribe) {
+    let fragment = &subject.fragment;
+    let vector = map.vector(fragment);
+    for (axis, value) in vector.to_array().into_iter().enumerate() {
+        let words = "2 · texel − 1 in tangent space; x and y times the scale of the normal map";
+        scribe.read(format!("normal map {}", AXES[axis]), words, value);
+    }
+    let Some([tangent, bitangent]) = map.frame(smooth, fragment) else {
+        scribe.decide("normal map", "the triangle has no tangent: its texture coordinates have no area", "not applied");
+        return;
+    };
+    let mut sum_of_all = [0.0; 3];
+    for axis in 0..3 {
+        let name = AXES[axis];
+        scribe.read(
+            format!("tangent {name}"),
+            "unit vector along growing u, perpendicular to the normal",
+            tangent[axis],
+        );
+        scribe.read(format!("bitangent {name}"), "unit vector along falling v, perpendicular to both", bitangent[axis]);
+        let value = tangent[axis] * vector.x + bitangent[axis] * vector.y + smooth[axis] * vector.z;
+        let formula = given("tangent", tangent[axis]) * given("map x", vector.x)
+            + given("bitangent", bitangent[axis]) * given("map y", vector.y)
+            + given("unit normal", smooth[axis]) * given("map z", vector.z);
+        scribe.compute(format!("mapped normal {name}"), value, &formula);
+        sum_of_all[axis] = value;
+    }
+    let unit = subject.shader.unit_normal(fragment);
+    for (axis, value) in unit.to_array().into_iter().enumerate() {
+        scribe.compute(format!("unit mapped normal {}", AXES[axis]), value, &unit_component(sum_of_all, axis));
     }
 }
 
@@ -75,6 +112,40 @@ fn light(subject: &Subject<'_>, scribe: &mut Scribe) {
     }
     let formula = lambert_formula(normal, direction, subject.settings.light.ambient);
     scribe.compute("light", factor, &formula).shown_by(Intermediate::Light);
+    if let Some(highlight) = shader.highlight() {
+        write_highlight(subject, highlight, cosine, scribe);
+    }
+}
+
+/// H, N·H and the factor of the specular colour.
+fn write_highlight(subject: &Subject<'_>, highlight: &Highlight<'_>, cosine: f32, scribe: &mut Scribe) {
+    let (shader, fragment) = (&subject.shader, &subject.fragment);
+    let factor = shader.highlight_factor(fragment);
+    if cosine <= 0.0 {
+        scribe.decide("highlight", "N·L ≤ 0: no highlight on the side away from the light", "none");
+        return;
+    }
+    let to_eye = highlight.to_eye(fragment);
+    let halfway = highlight.halfway(shader.light_direction, fragment);
+    let between = shader.light_direction + to_eye;
+    for axis in 0..3 {
+        scribe.read(format!("to the eye {}", AXES[axis]), "unit vector from the point to the eye", to_eye[axis]);
+    }
+    for axis in 0..3 {
+        let formula = given("to the light", shader.light_direction[axis]) + given("to the eye", to_eye[axis]);
+        scribe.compute(format!("light + eye {}", AXES[axis]), between[axis], &formula);
+    }
+    for axis in 0..3 {
+        let formula = unit_component(between.to_array(), axis);
+        scribe.compute(format!("halfway {}", AXES[axis]), halfway[axis], &formula);
+    }
+    let normal = shader.unit_normal(fragment);
+    let term =
+        |axis: usize| given(["nx", "ny", "nz"][axis], normal[axis]) * given(["hx", "hy", "hz"][axis], halfway[axis]);
+    let cosine = normal.dot(halfway);
+    scribe.compute("N·H", cosine, &sum((0..3).map(term)));
+    let formula = given("N·H", cosine).max(whole("0", 0)).to_power(given("Ns", highlight.shininess));
+    scribe.compute("highlight", factor, &formula);
 }
 
 fn dot(normal: [f32; 3], direction: [f32; 3]) -> Formula {
@@ -103,6 +174,18 @@ fn opacity(subject: &Subject<'_>, alpha: f32, scribe: &mut Scribe) {
         }
         None => own,
     };
+    let formula = match subject.shader.alpha_texture() {
+        Some(texture) => {
+            let (levels, count) = texture.levels(&subject.fragment);
+            let term = |(level, share): (usize, f32)| {
+                let alpha = subject.shader.sampler().alpha(texture.level(level), subject.fragment.uv);
+                let alpha = given("opacity map", alpha);
+                if count > 1 { alpha * given("share", share) } else { alpha }
+            };
+            formula * sum(levels[..count].iter().copied().map(term))
+        }
+        None => formula,
+    };
     scribe.compute("alpha", alpha, &formula).shown_by(Intermediate::Alpha);
     if subject.record.transparency == Transparency::CutOut {
         let words = format!("alpha < {CUT_OUT_BELOW}: cut out");
@@ -115,7 +198,7 @@ fn opacity(subject: &Subject<'_>, alpha: f32, scribe: &mut Scribe) {
 fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &mut Scribe) {
     let (shader, fragment) = (&subject.shader, &subject.fragment);
     let (plain, albedo, light) = (shader.plain_albedo(fragment), shader.albedo(fragment), shader.light(fragment));
-    let reflected = shader.reflected(fragment);
+    let (diffuse, reflected) = (albedo * light, shader.reflected(fragment));
     let texture = texture_color(subject);
     for channel in 0..3 {
         let name = CHANNELS[channel];
@@ -130,14 +213,19 @@ fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &m
         };
         scribe.compute(format!("surface {name}"), albedo[channel], &formula);
         let lit = given("surface", albedo[channel]) * given("light", light);
+        scribe.compute(format!("lit {name}"), diffuse[channel], &lit);
+        let is_diffuse = shader.highlight().is_none() && shader.emission().is_none();
+        if !is_diffuse {
+            let formula = added(subject, channel, given("lit", diffuse[channel]), scribe);
+            scribe.compute(format!("sum {name}"), reflected[channel], &formula);
+        }
         let mut last = reflected[channel];
-        scribe.compute(format!("lit {name}"), last, &lit);
         if let (Some(below), Some(alpha)) = (below, subject.record.alpha) {
             last = shader.mixed_over(fragment, below)[channel];
             let behind = shader.sampler().value_of(below)[channel];
             let share = || given("alpha", alpha);
-            let formula = given("surface", albedo[channel]) * given("light", light) * share()
-                + given("behind", behind) * (whole("1", 1) - share());
+            let own = if is_diffuse { lit } else { given("sum", reflected[channel]) };
+            let formula = own * share() + given("behind", behind) * (whole("1", 1) - share());
             scribe.read(format!("behind {name}"), "what was drawn there before", below[channel]);
             scribe.compute(format!("behind {name} as light"), behind, &behind_formula(subject, below[channel]));
             scribe.compute(format!("blended {name}"), last, &formula);
@@ -145,6 +233,29 @@ fn material(subject: &Subject<'_>, below: Option<Rgba8>, code: Rgba8, scribe: &m
         let formula = code_formula(last, subject.settings.color_space);
         scribe.compute(format!("{name} code"), code[channel], &formula);
     }
+}
+
+/// Diffuse light with highlight and emission, each in a line of its own.
+fn added(subject: &Subject<'_>, channel: usize, diffuse: Formula, scribe: &mut Scribe) -> Formula {
+    let (shader, fragment, name) = (&subject.shader, &subject.fragment, CHANNELS[channel]);
+    let mut all = diffuse;
+    if let Some(highlight) = shader.highlight() {
+        let value = shader.specular(fragment)[channel];
+        let factor = given("highlight", shader.highlight_factor(fragment));
+        scribe.compute(format!("specular {name}"), value, &(given("Ks", highlight.specular[channel]) * factor));
+        all = all + given("specular", value);
+    }
+    if let Some(emission) = shader.emission() {
+        let value = shader.emitted(fragment)[channel];
+        let own = given("Ke", emission[channel]);
+        let formula = match shader.emission_texel(fragment) {
+            Some(texel) => own * given("emission texture", texel[channel]),
+            None => own,
+        };
+        scribe.compute(format!("emission {name}"), value, &formula);
+        all = all + given("emission", value);
+    }
+    all
 }
 
 fn behind_formula(subject: &Subject<'_>, code: u8) -> Formula {
@@ -160,6 +271,24 @@ fn texture_color<'a>(subject: &'a Subject<'_>) -> Option<impl Fn(usize) -> Formu
     let texture = subject.shader.texture_for(&subject.fragment)?;
     let (levels, count) = texture.levels(&subject.fragment);
     Some(move |channel: usize| {
+        if texture.is_premultiplied() {
+            let mixed =
+                |level: usize| subject.shader.sampler().sample_premultiplied(texture.level(level), subject.fragment.uv);
+            let part = |(level, share): (usize, f32), name: &'static str, part: usize| {
+                let value = given(name, mixed(level)[part]);
+                if count > 1 { value * given("share", share) } else { value }
+            };
+            let of = |name, at| sum(levels[..count].iter().map(|level| part(*level, name, at)));
+            let alpha = of("alpha code", 3);
+            if alpha.evaluate().is_none_or(|exact| exact.value.is_zero()) {
+                return whole("0", 0);
+            }
+            let quotient = of("texture × alpha", channel) / alpha;
+            return match subject.settings.color_space {
+                ColorSpace::Linear => quotient,
+                ColorSpace::Bytes => quotient * given("1/255", subject.shader.sampler().scale),
+            };
+        }
         let term = |(level, share): (usize, f32)| {
             let color = subject.shader.sampler().sample(texture.level(level), subject.fragment.uv);
             let color = given("texture", color[channel]);

@@ -21,12 +21,12 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
             scribe.read(format!("share of copy {level}"), words, share);
         }
         let name = if count > 1 { format!("copy {level} · ") } else { String::new() };
-        read(subject, image, &name, scribe);
+        read(subject, (image, texture.is_premultiplied()), &name, scribe);
     }
 }
 
 /// The texels of one image.
-fn read(subject: &Subject<'_>, image: &Image<Rgba8>, name: &str, scribe: &mut Scribe) {
+fn read(subject: &Subject<'_>, (image, is_premultiplied): (&Image<Rgba8>, bool), name: &str, scribe: &mut Scribe) {
     let (sampler, uv, size) = (subject.shader.sampler(), subject.fragment.uv, image.size());
     let unit = sampler.unit(uv);
     let lengths = [size.0, size.1];
@@ -51,7 +51,7 @@ fn read(subject: &Subject<'_>, image: &Image<Rgba8>, name: &str, scribe: &mut Sc
     for (place, tap) in taps[..count].iter().enumerate() {
         weight(tap, place, (shares, count), name, scribe);
     }
-    colors(subject, image, &taps[..count], name, scribe);
+    colors(subject, (image, is_premultiplied), &taps[..count], name, scribe);
 }
 
 /// A coordinate as addressing brings it into [0, 1].
@@ -98,7 +98,13 @@ fn weight(tap: &TexelTap, place: usize, (shares, count): ([f32; 2], usize), name
 }
 
 /// The codes of the texels, the numbers that stand for them, and their mean.
-fn colors(subject: &Subject<'_>, image: &Image<Rgba8>, taps: &[TexelTap], name: &str, scribe: &mut Scribe) {
+fn colors(
+    subject: &Subject<'_>,
+    (image, is_premultiplied): (&Image<Rgba8>, bool),
+    taps: &[TexelTap],
+    name: &str,
+    scribe: &mut Scribe,
+) {
     let sampler = subject.shader.sampler();
     let space = subject.settings.color_space;
     for (channel, channel_name) in CHANNELS.into_iter().enumerate() {
@@ -112,10 +118,26 @@ fn colors(subject: &Subject<'_>, image: &Image<Rgba8>, taps: &[TexelTap], name: 
             let number = sampler.number_of(image.at(tap.x, tap.y))[channel];
             given("texel", number) * given("weight", tap.weight)
         };
+        if is_premultiplied {
+            let term = |tap: &TexelTap| {
+                let texel = image.at(tap.x, tap.y);
+                let number = given("texel", sampler.number_of(texel)[channel]);
+                number * given("alpha", texel[3]) * given("weight", tap.weight)
+            };
+            let value = sampler.sample_premultiplied(image, subject.fragment.uv)[channel];
+            let formula = sum(taps.iter().map(term));
+            scribe.compute(format!("{name}texture {channel_name} × alpha"), value, &formula);
+            continue;
+        }
         let mean = sum(taps.iter().map(term));
         let formula = if space == ColorSpace::Bytes { mean * given("1/255", sampler.scale) } else { mean };
         let value = sampler.sample(image, subject.fragment.uv)[channel];
         scribe.compute(format!("{name}texture {channel_name}"), value, &formula);
+    }
+    if is_premultiplied {
+        let term = |tap: &TexelTap| given("alpha", image.at(tap.x, tap.y)[3]) * given("weight", tap.weight);
+        let value = sampler.sample_premultiplied(image, subject.fragment.uv).w;
+        scribe.compute(format!("{name}texture alpha code"), value, &sum(taps.iter().map(term)));
     }
     if subject.record.alpha.is_some() {
         let term = |tap: &TexelTap| given("alpha", image.at(tap.x, tap.y)[3]) * given("weight", tap.weight);

@@ -19,7 +19,7 @@ pub(super) fn why(report: &PixelReport, scene: &Scene, recipe: &Recipe) -> Optio
     let (_, instance) = instance_of(scene, visible.triangle)?;
     let settings = &recipe.pipeline;
     let why = match settings.shading {
-        Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::Cel => {
+        Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::BlinnPhong | Shading::Cel => {
             factors(scene, settings, instance, visible, shading)
         }
         Shading::VertexColor => vec![format!("the vertex colours here are {}", numbers(shading.vertex_color?.into()))],

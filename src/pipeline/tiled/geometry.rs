@@ -375,11 +375,16 @@ impl Job<'_> {
         let (mut positions, mut normals, mut uvs) = Default::default();
         for start in (0..vertices.len()).step_by(LANES) {
             let from = first + start;
-            let group = Group {
+            let mut group = Group {
                 positions: eight(&mesh.positions, from, &mut positions),
                 normals: if reads_normals { Some(eight(&mesh.normals, from, &mut normals)) } else { None },
                 uvs: if reads_uvs { Some(eight(&mesh.uvs, from, &mut uvs)) } else { None },
             };
+            let moved;
+            if let (Some(uvs), Some([scale, offset])) = (group.uvs, draw.plan.uv_transform()) {
+                moved = uvs.map(|uv| uv * scale + offset);
+                group.uvs = Some(&moved);
+            }
             let (columns, clip, normals) = self.vertices(simd, draw, group);
             let out = &mut vertices[start..];
             if let Some(whole) = out.first_chunk_mut() {

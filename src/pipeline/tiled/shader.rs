@@ -70,13 +70,16 @@ impl<'a> DrawShader<'a> {
     /// `texture` is the material's.
     pub(super) fn new(shader: Shader<'a>, texture: Option<&'a Texture>, divides_by_w: bool) -> Self {
         let settings = shader.settings;
-        let on_lanes = matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert);
+        // Without a highlight, Blinn–Phong is Lambert.
+        let has_lanes =
+            matches!(settings.shading, Shading::Texture | Shading::Gouraud | Shading::Lambert | Shading::BlinnPhong);
+        let on_lanes = has_lanes && shader.fits_lanes();
         let texture = texture
             .filter(|_| shader.texture.is_some())
             .map(|texture| TextureReader::new(texture, shader.sampler(), settings.color_space));
         let light = match settings.shading {
             Shading::Gouraud => Light::Vertices,
-            Shading::Lambert => Light::Normals,
+            Shading::Lambert | Shading::BlinnPhong => Light::Normals,
             _ => Light::None,
         };
         let plan = Plan {
@@ -88,13 +91,13 @@ impl<'a> DrawShader<'a> {
             space: settings.color_space,
             blended: shader.transparency() == Transparency::Blended,
         };
-        let texels_per_sample = match (shader.texture, settings.filter) {
-            (None, _) => 0,
-            (Some(_), Filter::Point) => 1,
-            (Some(_), Filter::Bilinear) => TEXELS_AROUND,
-            (Some(_), Filter::Trilinear) if on_lanes => TEXELS_AROUND,
-            (Some(_), Filter::Trilinear) => 2 * TEXELS_AROUND,
+        let texels_per_texture = match settings.filter {
+            Filter::Point => 1,
+            Filter::Bilinear => TEXELS_AROUND,
+            Filter::Trilinear if on_lanes => TEXELS_AROUND,
+            Filter::Trilinear => 2 * TEXELS_AROUND,
         };
+        let texels_per_sample = shader.texture_count() * texels_per_texture;
         Self { shader, divides_by_w, texture, plan, on_lanes, texels_per_sample }
     }
 
@@ -105,7 +108,7 @@ impl<'a> DrawShader<'a> {
         let first = |(number, shader): (usize, &Self)| {
             let texture = shader.texture.map(|texture| texture.address());
             let surface = (shader.shader.diffuse.to_array().map(f32::to_bits), shader.shader.opacity().to_bits());
-            let looks = (texture, surface, shader.plan);
+            let looks = (texture, surface, shader.shader.sampler().address, shader.plan);
             if shader.on_lanes { *firsts.entry(looks).or_insert(number) } else { number }
         };
         shaders.iter().enumerate().map(first).collect()

@@ -237,7 +237,7 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     if !reason.is_empty() {
         note(ui, reason);
     }
-    if matches!(settings.shading, Shading::Gouraud | Shading::Lambert | Shading::Cel) {
+    if settings.shading.is_lit() {
         light(ui, recipe);
     }
     let settings = &mut recipe.pipeline;
@@ -258,6 +258,7 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     if view.frame.plans.iter().any(|p| p.runs(Part::Texels)) {
         row(ui, "Filter", "How a texture is read between texel centres", |ui| pick(ui, &mut settings.filter));
         row(ui, "Address", "What texture coordinates outside of 0…1 mean", |ui| pick(ui, &mut settings.address));
+        row(ui, "Alpha", "How texels with alpha are mixed by the filter", |ui| pick(ui, &mut settings.alpha));
     } else {
         left_out(ui, view, Part::Texels);
     }
@@ -267,6 +268,11 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
         });
     } else {
         left_out(ui, view, Part::Blending);
+    }
+    for part in [Part::NormalMap, Part::Highlight, Part::Emission] {
+        if settings.shading.reads_material() && !view.frame.plans.iter().any(|plan| plan.runs(part)) {
+            left_out(ui, view, part);
+        }
     }
     row(ui, "Colour space", "In which numbers light is computed and textures are filtered", |ui| {
         pick(ui, &mut settings.color_space)

@@ -133,6 +133,12 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
     if let Some(light) = shading.light {
         float_row(ui, "Light", light, "The factor that light multiplies the colour with");
     }
+    if let Some(highlight) = shading.highlight {
+        float_row(ui, "Highlight", highlight, "max(0, N·H)^Ns, the factor of the specular colour");
+    }
+    if let Some([r, g, b]) = shading.emission {
+        value_row(ui, "Emission", &format!("{r:.4}  {g:.4}  {b:.4}"), "Emitted light, added after lighting");
+    }
     for texel in &shading.texels {
         ui.horizontal(|ui| {
             swatch(ui, to_color(texel.color));

@@ -1,0 +1,73 @@
+//! The highlight of Blinn–Phong shading: Ks·max(0, N·H)^Ns (Blinn, "Models of Light Reflection for Computer Synthesized
+//! Pictures", 1977).
+//!
+//! H is the unit vector halfway between the directions to the light and to the eye. There is no highlight where N·L ≤ 0, as in
+//! OpenGL's fixed function pipeline. The power comes from `libm`, so that it has the same bits on every platform.
+
+use glam::Vec3;
+use serde::Serialize;
+
+use super::surface::PlacedMesh;
+use crate::math::unit_or;
+use crate::pipeline::interpolate::Fragment;
+use crate::scene::{Camera, Projection};
+
+/// The place that a scene is seen from.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub enum Eye {
+    /// World-space position of the eye.
+    At(Vec3),
+    /// World-space unit vector towards the eye, the same everywhere: orthographic views.
+    Towards(Vec3),
+}
+
+impl Eye {
+    /// Returns the eye of a camera.
+    pub(crate) fn of(camera: &Camera) -> Self {
+        match camera.projection {
+            Projection::Perspective { .. } => Self::At(camera.eye),
+            Projection::Orthographic { .. } => Self::Towards(-camera.forward()),
+        }
+    }
+
+    /// Returns the vector from a world-space position to the eye, of any length.
+    pub(crate) fn from(self, position: Vec3) -> Vec3 {
+        match self {
+            Self::At(eye) => eye - position,
+            Self::Towards(direction) => direction,
+        }
+    }
+}
+
+/// The highlight of a draw.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Highlight<'a> {
+    /// Ks, in the numbers of the colour space.
+    pub(crate) specular: Vec3,
+    /// Ns.
+    pub(crate) shininess: f32,
+    pub(crate) eye: Eye,
+    pub(crate) mesh: PlacedMesh<'a>,
+}
+
+impl Highlight<'_> {
+    /// Returns the unit vector from a fragment towards the eye.
+    pub(crate) fn to_eye(&self, fragment: &Fragment) -> Vec3 {
+        let position = self.mesh.position(fragment).unwrap_or_default();
+        unit_or(self.eye.from(position).as_dvec3(), Vec3::ZERO)
+    }
+
+    /// Returns the unit vector halfway between the directions to the light and to the eye; zero if they are opposite.
+    pub(crate) fn halfway(&self, to_light: Vec3, fragment: &Fragment) -> Vec3 {
+        unit_or((to_light + self.to_eye(fragment)).as_dvec3(), Vec3::ZERO)
+    }
+
+    /// Returns max(0, N·H)^Ns; 0 where N·L ≤ 0.
+    pub(crate) fn factor(&self, normal: Vec3, to_light: Vec3, fragment: &Fragment) -> f32 {
+        if normal.dot(to_light) > 0.0 {
+            libm::powf(normal.dot(self.halfway(to_light, fragment)).max(0.0), self.shininess)
+        } else {
+            0.0
+        }
+    }
+}
