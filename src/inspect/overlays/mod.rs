@@ -4,6 +4,8 @@
 //! A file for each group. All that watches the frame being drawn shares one more drawing of it ([`watch`]), which is made
 //! only when it is asked for.
 
+mod alpha_bleed;
+
 mod badness;
 
 mod blend_order;
@@ -52,6 +54,7 @@ choice! {
         TriangleSize = "triangle-size", "Triangle size", "Area of the triangle that is seen, in px², from a hundredth of a pixel to the whole picture.";
         Sliver = "sliver", "Slivers", "Least height of the triangle that is seen, in px: thin ones are where rounding decides.";
         TexelDensity = "texel-density", "Texel density", "Texels per pixel along a side: above 1 texels are skipped, below 1 they are enlarged.";
+        AlphaBleed = "alpha-bleed", "Colour bleeding", "Codes by which colour differs from what premultiplied filtering gives: straight filtering takes colour from texels with alpha 0.";
         Faults = "faults", "Cracks and double hits", "Pixels along shared edges that no triangle draws, or two do, without depth test.";
         BadNumbers = "bad-numbers", "NaN, infinite, negative", "Values of the shown quantity that are not a number, not finite, or below zero.";
         Clipped = "clipped", "Clipped", "Values of the shown quantity beyond the ends of its range; codes of colours at 0 and 255, too.";
@@ -133,6 +136,7 @@ impl Overlay {
             Self::TriangleSize => surfaces::size(context),
             Self::Sliver => surfaces::sliver(context),
             Self::TexelDensity => surfaces::texel_density(context),
+            Self::AlphaBleed => alpha_bleed::alpha_bleed(context),
             Self::Faults => faults::faults(context),
             Self::BadNumbers => badness::bad_numbers(context),
             Self::Clipped => badness::clipped(context),

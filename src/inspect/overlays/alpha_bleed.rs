@@ -1,0 +1,46 @@
+//! Colour that straight texture filtering takes from hidden texels.
+//!
+//! The samples of the frame are drawn twice more, as the recipe filters textures and with premultiplied filtering.
+
+use super::sheet::{Key, Scale, Sheet, Total};
+use super::{Context, Overlay};
+use crate::chain::{Recipe, redraw};
+use crate::image::Rgba8;
+use crate::inspect::display::ColorMap;
+use crate::inspect::view::Range;
+use crate::pipeline::Until;
+use crate::pipeline::settings::{AlphaMode, Settings};
+
+/// Returns the greatest difference of a channel in codes.
+fn difference(a: Rgba8, b: Rgba8) -> u8 {
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
+}
+
+/// Differences from premultiplied filtering.
+pub(super) fn alpha_bleed(context: &Context<'_>) -> Sheet {
+    let Context { scene, recipe, frame, .. } = context;
+    let pipeline = Settings { alpha: AlphaMode::Premultiplied, ..recipe.pipeline };
+    let premultiplied = Recipe { pipeline, ..**recipe };
+    let [drawn, due] =
+        [*recipe, &premultiplied].map(|recipe| redraw(scene, recipe, frame, Until::Shade, &mut ()).color);
+    let codes = |column: u32, row: u32| difference(drawn.at(column, row), due.at(column, row));
+    let (width, height) = drawn.size();
+    let all = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+    let differing: Vec<u8> = all.map(|(column, row)| codes(column, row)).filter(|codes| *codes > 0).collect();
+    let totals = vec![
+        Total { name: "bleeding", number: differing.len() as f64, unit: "px" },
+        Total { name: "greatest", number: differing.iter().copied().max().unwrap_or(0).into(), unit: "codes" },
+    ];
+    let values = context.spread(|column, row| match codes(column, row) {
+        0 => f32::NAN,
+        codes => codes.into(),
+    });
+    let scale = Scale {
+        range: Range { low: 1.0, high: 255.0 },
+        logarithmic: true,
+        map: ColorMap::Magma,
+        reversed: false,
+        unit: "codes",
+    };
+    Sheet::new(Overlay::AlphaBleed, values, Key::Scale(scale), totals)
+}
