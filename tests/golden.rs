@@ -80,6 +80,9 @@ fn switches() -> impl Iterator<Item = (String, Image<Rgba8>)> {
         ("stained-glass", "filter=point"),
         ("stained-glass", "color-space=bytes"),
         ("stained-glass", "depth-test=off"),
+        ("stained-glass", "alpha=premultiplied"),
+        ("polished", "shading=blinn-phong"),
+        ("polished", "shading=normals"),
     ]
     .into_iter()
     .map(|(id, switch)| (format!("{id}.{}", switch.replace('=', "-")), image(&scene(id), &recipe(&[switch]))))

@@ -68,6 +68,11 @@ impl Draft {
         self.library.add_material(Material { dark_texture, ..Material::textured(name, texture) })
     }
 
+    /// Adds a material whose textures were added before.
+    pub(super) fn material(&mut self, material: Material) -> MaterialId {
+        self.library.add_material(material)
+    }
+
     /// Adds an object. Returns it, white, to be tinted.
     pub(super) fn place(
         &mut self,

@@ -14,6 +14,7 @@ mod draft;
 mod glass;
 mod near_plane;
 mod noise;
+mod polished;
 mod revolve;
 mod shapes;
 mod textures;
@@ -50,6 +51,7 @@ pub const ALL: &[Builtin] = &[
     cubes::CUBES,
     cel::CEL,
     glass::STAINED_GLASS,
+    polished::POLISHED,
     triangles::TRIANGLE,
     triangles::INTERPENETRATING,
     triangles::SHARED_EDGES,
