@@ -12,6 +12,9 @@ pub struct Aabb {
 }
 
 impl Aabb {
+    /// Box around all finite points.
+    pub const EVERYTHING: Self = Self { min: Vec3::MIN, max: Vec3::MAX };
+
     /// The box that contains no point.
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 

@@ -226,7 +226,7 @@ fn prepare_draw<O: Observer>(
 
     let start = Instant::now();
     let matrices = DrawMatrices::new(instance, clip_from_world);
-    let inside = containment(mesh.bounds(), matrices.clip_from_model);
+    let inside = containment(mesh.visible_bounds(), matrices.clip_from_model);
     let plan = DrawPlan::new(&scene.library, instance, camera, settings, inside).starting_at(first);
     out.plans.push(plan);
     if !plan.runs(Part::Vertices) {

@@ -66,7 +66,7 @@ impl Clusters {
         }
         let numbers = || triangles.chunks(CLUSTER).map(<[[u32; 3]]>::as_flattened);
         let bounds: Vec<Aabb> =
-            numbers().map(|numbers| Aabb::around(numbers.iter().map(|i| positions[*i as usize]))).collect();
+            numbers().map(|numbers| visible_bounds(numbers.iter().map(|i| positions[*i as usize]))).collect();
         let (mut blocks, mut starts) = (Vec::new(), vec![0]);
         // Which cluster referred to a block last, counted from 1.
         let mut last = vec![0; positions.len().div_ceil(BLOCK)];
@@ -137,6 +137,17 @@ impl Clusters {
     }
 }
 
+/// Returns the box around the points, or [`Aabb::EVERYTHING`] if one is not finite: no view then excludes its triangles,
+/// so that they reach the stage that rejects them.
+pub(super) fn visible_bounds(points: impl IntoIterator<Item = Vec3>) -> Aabb {
+    let (mut bounds, mut all_finite) = (Aabb::EMPTY, true);
+    for point in points {
+        all_finite &= point.is_finite();
+        bounds = bounds.union(Aabb { min: point, max: point });
+    }
+    if all_finite { bounds } else { Aabb::EVERYTHING }
+}
+
 /// Blocks in ascending order as ranges; as one where they are too many.
 fn push_ranges(own: &[u32], ranges: &mut Vec<[u32; 2]>) {
     let first = ranges.len();
@@ -170,6 +181,10 @@ fn facing(positions: &[Vec3], numbers: &[u32]) -> Facing {
     let (mut ends, mut altitude) = ([[f32::INFINITY; 4], [f32::NEG_INFINITY; 4]], f32::INFINITY);
     for corners in numbers.as_chunks::<3>().0 {
         let [a, b, c] = corners.map(|i| positions[i as usize]);
+        if !(a.is_finite() && b.is_finite() && c.is_finite()) {
+            altitude = 0.0;
+            continue;
+        }
         if a == b || b == c || c == a {
             continue;
         }

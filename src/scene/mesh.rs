@@ -5,7 +5,7 @@ use std::ops::Deref;
 use glam::{Vec2, Vec3};
 use thiserror::Error;
 
-use super::clusters::Clusters;
+use super::clusters::{Clusters, visible_bounds};
 use crate::math::{Aabb, unit_or};
 use crate::text;
 
@@ -59,12 +59,14 @@ pub enum MeshError {
     },
 }
 
-/// A checked mesh: indices in range, arrays of equal length, every number finite, one unit normal per vertex, or a zero one
-/// where the one that was given was no number.
+/// A checked mesh: indices in range, arrays of equal length, one unit normal per vertex, or a zero one where the one that
+/// was given was no number. Positions may be NaN or infinite: the clipper rejects triangles that use them. All other
+/// numbers are finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
     data: MeshData,
     bounds: Aabb,
+    visible_bounds: Aabb,
     clusters: Clusters,
     lost_normals: usize,
 }
@@ -83,7 +85,6 @@ impl Mesh {
             data.normals = smooth_normals(&data.positions, &data.triangles);
         }
         check_array("normals", &data.normals, count, false, |n| n.is_finite())?;
-        check_array("positions", &data.positions, count, false, |p| p.is_finite())?;
         check_array("texture coordinates", &data.uvs, count, true, |t| t.is_finite())?;
         check_array("vertex colours", &data.colors, count, true, |c| c.is_finite())?;
         Ok(Self::of(data, 0))
@@ -102,9 +103,10 @@ impl Mesh {
 
     /// From arrays that were checked.
     fn of(data: MeshData, lost_normals: usize) -> Self {
-        let bounds = Aabb::around(data.positions.iter().copied());
+        let bounds = Aabb::around(data.positions.iter().copied().filter(|position| position.is_finite()));
+        let visible_bounds = visible_bounds(data.positions.iter().copied());
         let clusters = Clusters::new(&data.positions, &data.triangles);
-        Self { data, bounds, clusters, lost_normals }
+        Self { data, bounds, visible_bounds, clusters, lost_normals }
     }
 
     /// How many vertices have no normal because the one that was given was no finite number.
@@ -112,9 +114,15 @@ impl Mesh {
         self.lost_normals
     }
 
-    /// Box around all vertices, model space.
+    /// Returns the box around all vertices whose position is finite, model space.
     pub fn bounds(&self) -> Aabb {
         self.bounds
+    }
+
+    /// Returns the box for visibility tests, model space: [`Mesh::bounds`], or [`Aabb::EVERYTHING`] if a position is NaN or
+    /// infinite.
+    pub fn visible_bounds(&self) -> Aabb {
+        self.visible_bounds
     }
 
     /// The parts that are looked at as a whole; none of a small mesh.
@@ -220,10 +228,26 @@ mod tests {
     }
 
     #[test]
-    fn infinities_are_refused() {
-        let mut data = triangle();
-        data.positions[1].x = f32::INFINITY;
-        assert!(matches!(Mesh::new(data), Err(MeshError::NotFinite { index: 1, .. })));
+    fn positions_that_are_not_finite_are_kept_and_left_out_of_the_bounds() {
+        for broken in [f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
+            let mut data = triangle();
+            let finite = Mesh::new(data.clone()).unwrap();
+            assert_eq!(finite.bounds(), finite.visible_bounds());
+            data.positions.push(Vec3::new(7.0, broken, 7.0));
+            data.triangles.push([0, 1, 3]);
+            data.normals = vec![Vec3::Z; 4];
+            let mesh = Mesh::new(data).unwrap();
+            assert_eq!((mesh.bounds(), mesh.visible_bounds()), (finite.bounds(), Aabb::EVERYTHING));
+        }
+    }
+
+    #[test]
+    fn infinite_texture_coordinates_are_refused() {
+        let uvs = vec![Vec2::ZERO, Vec2::ONE, Vec2::new(0.0, f32::INFINITY)];
+        assert!(matches!(
+            Mesh::new(MeshData { uvs, ..triangle() }),
+            Err(MeshError::NotFinite { attribute: "texture coordinates", index: 2 })
+        ));
     }
 
     #[test]

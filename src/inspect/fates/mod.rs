@@ -39,7 +39,7 @@ choice! {
     TriangleFate {
         Unaccounted = "unaccounted", "Unaccounted for", "Neither rejected nor rasterized. There must be none: it would be a fault of this program.";
         Outside = "outside", "Outside the view", "All corners lie beyond the same side of the view: left, right, top, bottom, near or far.";
-        NotFinite = "not-finite", "Not finite", "A corner became infinite or not a number.";
+        NotFinite = "not-finite", "Corner not finite", "A corner is infinite or not a number, in the model or after its transformation.";
         ClippedAway = "clipped-away", "Clipped away", "It crosses several sides of the view, and nothing of it is left between them.";
         ZeroArea = "zero-area", "Zero area", "On the screen its corners lie on one line.";
         BackFacing = "back-facing", "Back-facing", "It turns its back, and such triangles are dropped.";

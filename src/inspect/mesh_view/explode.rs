@@ -16,17 +16,18 @@ pub fn exploded(scene: &Scene, apart: f32) -> Scene {
         let normals = mesh.triangles.iter().flatten().filter_map(|v| mesh.normals.get(*v as usize)).copied().collect();
         let data =
             MeshData { name: mesh.name.clone(), positions, normals, uvs: Vec::new(), colors: Vec::new(), triangles };
-        // Only what would be moved beyond all floats stays in its place.
+        // The arrays have the lengths and numbers of a valid mesh.
         Mesh::new(data).unwrap_or_else(|_| mesh.clone())
     });
     Scene { library, ..scene.clone() }
 }
 
-/// The corners of a triangle in the mesh, moved.
+/// Returns the corners of a triangle in the mesh, moved; unmoved if they would leave the range of floats.
 fn moved(mesh: &Mesh, corners: [u32; 3], apart: f32) -> [Vec3; 3] {
     let corners = corners.map(|corner| mesh.positions.get(corner as usize).copied().unwrap_or_default());
     let offset = ((corners[0] + corners[1] + corners[2]) / 3.0 - mesh.bounds().center()) * apart;
-    corners.map(|corner| corner + offset)
+    let moved = corners.map(|corner| corner + offset);
+    if moved.iter().all(|corner| corner.is_finite()) { moved } else { corners }
 }
 
 /// The corners of a triangle in world space, moved apart as [`exploded`] does; `None` for no triangle of the scene.

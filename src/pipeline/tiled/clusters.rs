@@ -500,7 +500,7 @@ mod tests {
             let matrix =
                 projection * Mat4::from_translation(place) * Mat4::from_quat(turn) * shear * Mat4::from_scale(mirror);
             for culling in [Culling::Back, Culling::Front] {
-                let containment = containment(mesh.bounds(), matrix);
+                let containment = containment(mesh.visible_bounds(), matrix);
                 let view = View::new(matrix, containment, culling, VIEWPORT);
                 for lanes in Lanes::all() {
                     let fates = fates(mesh.clusters(), &view, lanes);

@@ -342,7 +342,7 @@ fn plan<'a>(
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {
         let mesh = scene.library.mesh(instance.mesh);
         let matrices = DrawMatrices::new(instance, clip_from_world);
-        let inside = containment(mesh.bounds(), matrices.clip_from_model);
+        let inside = containment(mesh.visible_bounds(), matrices.clip_from_model);
         let mut plan = DrawPlan::new(&scene.library, instance, camera, settings, inside).starting_at(first);
         let mut kept = Kept::all(mesh);
         if !mesh.clusters().is_empty() && DrawPlan::may_leave_out_clusters(settings, inside) {
