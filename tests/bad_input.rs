@@ -246,7 +246,8 @@ fn faults_in_the_model_are_errors_with_file_and_line() {
     for (text, line, why) in [
         ("v nan 0 0\n", ":1:", "finite"),
         ("vn nan nan nan\n", ":1:", "finite"),
-        ("v 1e300 0 0\n", ":1:", "too large"),
+        ("v 1e300 0 0\n", ":1:", "finite"),
+        ("v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ":1:", "no face that can be drawn"),
         ("v 0,5 0 0\n", ":1:", "point"),
         ("v 0 0 0\nv 1 0\n", ":2:", "three coordinates"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", ":4:", "does not exist"),

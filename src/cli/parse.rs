@@ -7,6 +7,8 @@ use clap::{Arg, Command};
 use rasterscope::inspect::overlays::{Layer, Overlay};
 use rasterscope::pipeline::settings::Choice;
 use rasterscope::pipeline::viewport::Viewport;
+use rasterscope::scene::UpAxis;
+use rasterscope::scene::obj::TrMeaning;
 
 /// A size written as `1280x720`.
 pub(crate) fn size(text: &str) -> Result<Viewport, String> {
@@ -35,6 +37,33 @@ fn pair(text: &str, separators: &[char]) -> Option<(u32, u32)> {
 /// Parser for a closed set of alternatives, which help lists with what they do.
 pub(crate) fn choice<C: Choice + Send + Sync>() -> impl TypedValueParser<Value = C> {
     PossibleValuesParser::new(possible_values::<C>()).try_map(|id| named::<C>(&id).ok_or("not one of the alternatives"))
+}
+
+/// Axis that points up in the scene's own view.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Up {
+    /// Guessed when the model is loaded.
+    Auto,
+    /// Given.
+    Axis(UpAxis),
+}
+
+/// Parser for the axis that points up.
+pub(crate) fn up() -> impl TypedValueParser<Value = Up> {
+    PossibleValuesParser::new(["auto", "y", "z"]).map(|id| match id.as_str() {
+        "y" => Up::Axis(UpAxis::Y),
+        "z" => Up::Axis(UpAxis::Z),
+        _ => Up::Auto,
+    })
+}
+
+/// Parser for the meaning of `Tr`.
+pub(crate) fn tr() -> impl TypedValueParser<Value = TrMeaning> {
+    PossibleValuesParser::new(["auto", "transparency", "opacity"]).map(|id| match id.as_str() {
+        "transparency" => TrMeaning::Transparency,
+        "opacity" => TrMeaning::Opacity,
+        _ => TrMeaning::Auto,
+    })
 }
 
 /// Parser for an overlay and how strong it is; help lists all overlays.

@@ -95,7 +95,7 @@ fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
     let names: Vec<Option<&PathBuf>> = if args.scenes.is_empty() { vec![None] } else { names.collect() };
     let mut subjects = Vec::with_capacity(names.len());
     for name in names {
-        let Loaded { scene, warnings } = scene_args::source(name.map(PathBuf::as_path))?.load()?;
+        let Loaded { scene, warnings, .. } = scene_args::source(name.map(PathBuf::as_path))?.load()?;
         warnings.iter().for_each(|warning| output::complain("warning", warning));
         subjects.push(Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) });
     }

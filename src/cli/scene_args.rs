@@ -8,10 +8,11 @@ use rasterscope::chain::{Frame, Recipe, Renderer, run};
 use rasterscope::inspect::scrub::{Moment, Scrubber};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::obj::Loaded;
+use rasterscope::scene::obj::{Loaded, TrMeaning};
 use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin, camera_file};
 
 use super::failure::Failure;
+use super::parse::Up;
 use super::{output, parse};
 
 /// A scene, a view and a recipe.
@@ -35,6 +36,14 @@ pub(crate) struct SceneArgs {
     /// Mirror the scene in z: for models made for a world of the other handedness
     #[arg(long)]
     mirror_z: bool,
+
+    /// The axis that points up in the scene's own view: guessed from the model, y or z
+    #[arg(long, value_name = "AXIS", default_value = "auto", conflicts_with = "camera", value_parser = parse::up())]
+    up: Up,
+
+    /// The meaning of `Tr` in material libraries: guessed from the file, transparency (0 is opaque) or opacity
+    #[arg(long, value_name = "MEANING", default_value = "auto", value_parser = parse::tr())]
+    tr: TrMeaning,
 
     /// The view, as JSON or from a file of it
     #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
@@ -89,12 +98,16 @@ impl SceneArgs {
     pub(crate) fn view(&self) -> Result<View, Failure> {
         let recipe = self.recipe()?;
         let camera = self.camera.as_deref().map(camera).transpose()?;
-        let source = source(self.scene.as_deref())?;
-        let Loaded { scene, warnings } = source.load()?;
+        let source = source(self.scene.as_deref())?.with_tr(self.tr);
+        let Loaded { scene, warnings, notes } = source.load()?;
         if std::env::var_os(WARNED).is_none() {
             warnings.iter().for_each(|warning| output::complain("warning", warning));
+            notes.iter().for_each(|note| output::complain("note", note));
         }
-        let scene = if self.mirror_z { scene.mirrored_z() } else { scene };
+        let mut scene = if self.mirror_z { scene.mirrored_z() } else { scene };
+        if let Up::Axis(up) = self.up {
+            scene.home = scene.first_view(up);
+        }
         Ok(View {
             recipe,
             camera: camera.unwrap_or(scene.home),
@@ -108,7 +121,7 @@ impl SceneArgs {
 
     fn is_default(&self) -> bool {
         let keeps_recipe = self.set.is_empty() && self.rasterizer.is_none() && self.arithmetic.is_none();
-        keeps_recipe && !self.mirror_z && self.scene.is_none() && self.camera.is_none()
+        keeps_recipe && !self.mirror_z && self.up == Up::Auto && self.scene.is_none() && self.camera.is_none()
     }
 
     fn recipe(&self) -> Result<Recipe, Failure> {
@@ -134,7 +147,7 @@ pub(crate) fn source(name: Option<&Path>) -> Result<SceneSource, Failure> {
     let Some(name) = name else { return Ok(SceneSource::default()) };
     let source = SceneSource::named(name.to_owned());
     let is_bare_word = name.extension().is_none() && name.components().count() == 1;
-    if matches!(source, SceneSource::File(_)) && is_bare_word && !name.exists() {
+    if matches!(source, SceneSource::File(..)) && is_bare_word && !name.exists() {
         let known: Vec<_> = builtin::ALL.iter().map(|b| b.id).collect();
         return Err(Failure::UnknownScene { name: name.to_owned(), known: known.join(", ") });
     }

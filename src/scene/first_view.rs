@@ -6,9 +6,62 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::scene::{Camera, Scene};
+use super::{Camera, Scene};
+use crate::math::Aabb;
 
-/// The directions towards the eye that are tried, the preferred one first.
+/// World axis that points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// +y.
+    #[default]
+    Y,
+    /// +z.
+    Z,
+}
+
+impl UpAxis {
+    /// Returns the unit vector upwards.
+    pub fn unit(self) -> Vec3 {
+        match self {
+            Self::Y => Vec3::Y,
+            Self::Z => Vec3::Z,
+        }
+    }
+
+    /// Returns the axis that is closer to a vector upwards.
+    pub fn nearest(up: Vec3) -> Self {
+        if up.z.abs() > up.y.abs() { Self::Z } else { Self::Y }
+    }
+
+    /// Returns a vector of a world with y up, turned into this one.
+    fn turned(self, vector: Vec3) -> Vec3 {
+        match self {
+            Self::Y => vector,
+            Self::Z => Vec3::new(vector.x, -vector.z, vector.y),
+        }
+    }
+
+    /// Returns the likely axis for a model of these bounds: z if the model stands on the plane z = 0, is centred in y and
+    /// does not stand on y = 0, as programs with z up place models; else y. A flat model decides nothing.
+    pub fn guess(bounds: Aabb) -> Self {
+        let (size, center) = (bounds.max - bounds.min, bounds.center());
+        let stands_on_zero = |axis: usize| bounds.min[axis].abs() <= ON_ZERO * size[axis];
+        let has_height = size.z >= LEAST_HEIGHT * size.max_element() && size.y > 0.0;
+        let is_centred = center.y.abs() <= CENTRED * size.y;
+        if has_height && stands_on_zero(2) && is_centred && !stands_on_zero(1) { Self::Z } else { Self::Y }
+    }
+}
+
+/// Distance of the lowest point from 0, relative to the height, up to which a model stands on 0.
+const ON_ZERO: f32 = 0.01;
+
+/// Height relative to the largest side from which a model is not flat.
+const LEAST_HEIGHT: f32 = 0.05;
+
+/// Distance of the middle from 0, relative to the size, up to which a model is centred.
+const CENTRED: f32 = 0.05;
+
+/// The directions towards the eye that are tried where y is up, the preferred one first.
 const DIRECTIONS: [Vec3; 8] = [
     Vec3::new(0.55, 0.4, 1.0),
     Vec3::new(-0.55, 0.4, 1.0),
@@ -23,16 +76,17 @@ const DIRECTIONS: [Vec3; 8] = [
 /// A later direction must show this many times the front of an earlier one to be taken.
 const CLEARLY_MORE: f64 = 1.6;
 
-/// A view of the whole scene.
-pub(super) fn first_view(scene: &Scene) -> Camera {
-    let mut best = (DIRECTIONS[0], front_area(scene, DIRECTIONS[0]));
-    for direction in &DIRECTIONS[1..] {
-        let area = front_area(scene, *direction);
+/// Returns a view of the whole scene with this axis up.
+pub(super) fn first_view(scene: &Scene, up: UpAxis) -> Camera {
+    let [preferred, others @ ..] = DIRECTIONS.map(|direction| up.turned(direction));
+    let mut best = (preferred, front_area(scene, preferred));
+    for direction in others {
+        let area = front_area(scene, direction);
         if area > best.1 * CLEARLY_MORE {
-            best = (*direction, area);
+            best = (direction, area);
         }
     }
-    Camera::fit(scene.bounds(), best.0)
+    Camera { up: up.unit(), ..Camera::fit(scene.bounds(), best.0) }
 }
 
 /// Area of the triangles that face `direction`, as it is projected along it. Models stand where they are: instances are
@@ -44,8 +98,33 @@ fn front_area(scene: &Scene, direction: Vec3) -> f64 {
         .flat_map(|mesh| {
             mesh.triangles.iter().map(|corners| {
                 let [a, b, c]: [DVec3; 3] = corners.map(|i| mesh.positions[i as usize].as_dvec3());
-                (0.5 * (b - a).cross(c - a)).dot(towards_eye).max(0.0)
+                let area = (0.5 * (b - a).cross(c - a)).dot(towards_eye).max(0.0);
+                if area.is_finite() { area } else { 0.0 }
             })
         })
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axis_is_guessed_from_the_ground_that_a_model_stands_on() {
+        let guess = |min: [f32; 3], max: [f32; 3]| UpAxis::guess(Aabb { min: min.into(), max: max.into() });
+        assert_eq!(guess([-1.0, -1.0, 0.0], [1.0, 1.0, 3.0]), UpAxis::Z);
+        assert_eq!(guess([-1.0, 0.0, -1.0], [1.0, 3.0, 1.0]), UpAxis::Y);
+        assert_eq!(guess([-1.0, -1.0, -1.0], [1.0, 1.0, 1.0]), UpAxis::Y, "it stands on nothing");
+        assert_eq!(guess([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]), UpAxis::Y, "it is flat");
+        assert_eq!(guess([-1.0, 0.0, 0.0], [1.0, 1.0, 1.0]), UpAxis::Y, "it stands on both");
+        assert_eq!(guess([-1.0, 2.0, 0.0], [1.0, 4.0, 1.0]), UpAxis::Y, "it is not centred");
+    }
+
+    #[test]
+    fn a_view_with_z_up_shows_the_same_of_a_model_that_is_turned() {
+        let direction = Vec3::new(0.55, 0.4, 1.0);
+        let turned = UpAxis::Z.turned(direction);
+        assert_eq!(turned.dot(Vec3::Z), direction.dot(Vec3::Y));
+        assert_eq!(UpAxis::nearest(UpAxis::Z.unit()), UpAxis::Z);
+    }
 }

@@ -12,6 +12,8 @@ pub mod depth_mapping;
 
 pub mod error;
 
+pub mod first_view;
+
 pub mod library;
 
 pub mod material;
@@ -29,6 +31,7 @@ pub mod texture;
 pub use camera::{Camera, Projection, Window};
 pub use depth_mapping::DepthMapping;
 pub use error::{SceneError, Warning};
+pub use first_view::UpAxis;
 pub use library::{Library, MaterialId, MeshId, TextureId};
 pub use material::{Material, Transparency};
 pub use mesh::{Mesh, MeshData};
@@ -105,6 +108,11 @@ impl Scene {
         for name in names {
             *name = text::clean(name).into_owned();
         }
+    }
+
+    /// Returns a view of everything with this axis up, from a side that shows much of its front.
+    pub fn first_view(&self, up: UpAxis) -> Camera {
+        first_view::first_view(self, up)
     }
 
     /// Triangles over all instances.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::builtin::{self, Builtin};
-use super::obj::{self, Loaded};
+use super::obj::{self, Loaded, TrMeaning};
 use super::{Scene, SceneError};
 use crate::text;
 
@@ -12,8 +12,8 @@ use crate::text;
 pub enum SceneSource {
     /// Made by code.
     Builtin(&'static Builtin),
-    /// A Wavefront OBJ file.
-    File(PathBuf),
+    /// A Wavefront OBJ file, and the meaning of `Tr` in its materials.
+    File(PathBuf, TrMeaning),
 }
 
 impl SceneSource {
@@ -21,7 +21,7 @@ impl SceneSource {
     pub fn named(name: PathBuf) -> Self {
         match name.to_str().and_then(builtin::by_id) {
             Some(builtin) => Self::Builtin(builtin),
-            None => Self::File(name),
+            None => Self::File(name, TrMeaning::Auto),
         }
     }
 
@@ -29,7 +29,7 @@ impl SceneSource {
     pub fn name(&self) -> PathBuf {
         match self {
             Self::Builtin(builtin) => builtin.id.into(),
-            Self::File(path) => path.clone(),
+            Self::File(path, _) => path.clone(),
         }
     }
 
@@ -37,7 +37,15 @@ impl SceneSource {
     pub fn title(&self) -> String {
         match self {
             Self::Builtin(builtin) => builtin.title.to_owned(),
-            Self::File(path) => path.file_name().map_or_else(String::new, |name| text::path(name.as_ref())),
+            Self::File(path, _) => path.file_name().map_or_else(String::new, |name| text::path(name.as_ref())),
+        }
+    }
+
+    /// Returns the same source with this meaning of `Tr`; a built-in scene has none.
+    pub fn with_tr(self, tr: TrMeaning) -> Self {
+        match self {
+            Self::Builtin(builtin) => Self::Builtin(builtin),
+            Self::File(path, _) => Self::File(path, tr),
         }
     }
 
@@ -45,7 +53,7 @@ impl SceneSource {
     pub fn load(&self) -> Result<Loaded, SceneError> {
         let mut loaded = match self {
             Self::Builtin(builtin) => Loaded::from(builtin.build()),
-            Self::File(path) => obj::load(path)?,
+            Self::File(path, tr) => obj::load_with(path, *tr)?,
         };
         loaded.scene.clean_names();
         Ok(loaded)
@@ -62,7 +70,7 @@ impl Default for SceneSource {
 impl From<Scene> for Loaded {
     /// A scene with nothing to warn about.
     fn from(scene: Scene) -> Self {
-        Self { scene, warnings: Vec::new() }
+        Self { scene, warnings: Vec::new(), notes: Vec::new() }
     }
 }
 
@@ -75,7 +83,7 @@ mod tests {
         for builtin in builtin::ALL {
             assert!(matches!(SceneSource::named(builtin.id.into()), SceneSource::Builtin(b) if b.id == builtin.id));
         }
-        let SceneSource::File(path) = SceneSource::named("./chess".into()) else { panic!("a path was given") };
-        assert!(SceneSource::File(path).load().is_err());
+        let SceneSource::File(path, _) = SceneSource::named("./chess".into()) else { panic!("a path was given") };
+        assert!(SceneSource::File(path, TrMeaning::Auto).load().is_err());
     }
 }

@@ -49,6 +49,7 @@ use super::worker::{Job, Worker};
 use crate::inspect::Buffer;
 use crate::inspect::find::{Found, Wanted};
 use crate::scene::SceneSource;
+use crate::scene::obj::TrMeaning;
 
 /// Height of the line under the menu, in points.
 const MESSAGE_HEIGHT: f32 = theme::ROW_HEIGHT + 4.0;
@@ -330,7 +331,8 @@ impl Workbench {
         let Some(command) = self.session.apply(command) else { return };
         match command {
             Command::AskForFile => self.dialog = Dialog::Open(OpenDialog::default()),
-            Command::Open(path) => self.open(ui, SceneSource::File(path)),
+            Command::Open(path) => self.open(ui, SceneSource::File(path, TrMeaning::Auto)),
+            Command::Reopen(path, tr) => self.open(ui, SceneSource::File(path, tr)),
             Command::OpenBuiltin(id) => self.open(ui, SceneSource::named(id.into())),
             Command::SaveCase => self.save_case(ui),
             Command::RunStability => self.judge(ui),

@@ -34,6 +34,7 @@ use crate::inspect::selection::TriangleSelection;
 use crate::inspect::trace::Direction;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
+use crate::scene::obj::TrMeaning;
 
 /// An intent.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +43,8 @@ pub enum Command {
     AskForFile,
     /// Open a model.
     Open(PathBuf),
+    /// Load a model again with another meaning of `Tr`.
+    Reopen(PathBuf, TrMeaning),
     /// Show a built-in scene, by id.
     OpenBuiltin(String),
     /// Show the mirror image in z.

@@ -259,7 +259,7 @@ impl Session {
 
     /// Replaces the scene. The recipe stays; view, pick and stepping start anew.
     pub fn show_scene(&mut self, scene: Scene, source: SceneSource) {
-        if let SceneSource::File(path) = &source {
+        if let SceneSource::File(path, _) = &source {
             self.remember(path);
         }
         self.report(Level::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));

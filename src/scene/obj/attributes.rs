@@ -1,7 +1,7 @@
 //! First pass: the numbered lists of an OBJ file (`v`, `vt`, `vn`).
 //!
-//! They are read before any face, because a face may refer to lines below it. Every number is a finite f32, or the
-//! line is an error. Coordinates are taken as written; the optional weight `w` concerns rational curves only and is
+//! They are read before any face, because a face may refer to lines below it. NaN and infinity are read with a warning:
+//! positions keep them, so that the faces that use them are shown as broken. Coordinates are taken as written; the optional weight `w` concerns rational curves only and is
 //! left out.
 
 use std::path::Path;
@@ -25,7 +25,7 @@ pub(super) struct Attributes {
     pub(super) colors: Vec<Vec3>,
     /// `vt`, v running up as in the file.
     pub(super) uvs: Vec<Vec2>,
-    /// `vn` at unit length; zero where the file's has no length.
+    /// `vn` at unit length; zero where the file's has no length, NaN where it is not finite.
     pub(super) normals: Vec<Vec3>,
 }
 
@@ -35,9 +35,9 @@ pub(super) fn read(path: &Path, text: &str, warnings: &mut Warnings) -> Result<A
     for (line, statement) in joined_lines(text) {
         let mut words = statement.split_whitespace();
         let remark = match words.next() {
-            Some("v") => lists.vertex(words),
-            Some("vt") => lists.uv(words),
-            Some("vn") => lists.normal(words),
+            Some("v" | "V") => lists.vertex(words),
+            Some("vt" | "VT" | "Vt" | "vT") => lists.uv(words),
+            Some("vn" | "VN" | "Vn" | "vN") => lists.normal(words),
             _ => continue,
         };
         match remark {
@@ -69,13 +69,14 @@ impl Attributes {
                 "behind its three coordinates a vertex may have a weight or a colour of three numbers".to_owned()
             );
         }
-        let position = Vec3::new(number(words.list[0])?, number(words.list[1])?, number(words.list[2])?);
+        let position = words.vector()?;
         self.positions.push(position);
+        let broken = (!position.is_finite()).then_some("position that is not finite; faces that use it are not drawn");
         if count < 6 {
             if !self.colors.is_empty() {
                 self.colors.push(Vec3::ONE);
             }
-            return Ok(None);
+            return Ok(broken);
         }
         self.colors.resize(self.positions.len() - 1, Vec3::ONE);
         let channel = |i: usize| number(words.list[i]);
@@ -85,7 +86,7 @@ impl Attributes {
         };
         let clamped = color.clamp(Vec3::ZERO, Vec3::ONE);
         self.colors.push(clamped);
-        Ok(remark.or((clamped != color).then_some("vertex colour outside 0 to 1; clamped")))
+        Ok(broken.or(remark).or((clamped != color).then_some("vertex colour outside 0 to 1; clamped")))
     }
 
     /// `vt u`, `vt u v` or `vt u v w`; a missing v is 0, and w is for volumes.
@@ -94,9 +95,10 @@ impl Attributes {
         if words.count == 0 || words.count > 3 {
             return Err(format!("a texture coordinate has one to three numbers, this one has {}", words.count));
         }
-        let v = if words.count > 1 { number(words.list[1])? } else { 0.0 };
-        self.uvs.push(Vec2::new(number(words.list[0])?, v));
-        Ok(None)
+        let v = if words.count > 1 { any_number(words.list[1])? } else { 0.0 };
+        let uv = Vec2::new(any_number(words.list[0])?, v);
+        self.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
+        Ok((!uv.is_finite()).then_some("texture coordinate that is not finite; taken as 0 0"))
     }
 
     /// `vn x y z`.
@@ -105,7 +107,11 @@ impl Attributes {
         if words.count != 3 {
             return Err(format!("a normal has three components, this one has {}", words.count));
         }
-        let given = Vec3::new(number(words.list[0])?, number(words.list[1])?, number(words.list[2])?);
+        let given = words.vector()?;
+        if !given.is_finite() {
+            self.normals.push(Vec3::NAN);
+            return Ok(Some("normal that is not finite; no direct light reaches the corners that use it"));
+        }
         self.normals.push(unit_or(given.as_dvec3(), Vec3::ZERO));
         Ok((given == Vec3::ZERO).then_some("normal without length; computed from the faces instead"))
     }
@@ -128,6 +134,29 @@ impl<'a, const N: usize> Words<'a, N> {
         }
         this
     }
+}
+
+impl<const N: usize> Words<'_, N> {
+    /// Returns the first three words as numbers.
+    fn vector(&self) -> Result<Vec3, String> {
+        Ok(Vec3::new(any_number(self.list[0])?, any_number(self.list[1])?, any_number(self.list[2])?))
+    }
+}
+
+/// Returns a number that may be NaN or infinite, also in the spelling of C libraries: `-nan(ind)`, `1.#INF`, `-1.#IND`.
+/// What is too large for an f32 is infinite.
+fn any_number(word: &str) -> Result<f32, String> {
+    word.parse::<f32>().or_else(|_| {
+        let unsigned = word.trim_start_matches(['-', '+']).to_ascii_lowercase();
+        match unsigned.strip_prefix("1.#") {
+            Some(rest) if rest.starts_with("inf") => {
+                Ok(f32::INFINITY.copysign(if word.starts_with('-') { -1.0 } else { 1.0 }))
+            }
+            Some(rest) if rest.starts_with(['i', 'q', 's', 'n']) => Ok(f32::NAN),
+            None if unsigned.starts_with("nan(") => Ok(f32::NAN),
+            _ => number(word),
+        }
+    })
 }
 
 /// A finite number, or what is wrong with it.
@@ -172,16 +201,26 @@ mod tests {
 
     #[test]
     fn bad_numbers_are_errors_that_say_why() {
-        for (number, why) in [
-            ("nan", "not a finite number"),
-            ("-inf", "not a finite number"),
-            ("1e300", "too large"),
-            ("0,5", "with a point"),
-            ("1.#IND", "not a number"),
-            ("3.1+e2", "not a number"),
-        ] {
+        for (number, why) in [("0,5", "with a point"), ("1.#", "not a number"), ("3.1+e2", "not a number")] {
             let message = error(&format!("v 0 0 0\nv 0 {number} 0\n"));
             assert!(message.starts_with("a.obj:2: ") && message.contains(why), "{message}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_read_in_every_spelling_with_a_warning() {
+        let path = Path::new("a.obj");
+        for word in ["nan", "-NaN", "inf", "-Infinity", "1e300", "1.#IND", "-1.#QNAN00", "1.#INF", "-nan(ind)"] {
+            let mut warnings = Warnings::default();
+            let text = format!("v 0 {word} 0\nvt {word} 1\nvn 0 0 {word}\n");
+            let lists = read(path, &text, &mut warnings).unwrap();
+            let expected =
+                if word.to_lowercase().contains("inf") || word == "1e300" { f32::INFINITY } else { f32::NAN };
+            assert_eq!(lists.positions[0].y.abs().to_bits(), expected.to_bits(), "{word}");
+            assert_eq!(lists.positions[0].y < 0.0, word == "-Infinity", "{word}");
+            assert_eq!((lists.uvs[0], lists.normals[0].is_nan()), (Vec2::ZERO, true), "{word}");
+            let lines: Vec<_> = warnings.finish(path).iter().map(|warning| warning.line).collect();
+            assert_eq!(lines, [Some(1), Some(2), Some(3)], "{word}");
         }
     }
 

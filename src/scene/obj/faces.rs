@@ -13,6 +13,7 @@ use glam::Vec3;
 use super::attributes::{Attributes, MAX_COUNT, quoted};
 use super::decode::joined_lines;
 use super::polygon::{Outcome, Triangulator};
+use super::statements::{self, Format, Treatment};
 use super::warnings::Warnings;
 use crate::scene::SceneError;
 
@@ -52,6 +53,27 @@ pub(super) struct Faces {
     pub(super) parts: Vec<Part>,
     /// What stands behind `mtllib`, and its line.
     pub(super) libraries: Vec<(String, usize)>,
+    /// Smoothing of the triangles, in ascending order; empty if the file has no `s`.
+    pub(super) smoothing: Vec<SmoothingRun>,
+}
+
+/// Smoothing of the triangles from `first` to the next run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SmoothingRun {
+    /// Place in [`Faces::triangles`].
+    pub(super) first: usize,
+    pub(super) smoothing: Smoothing,
+}
+
+/// Smoothing of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Smoothing {
+    /// No `s` precedes it: edges above a crease angle are hard.
+    Crease,
+    /// `s off` or `s 0`: all edges are hard.
+    Off,
+    /// Smooth with all triangles of the same group, whatever the angle; other edges are hard.
+    Group(i64),
 }
 
 /// Reads the faces out of a whole file.
@@ -85,6 +107,8 @@ struct Reader<'a> {
     outline: Vec<Vec3>,
     local: Vec<[u32; 3]>,
     triangulator: Triangulator,
+    /// Whether all positions are finite.
+    all_finite: bool,
 }
 
 impl<'a> Reader<'a> {
@@ -102,6 +126,7 @@ impl<'a> Reader<'a> {
             outline: Vec::new(),
             local: Vec::new(),
             triangulator: Triangulator::default(),
+            all_finite: lists.positions.iter().all(|position| position.is_finite()),
         }
     }
 
@@ -111,7 +136,7 @@ impl<'a> Reader<'a> {
             "v" => self.seen[0] += 1,
             "vt" => self.seen[1] += 1,
             "vn" => self.seen[2] += 1,
-            "f" => return self.face(rest),
+            "f" | "fo" => return self.face(rest),
             "o" | "g" => {
                 self.name = rest.trim().to_owned();
                 self.current = [None; 2];
@@ -122,14 +147,39 @@ impl<'a> Reader<'a> {
                 self.current = [None; 2];
             }
             "mtllib" => self.faces.libraries.push((rest.trim().to_owned(), line)),
-            // Smoothing groups and hints for display change nothing that is drawn here.
-            "" | "s" | "lod" | "mg" | "bevel" | "c_interp" | "d_interp" | "shadow_obj" | "trace_obj" => {}
-            comment if comment.starts_with('#') => {}
-            "p" => return Ok(Some("points (`p`) are not drawn".to_owned())),
-            "l" => return Ok(Some("lines (`l`) are not drawn".to_owned())),
-            other => return Ok(Some(format!("statement {} is not supported and left out", quoted(other)))),
+            "s" => return Ok(self.smoothing(rest)),
+            "" => {}
+            other => return self.other_statement(line, other, rest),
         }
         Ok(None)
+    }
+
+    /// A comment, a statement in other case, or one that is not rendered.
+    fn other_statement(&mut self, line: usize, keyword: &str, rest: &str) -> Remark {
+        match statements::find(Format::Obj, keyword) {
+            Some(known) if known.treatment == Treatment::Warned => Ok(Some(known.not_rendered())),
+            // Comments without a space are keywords, too.
+            _ if keyword.starts_with('#') => Ok(None),
+            Some(known) => self.statement(line, &format!("{} {rest}", known.keyword)),
+            None => Ok(Some(format!("statement {} is not known; left out", quoted(keyword)))),
+        }
+    }
+
+    /// `s N`, `s off` or `s 0`.
+    fn smoothing(&mut self, rest: &str) -> Option<String> {
+        let word = rest.split_whitespace().next().unwrap_or_default();
+        let group = if word.eq_ignore_ascii_case("off") { Ok(0) } else { word.parse::<i64>() };
+        let smoothing = match group {
+            Ok(0) | Err(_) => Smoothing::Off,
+            Ok(group) => Smoothing::Group(group),
+        };
+        let first = self.faces.triangles.len();
+        match self.faces.smoothing.last_mut() {
+            Some(last) if last.smoothing == smoothing => {}
+            Some(last) if last.first == first => last.smoothing = smoothing,
+            _ => self.faces.smoothing.push(SmoothingRun { first, smoothing }),
+        }
+        group.is_err().then(|| format!("smoothing group {} is no number; taken as `off`", quoted(word)))
     }
 
     fn face(&mut self, rest: &str) -> Remark {
@@ -149,11 +199,13 @@ impl<'a> Reader<'a> {
         if !has_uvs {
             self.corners.iter_mut().for_each(|c| c.uv = NONE);
         }
-        let outcome = self.triangulate();
+        let is_broken = !self.all_finite && self.has_broken_corner();
+        let outcome = if is_broken { self.fan() } else { self.triangulate() };
         if !self.local.is_empty() {
             self.store(has_uvs)?;
         }
         Ok(match outcome {
+            _ if is_broken => Some("face with a corner that is not finite; not drawn".to_owned()),
             Outcome::NoArea => Some("face without area; left out".to_owned()),
             Outcome::TooLarge => Some("face with too many corners for one that is not convex; left out".to_owned()),
             Outcome::Crossing => Some("face that crosses itself; its triangles only come near it".to_owned()),
@@ -162,6 +214,17 @@ impl<'a> Reader<'a> {
             }
             Outcome::Whole => None,
         })
+    }
+
+    fn has_broken_corner(&self) -> bool {
+        self.corners.iter().any(|corner| !self.lists.positions[corner.position as usize].is_finite())
+    }
+
+    /// Cuts a face that has no plane into a fan.
+    fn fan(&mut self) -> Outcome {
+        self.local.clear();
+        self.local.extend((2..self.corners.len() as u32).map(|corner| [0, corner - 1, corner]));
+        Outcome::Whole
     }
 
     fn triangulate(&mut self) -> Outcome {
@@ -318,12 +381,33 @@ mod tests {
         assert_eq!(
             warnings,
             [
-                "a.obj:8: lines (`l`) are not drawn (2 times, here first)",
+                "a.obj:8: `l` (lines) is not rendered (2 times, here first)",
                 "a.obj:9: face without area; left out",
                 "a.obj:10: face with fewer than three corners; left out",
-                "a.obj:11: statement \"curv\" is not supported and left out",
+                "a.obj:11: `curv` (curve) is not rendered",
             ]
         );
+    }
+
+    #[test]
+    fn keywords_count_in_any_case() {
+        let text = |usual: bool| {
+            let text = format!("{SQUARE}o x\ng y\ns 2\nusemtl m\nf 1/1/1 2/2/1 3/1/1\nmtllib a.mtl\n");
+            if usual { text } else { text.to_uppercase().replace("X\n", "x\n").replace("Y\n", "y\n") }
+        };
+        let (upper, warnings) = faces(&text(false).replace(" M\n", " m\n").replace("A.MTL", "a.mtl")).unwrap();
+        assert_eq!(format!("{upper:?}"), format!("{:?}", faces(&text(true)).unwrap().0));
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+
+    #[test]
+    fn smoothing_runs_begin_where_the_group_changes() {
+        let face = "f 1 2 3\n";
+        let (faces, warnings) =
+            faces(&format!("{SQUARE}{face}s 1\n{face}s 1\n{face}s off\n{face}S 0\ns 7\n{face}s x\n")).unwrap();
+        let runs: Vec<_> = faces.smoothing.iter().map(|run| format!("{} {:?}", run.first, run.smoothing)).collect();
+        assert_eq!(runs, ["1 Group(1)", "3 Off", "4 Group(7)", "5 Off"]);
+        assert_eq!(warnings, ["a.obj:18: smoothing group \"x\" is no number; taken as `off`"]);
     }
 
     #[test]

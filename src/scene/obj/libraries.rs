@@ -9,7 +9,10 @@ use std::path::{Component, Path, PathBuf};
 
 use super::attributes::quoted;
 use super::decode::decode;
-use super::mtl::{self, Descriptions};
+use super::faces::{Faces, Part};
+use super::file_names::{self, Difference};
+use super::mtl::{self, Description, Descriptions};
+use super::opacity::{self, TrMeaning};
 use super::warnings::Warnings;
 use crate::disk;
 
@@ -18,16 +21,31 @@ const MAX_BYTES: u64 = 16 << 20;
 
 const OUTSIDE: &str = "it lies outside the model's folder";
 
-/// All materials of the libraries that `model` names, given as what stands behind `mtllib` and its line.
-pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warnings) -> Descriptions {
-    let mut known = Descriptions::new();
+/// The materials of a model's libraries.
+#[derive(Debug, Default)]
+pub(super) struct Libraries {
+    /// By name.
+    pub(super) descriptions: Descriptions,
+    /// Whether one of the files was written by MeshLab.
+    is_meshlab: bool,
+}
+
+/// Reads all libraries that `model` names, given as what stands behind `mtllib` and its line.
+pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warnings) -> Libraries {
+    let mut libraries = Libraries::default();
     let mut done = HashSet::new();
     for (names, line) in named {
         for name in split(model, names) {
             match open(model, name) {
-                Ok((path, _)) if done.contains(&path) => {}
-                Ok((path, text)) => {
-                    mtl::read(&path, &text, &mut known, warnings);
+                Ok(Opened { path, .. }) if done.contains(&path) => {}
+                Ok(Opened { path, text, difference }) => {
+                    if difference == Difference::Case {
+                        let found = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+                        let text =
+                            format!("material library {} is read from {found}: the names differ in case", quoted(name));
+                        warnings.add(model, Some(*line), text);
+                    }
+                    libraries.is_meshlab |= mtl::read(&path, &text, &mut libraries.descriptions, warnings);
                     done.insert(path);
                 }
                 Err(reason) => {
@@ -37,26 +55,64 @@ pub(super) fn read(model: &Path, named: &[(String, usize)], warnings: &mut Warni
             }
         }
     }
-    known
+    libraries
+}
+
+impl Libraries {
+    /// Returns whether `Tr` means opacity in a model of these parts.
+    pub(super) fn tr_is_opacity(&self, meaning: TrMeaning, parts: &[Part], warnings: &mut Warnings) -> bool {
+        let names = parts.iter().filter_map(|part| part.material.as_ref());
+        let used: Vec<&Description> = names.filter_map(|name| self.descriptions.get(name)).collect();
+        let has_plain = parts.iter().any(|part| part.material.is_none());
+        let decisive = if has_plain { &[] } else { used.as_slice() };
+        opacity::tr_is_opacity(meaning, decisive, self, warnings)
+    }
+
+    /// Warns if materials are loaded and no face uses a material.
+    pub(super) fn warn_if_unused(&self, model: &Path, faces: &Faces, warnings: &mut Warnings) {
+        if self.descriptions.is_empty() || faces.parts.iter().any(|part| part.material.is_some()) {
+            return;
+        }
+        let count = self.descriptions.len();
+        let materials = if count == 1 { "1 material is".to_owned() } else { format!("{count} materials are") };
+        let line = faces.libraries.first().map(|(_, line)| *line);
+        let text = format!("{materials} loaded and none is used: no `usemtl` precedes a face; the default is drawn");
+        warnings.add(model, line, text);
+    }
+
+    /// Whether one of the files was written by MeshLab.
+    pub(super) fn is_meshlab(&self) -> bool {
+        self.is_meshlab
+    }
+}
+
+/// A library that was read.
+struct Opened {
+    path: PathBuf,
+    text: String,
+    /// Difference between the name on disk and the name in the model.
+    difference: Difference,
 }
 
 /// The names behind one `mtllib`.
 fn split<'a>(model: &Path, names: &'a str) -> Vec<&'a str> {
     let whole = names.trim_matches('"');
-    let is_one = whole.split_whitespace().nth(1).is_none() || locate(model, whole).is_ok_and(|path| path.exists());
+    let is_one = whole.split_whitespace().nth(1).is_none()
+        || locate(model, whole).is_ok_and(|path| file_names::existing(&path).is_some());
     if is_one { vec![whole] } else { whole.split_whitespace().collect() }
 }
 
-/// Path and text of the library that `model` calls `name`.
-fn open(model: &Path, name: &str) -> Result<(PathBuf, String), String> {
-    let path = locate(model, name)?;
+/// Reads the library that `model` calls `name`.
+fn open(model: &Path, name: &str) -> Result<Opened, String> {
+    let written = locate(model, name)?;
+    let (path, difference) = file_names::existing(&written).unwrap_or((written, Difference::None));
     let real = path.canonicalize().map_err(|e| e.to_string())?;
     let folder = folder_of(model).canonicalize().map_err(|e| e.to_string())?;
     if !real.starts_with(folder) {
         return Err(OUTSIDE.to_owned());
     }
     let bytes = disk::read(&real, MAX_BYTES).map_err(|e| e.to_string())?;
-    Ok((path, decode(bytes)?.text))
+    Ok(Opened { path, text: decode(bytes)?.text, difference })
 }
 
 /// Where the library would be; an error if its name alone leads out of the model's folder, whether it exists or not.

@@ -17,11 +17,13 @@ mod attributes;
 mod canonical;
 mod decode;
 mod faces;
-mod first_view;
+mod file_names;
 mod libraries;
 mod mtl;
 mod normals;
+mod opacity;
 mod polygon;
+pub mod statements;
 mod textures;
 mod warnings;
 
@@ -31,12 +33,13 @@ use std::path::Path;
 use glam::{Mat4, Vec2, Vec3};
 
 use self::attributes::quoted;
-use self::faces::{Faces, Part};
-use self::first_view::first_view;
-use self::mtl::Descriptions;
-use self::textures::Textures;
+use self::faces::{Corner, Faces, Part};
+use self::libraries::Libraries;
+use self::mtl::{Description, Options, Picture};
+pub use self::opacity::TrMeaning;
+use self::textures::{Reading, Textures, Use, repeats_alpha};
 use self::warnings::Warnings;
-use super::{Camera, Instance, Library, Material, MaterialId, Mesh, MeshData, Scene, SceneError, Warning};
+use super::{Camera, Instance, Library, Material, MaterialId, Mesh, MeshData, Scene, SceneError, UpAxis, Warning};
 use crate::disk;
 
 /// Largest model file that is read, bytes.
@@ -55,31 +58,59 @@ pub struct Loaded {
     pub scene: Scene,
     /// In the order in which they were found; repetitions are counted, not repeated.
     pub warnings: Vec<Warning>,
+    /// Assumptions about what the file leaves open; nothing is wrong with it.
+    pub notes: Vec<Warning>,
 }
 
 /// Loads a model with its materials and textures.
 ///
-/// Errors name the file and, where there is one, the line: unreadable or no OBJ text, a number that is none or not
-/// finite, an index of nothing, no face left to draw, or more than is read (512 MiB, 2 million vertices or triangles).
+/// Errors name the file and, where there is one, the line: unreadable or no OBJ text, a number that is none,
+/// an index of nothing, no face left to draw, or more than is read (512 MiB, 2 million vertices or triangles).
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
+    load_with(path, TrMeaning::Auto)
+}
+
+/// Loads a model like [`load`], with the given meaning of `Tr`.
+pub fn load_with(path: &Path, tr: TrMeaning) -> Result<Loaded, SceneError> {
     let mut warnings = Warnings::default();
     let text = read_text(path, &mut warnings)?;
     let mut lists = attributes::read(path, &text, &mut warnings)?;
     let mut faces = faces::read(path, &text, &lists, &mut warnings)?;
     drop(text);
-    if faces.triangles.is_empty() {
+    let is_drawable =
+        |triangle: &[Corner; 3]| triangle.iter().all(|corner| lists.positions[corner.position as usize].is_finite());
+    if !faces.triangles.iter().any(is_drawable) {
         return Err(nothing_to_draw(path, &warnings));
     }
-    normals::fill(&lists.positions, &mut faces.triangles, &mut lists.normals);
+    let mut notes = Vec::new();
+    if normals::fill(&mut lists, &mut faces) {
+        let degrees = normals::CREASE_DEGREES;
+        let text = format!("no smoothing groups (`s`): where normals are missing, edges above {degrees}° are hard");
+        notes.push(Warning::file(path, text));
+    }
     let canonical = canonical::write(&lists, &faces);
     faces.triangles = Vec::new();
     drop(lists);
     let meshes = canonical::parse(path, &canonical)?;
     drop(canonical);
 
-    let descriptions = libraries::read(path, &faces.libraries, &mut warnings);
-    let scene = assemble(path, &faces, meshes, &descriptions, &mut warnings)?;
-    Ok(Loaded { scene, warnings: warnings.finish(path) })
+    let libraries = libraries::read(path, &faces.libraries, &mut warnings);
+    let tr_is_opacity = libraries.tr_is_opacity(tr, &faces.parts, &mut warnings);
+    libraries.warn_if_unused(path, &faces, &mut warnings);
+    let materials = Materials {
+        path,
+        expects_descriptions: !faces.libraries.is_empty(),
+        libraries: &libraries,
+        tr_is_opacity,
+        known: HashMap::new(),
+        textures: Textures::default(),
+    };
+    let scene = assemble(&faces, meshes, materials, &mut warnings)?;
+    if scene.home.up == UpAxis::Z.unit() {
+        let text = "the first view has z up: the model stands on z = 0 and is centred in y; `--up y` overrides this";
+        notes.push(Warning::file(path, text));
+    }
+    Ok(Loaded { scene, warnings: warnings.finish(path), notes })
 }
 
 fn read_text(path: &Path, warnings: &mut Warnings) -> Result<String, SceneError> {
@@ -105,30 +136,23 @@ fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
 }
 
 /// One mesh and one instance for each part, in shared materials.
-fn assemble(
-    path: &Path,
-    faces: &Faces,
+fn assemble<'a>(
+    faces: &'a Faces,
     meshes: Vec<tobj::Mesh>,
-    descriptions: &Descriptions,
+    mut materials: Materials<'a>,
     warnings: &mut Warnings,
 ) -> Result<Scene, SceneError> {
+    let path = materials.path;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let scale = coordinate_scale(path, &meshes, warnings);
-    let mut materials = Materials {
-        path,
-        expects_descriptions: !faces.libraries.is_empty(),
-        descriptions,
-        known: HashMap::new(),
-        textures: Textures::default(),
-    };
     let mut library = Library::default();
     let mut instances = Vec::with_capacity(faces.parts.len());
     for (part, mesh) in faces.parts.iter().zip(meshes) {
         let part_name = if part.name.is_empty() { name.clone() } else { part.name.clone() };
         let data = mesh_data(part_name.clone(), &mesh, scale);
         let material = materials.of(part, !data.colors.is_empty(), &mut library, warnings);
-        let mesh =
-            Mesh::new(data).map_err(|e| SceneError::Unusable { path: path.to_owned(), reason: e.to_string() })?;
+        let mesh = Mesh::without_lost_normals(data)
+            .map_err(|e| SceneError::Unusable { path: path.to_owned(), reason: e.to_string() })?;
         instances.push(Instance {
             name: part_name,
             mesh: library.add_mesh(mesh),
@@ -138,18 +162,19 @@ fn assemble(
         });
     }
     // Materials that no face uses come last: they can be looked at, and must not take memory from those that are used.
-    for name in descriptions.keys() {
+    for name in materials.libraries.descriptions.keys() {
         materials.get(Name::Described(name), &mut library, warnings);
     }
     let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
     let mut scene = Scene { name, library, instances, background: BACKGROUND, home };
-    scene.home = first_view(&scene);
+    scene.home = scene.first_view(UpAxis::guess(scene.bounds()));
     Ok(scene)
 }
 
 /// What to multiply all coordinates with so that the arithmetic behind stays finite; 1 for any reasonable model.
 fn coordinate_scale(path: &Path, meshes: &[tobj::Mesh], warnings: &mut Warnings) -> f32 {
-    let largest = meshes.iter().flat_map(|m| &m.positions).fold(0.0_f32, |largest, x| largest.max(x.abs()));
+    let finite = meshes.iter().flat_map(|m| &m.positions).filter(|x| x.is_finite());
+    let largest = finite.fold(0.0_f32, |largest, x| largest.max(x.abs()));
     if largest <= MAX_COORDINATE {
         return 1.0;
     }
@@ -176,7 +201,8 @@ struct Materials<'a> {
     path: &'a Path,
     /// Whether the file names a library at all, so that a name without description is a fault.
     expects_descriptions: bool,
-    descriptions: &'a Descriptions,
+    libraries: &'a Libraries,
+    tr_is_opacity: bool,
     known: HashMap<Name<'a>, MaterialId>,
     textures: Textures,
 }
@@ -193,7 +219,7 @@ impl<'a> Materials<'a> {
     /// The material of a part.
     fn of(&mut self, part: &'a Part, has_colors: bool, library: &mut Library, warnings: &mut Warnings) -> MaterialId {
         let name = match &part.material {
-            Some(name) if self.descriptions.contains_key(name) => Name::Described(name),
+            Some(name) if self.libraries.descriptions.contains_key(name) => Name::Described(name),
             _ if has_colors => Name::DefaultUnderVertexColors,
             _ => Name::Default,
         };
@@ -221,12 +247,61 @@ impl<'a> Materials<'a> {
     }
 
     fn described(&mut self, name: &str, library: &mut Library, warnings: &mut Warnings) -> Material {
-        let description = &self.descriptions[name];
+        let description = &self.libraries.descriptions[name];
+        description.warn_if_invisible(self.tr_is_opacity, self.path, warnings);
+        let mut reading = Reading { model: self.path, library, warnings };
+        let mut read = |picture: &Option<Picture>, purpose: Use, reading: &mut Reading<'_>| {
+            picture.as_ref().and_then(|picture| self.textures.get(picture, purpose, reading))
+        };
         let picture = description.picture.as_ref();
-        let texture = picture.and_then(|picture| self.textures.get(picture, self.path, library, warnings));
+        let texture = read(&description.picture, Use::Color, &mut reading);
+        let channel = description.alpha_picture.as_ref().and_then(|opacity| opacity.options.channel);
+        let is_repeated = texture
+            .zip(description.alpha_picture.as_ref())
+            .zip(picture)
+            .is_some_and(|((color, opacity), picture)| repeats_alpha(color, opacity, picture, &reading));
+        let opacities = if is_repeated { &None } else { &description.alpha_picture };
+        let alpha_texture = read(opacities, Use::Opacity(channel), &mut reading);
+        let emission_texture = read(&description.emission_picture, Use::Color, &mut reading);
+        let normals = read(&description.normal_picture, Use::Normals, &mut reading);
+        let bumps = read(&description.bump_picture, Use::Bumps, &mut reading);
+        let normal_picture = if normals.is_some() { &description.normal_picture } else { &description.bump_picture };
+
         let unset = if texture.is_some() { Vec3::ONE } else { Material::default().diffuse };
         let plain = Material::plain(name, description.diffuse.unwrap_or(unset));
-        let missing_texture = picture.filter(|_| texture.is_none()).map(|picture| picture.name.clone());
-        Material { opacity: description.opacity, texture, missing_texture, ..plain }
+        let placement = description.placement(reading.warnings);
+        let unset_emission = if emission_texture.is_some() { Vec3::ONE } else { Vec3::ZERO };
+        Material {
+            opacity: description.opacity(self.tr_is_opacity),
+            texture,
+            missing_texture: picture.filter(|_| texture.is_none()).map(|picture| picture.name.clone()),
+            emission: description.emission.unwrap_or(unset_emission),
+            emission_texture,
+            specular: description.specular.unwrap_or(plain.specular),
+            shininess: description.shininess.unwrap_or(plain.shininess),
+            alpha_texture,
+            normal_texture: normals.or(bumps),
+            normal_scale: normal_picture.as_ref().map_or(1.0, |picture| picture.options.bump),
+            uv_scale: placement.scale,
+            // v runs down here and up in the file: 1 − (s·(1 − v) + o) = s·v + (1 − s − o).
+            uv_offset: Vec2::new(placement.offset.x, 1.0 - placement.scale.y - placement.offset.y),
+            clamp: placement.clamp,
+            ..plain
+        }
+    }
+}
+
+impl Description {
+    /// Returns the options that place the textures: those of the first texture. Warns if others differ.
+    fn placement(&self, warnings: &mut Warnings) -> Options {
+        let all =
+            [&self.picture, &self.alpha_picture, &self.emission_picture, &self.normal_picture, &self.bump_picture];
+        let mut pictures = all.into_iter().flatten();
+        let Some(first) = pictures.next() else { return Options::default() };
+        for other in pictures.filter(|other| !other.options.place_alike(&first.options)) {
+            let text = "`-o`, `-s` and `-clamp` differ from those of the material's first texture, which are used";
+            warnings.add(&other.library, Some(other.line), text);
+        }
+        first.options.clone()
     }
 }

@@ -1,209 +1,373 @@
-//! Material libraries: MTL text to materials, by way of tobj.
+//! Material libraries: MTL text to descriptions of materials.
 //!
-//! As for geometry, the text is first checked line by line and rewritten: `newmtl`, `Kd`, `d`, `Tr` and `map_Kd`
-//! alone, with complete and finite numbers, names replaced by numbers, texture options taken out of the file name.
-//! What the pipeline does not shade (`Ks`, `illum`, bump maps …) is left out silently; of opacity 0 one is told, as some
-//! programs write it where they mean 1. A colour with one number is grey, as the format's description has it; `d`
-//! wins over `Tr`, its reverse.
+//! Keywords count in any case, as programs disagree about it. A statement that is not rendered gives one warning for
+//! each keyword and file ([`super::statements`]). A colour with one number is grey, as the format's description has
+//! it; `d` wins over `Tr`, its reverse.
 
-use std::collections::{BTreeMap, HashMap};
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-use super::attributes::number;
+use super::attributes::{number, quoted};
 use super::decode::lines;
+use super::statements::{self, Format, Treatment};
 use super::warnings::Warnings;
 
 /// A material as the library describes it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Description {
     /// `Kd` in [0, 1], if given.
     pub(super) diffuse: Option<Vec3>,
-    /// 1 is opaque.
-    pub(super) opacity: f32,
+    /// `d` in [0, 1], if given.
+    pub(super) dissolve: Option<At<f32>>,
+    /// `Tr` in [0, 1], if given.
+    pub(super) tr: Option<At<f32>>,
+    /// `Ke` in [0, 1], if given.
+    pub(super) emission: Option<Vec3>,
+    /// `Ks` in [0, 1], if given.
+    pub(super) specular: Option<Vec3>,
+    /// `Ns`, at least 0, if given.
+    pub(super) shininess: Option<f32>,
     /// `map_Kd`, if given.
     pub(super) picture: Option<Picture>,
+    /// `map_Ke`, if given.
+    pub(super) emission_picture: Option<Picture>,
+    /// `map_d`, if given.
+    pub(super) alpha_picture: Option<Picture>,
+    /// `norm`, if given.
+    pub(super) normal_picture: Option<Picture>,
+    /// `map_Bump` or `bump`, if given: a height map or a normal map.
+    pub(super) bump_picture: Option<Picture>,
+}
+
+/// A value and the line that gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct At<T> {
+    pub(super) value: T,
+    pub(super) library: PathBuf,
+    pub(super) line: usize,
 }
 
 /// A reference to a picture file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Picture {
     /// As written, with `/` between folders.
     pub(super) name: String,
     /// The library that names it.
     pub(super) library: PathBuf,
-    /// Where in the library.
+    /// Line in the library.
     pub(super) line: usize,
+    pub(super) options: Options,
+}
+
+/// Options of a texture statement that are rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Options {
+    /// `-s`, u and v.
+    pub(super) scale: Vec2,
+    /// `-o`, u and v, v up.
+    pub(super) offset: Vec2,
+    /// `-clamp on`.
+    pub(super) clamp: bool,
+    /// `-bm`.
+    pub(super) bump: f32,
+    /// `-imfchan`, if given.
+    pub(super) channel: Option<Channel>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false, bump: 1.0, channel: None }
+    }
+}
+
+impl Options {
+    /// Whether both place the texture equally.
+    pub(super) fn place_alike(&self, other: &Self) -> bool {
+        (self.scale, self.offset, self.clamp) == (other.scale, other.offset, other.clamp)
+    }
+}
+
+/// Channel of a picture that holds one number for each texel (`-imfchan`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Channel {
+    Red,
+    Green,
+    Blue,
+    /// Alpha.
+    Matte,
+    Luminance,
 }
 
 /// Materials by their names, in an order that does not change from run to run.
 pub(super) type Descriptions = BTreeMap<String, Description>;
 
-/// Adds the materials of one library's `text` to `known`. Of several with one name the last counts.
-pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warnings: &mut Warnings) {
-    let rewritten = rewrite(library, text, warnings);
-    if rewritten.names.is_empty() {
-        warnings.add(library, None, "the material library has no materials");
-    }
-    match tobj::load_mtl_buf(&mut rewritten.text.as_bytes()) {
-        Ok((materials, _)) => {
-            for (number, (name, material)) in rewritten.names.into_iter().zip(materials).enumerate() {
-                let line = rewritten.picture_lines.get(&number).copied().unwrap_or(0);
-                let description = describe(material, library, line);
-                if description.opacity == 0.0 {
-                    let line = rewritten.opacity_lines.get(&number).copied();
-                    warnings.add(library, line, "opacity 0: what is made of it is not to be seen");
-                }
-                known.insert(name, description);
-            }
-        }
-        Err(error) => warnings.add(library, None, format!("the material library is not understood: {error}")),
-    }
-}
+/// Text by which a comment identifies MeshLab, which writes opacity as `Tr`.
+const MESHLAB: &str = "meshlab";
 
-fn describe(material: tobj::Material, library: &Path, line: usize) -> Description {
-    let transparency = material.unknown_param.get("Tr").and_then(|t| number(t).ok()).unwrap_or(0.0);
-    Description {
-        diffuse: material.diffuse.map(Vec3::from_array),
-        opacity: material.dissolve.unwrap_or(1.0 - transparency),
-        picture: material.diffuse_texture.map(|name| Picture { name, library: library.to_owned(), line }),
-    }
-}
-
-/// MTL text that tobj reads right, and what it does not carry.
-#[derive(Default)]
-struct Rewritten {
-    text: String,
-    /// Names of the materials, which the text numbers.
-    names: Vec<String>,
-    /// For materials with a picture, the line that names it.
-    picture_lines: HashMap<usize, usize>,
-    /// For materials with an opacity, the first line that sets it.
-    opacity_lines: HashMap<usize, usize>,
-}
-
-fn rewrite(library: &Path, text: &str, warnings: &mut Warnings) -> Rewritten {
-    let mut out = Rewritten::default();
+/// Adds the materials of one library's `text` to `known`. Of several with one name the last counts. Returns whether
+/// a comment identifies MeshLab as the exporter.
+pub(super) fn read(library: &Path, text: &str, known: &mut Descriptions, warnings: &mut Warnings) -> bool {
+    let mut reader = Reader { library, warnings, material: None };
+    let mut is_meshlab = false;
     for (line, statement) in lines(text) {
         let statement = statement.trim();
+        is_meshlab |= statement.starts_with('#') && statement.to_ascii_lowercase().contains(MESHLAB);
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
-        let mut warn = |remark: String| warnings.add(library, Some(line), remark);
-        if keyword == "newmtl" {
-            let _ = writeln!(out.text, "newmtl {}", out.names.len());
-            out.names.push(rest.trim().to_owned());
-        } else if !matches!(keyword, "Kd" | "d" | "Tr" | "map_Kd" | "map_kd") {
-        } else if out.names.is_empty() {
-            warn(format!("`{keyword}` before any `newmtl`; left out"));
-        } else if keyword.starts_with("map") {
-            let (name, moved) = without_options(rest);
-            if moved {
-                warn("texture options that move, scale or turn are not applied".to_owned());
-            }
-            if name.is_empty() {
-                warn(format!("`{keyword}` without a file name; left out"));
-            } else {
-                out.picture_lines.insert(out.names.len() - 1, line);
-                let _ = writeln!(out.text, "map_Kd {name}");
-            }
-        } else {
-            if keyword != "Kd" {
-                out.opacity_lines.entry(out.names.len() - 1).or_insert(line);
-            }
-            let _ = writeln!(out.text, "{}", numbers(keyword, rest, &mut warn));
+        if keyword.eq_ignore_ascii_case("newmtl") {
+            known.extend(reader.material.replace((rest.trim().to_owned(), Description::default())));
+        } else if !(keyword.is_empty() || keyword.starts_with('#')) {
+            reader.statement(line, keyword, rest);
         }
     }
-    out
+    let last = reader.material.take();
+    known.extend(last);
+    if known.is_empty() {
+        warnings.add(library, None, "the material library has no materials");
+    }
+    is_meshlab
 }
 
-/// The statement with its one or three numbers made complete and clamped to [0, 1]; empty if they cannot be read.
-fn numbers(keyword: &str, rest: &str, warn: &mut impl FnMut(String)) -> String {
-    let wanted = if keyword == "Kd" { 3 } else { 1 };
-    let words = rest.split_whitespace().filter(|word| *word != "-halo").take_while(|word| !word.starts_with('#'));
-    let values: Result<Vec<f32>, String> = words.take(wanted).map(number).collect();
-    let values = match values {
-        Ok(values) if values.is_empty() => Err("no number".to_owned()),
-        other => other,
+struct Reader<'a> {
+    library: &'a Path,
+    warnings: &'a mut Warnings,
+    /// The material that statements belong to, with its name.
+    material: Option<(String, Description)>,
+}
+
+impl Reader<'_> {
+    fn warn(&mut self, line: usize, remark: impl Into<String>) {
+        self.warnings.add(self.library, Some(line), remark);
+    }
+
+    fn statement(&mut self, line: usize, keyword: &str, rest: &str) {
+        let known = match statements::find(Format::Mtl, keyword) {
+            None => return self.warn(line, format!("statement {} is not known; left out", quoted(keyword))),
+            Some(known) if known.treatment == Treatment::Warned => return self.warn(line, known.not_rendered()),
+            Some(known) => known.keyword,
+        };
+        let Some((name, mut material)) = self.material.take() else {
+            return self.warn(line, format!("`{keyword}` before any `newmtl`; left out"));
+        };
+        match known {
+            "Kd" => material.diffuse = self.color(line, known, rest).or(material.diffuse),
+            "Ke" => material.emission = self.color(line, known, rest).or(material.emission),
+            "Ks" => material.specular = self.color(line, known, rest).or(material.specular),
+            "Ns" => material.shininess = self.shininess(line, rest).or(material.shininess),
+            "d" => material.dissolve = self.opacity(line, known, rest).or(material.dissolve),
+            "Tr" => material.tr = self.opacity(line, known, rest).or(material.tr),
+            _ => {
+                let picture = self.picture(line, known, rest);
+                let place = match known {
+                    "map_Kd" => &mut material.picture,
+                    "map_Ke" => &mut material.emission_picture,
+                    "map_d" => &mut material.alpha_picture,
+                    "norm" => &mut material.normal_picture,
+                    _ => &mut material.bump_picture,
+                };
+                *place = picture.or(place.take());
+            }
+        }
+        self.material = Some((name, material));
+    }
+
+    /// Returns the `count` numbers of a statement, the first standing for missing ones; `None` with a warning if they
+    /// cannot be read.
+    fn numbers<const COUNT: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> Option<[f32; COUNT]> {
+        let words = rest.split_whitespace().take_while(|word| !word.starts_with('#'));
+        let values: Result<Vec<f32>, String> = words.take(COUNT).map(number).collect();
+        match values {
+            Ok(values) if !values.is_empty() => Some(std::array::from_fn(|i| *values.get(i).unwrap_or(&values[0]))),
+            other => {
+                let reason = other.err().unwrap_or_else(|| "no number".to_owned());
+                self.warn(line, format!("`{keyword}`: {reason}; left out"));
+                None
+            }
+        }
+    }
+
+    /// Returns numbers clamped to [0, 1].
+    fn shares<const COUNT: usize>(&mut self, line: usize, keyword: &str, rest: &str) -> Option<[f32; COUNT]> {
+        let values = self.numbers::<COUNT>(line, keyword, rest)?;
+        if values.iter().any(|v| !(0.0..=1.0).contains(v)) {
+            self.warn(line, format!("`{keyword}` outside 0 to 1; clamped"));
+        }
+        Some(values.map(|v| v.clamp(0.0, 1.0)))
+    }
+
+    fn color(&mut self, line: usize, keyword: &str, rest: &str) -> Option<Vec3> {
+        self.shares(line, keyword, rest).map(Vec3::from_array)
+    }
+
+    fn shininess(&mut self, line: usize, rest: &str) -> Option<f32> {
+        let [value] = self.numbers(line, "Ns", rest)?;
+        if value < 0.0 {
+            self.warn(line, "`Ns` below 0; clamped");
+        }
+        Some(value.max(0.0))
+    }
+
+    fn opacity(&mut self, line: usize, keyword: &str, rest: &str) -> Option<At<f32>> {
+        let rest = match rest.trim().strip_prefix("-halo") {
+            Some(rest) => {
+                self.option_not_rendered(line, "-halo");
+                rest
+            }
+            None => rest,
+        };
+        let [value] = self.shares(line, keyword, rest)?;
+        Some(At { value, library: self.library.to_owned(), line })
+    }
+
+    fn option_not_rendered(&mut self, line: usize, option: &str) {
+        if let Some(statement) = statements::find(Format::Option, option) {
+            self.warn(line, statement.not_rendered());
+        }
+    }
+
+    /// Returns the picture of a texture statement: options before or behind the file name, `/` between folders.
+    fn picture(&mut self, line: usize, keyword: &str, rest: &str) -> Option<Picture> {
+        let mut options = Options::default();
+        let mut name = Vec::new();
+        let mut words = rest.split_whitespace().peekable();
+        while let Some(word) = words.next() {
+            let option = word.starts_with('-').then(|| most_values(word)).flatten();
+            let Some((option, most)) = option else {
+                name.push(word);
+                continue;
+            };
+            let mut values = Vec::with_capacity(most);
+            while values.len() < most {
+                // Up to three numbers may follow, so a word that is none starts the file name.
+                let ends = |word: &&str| most > 1 && !values.is_empty() && number(word).is_err();
+                match words.next_if(|word| !ends(word)) {
+                    Some(value) => values.push(value),
+                    None => break,
+                }
+            }
+            self.option(line, keyword, option, &values, &mut options);
+        }
+        let name = name.join(" ").trim_matches('"').replace('\\', "/");
+        if name.is_empty() {
+            self.warn(line, format!("`{keyword}` without a file name; left out"));
+            return None;
+        }
+        Some(Picture { name, library: self.library.to_owned(), line, options })
+    }
+
+    fn option(&mut self, line: usize, keyword: &str, option: &str, values: &[&str], options: &mut Options) {
+        let numbers: Result<Vec<f32>, String> = values.iter().map(|value| number(value)).collect();
+        let at = |i: usize, missing: f32| match &numbers {
+            Ok(numbers) => Ok(numbers.get(i).copied().unwrap_or(missing)),
+            Err(reason) => Err(reason.clone()),
+        };
+        let value = values.first().copied().unwrap_or_default();
+        let done = match option {
+            "-o" => at(0, 0.0).and_then(|u| Ok(options.offset = Vec2::new(u, at(1, 0.0)?))),
+            "-s" => at(0, 1.0).and_then(|u| Ok(options.scale = Vec2::new(u, at(1, 1.0)?))),
+            "-bm" => at(0, 1.0).map(|factor| options.bump = factor),
+            "-clamp" if value.eq_ignore_ascii_case("on") => Ok(options.clamp = true),
+            "-clamp" if value.eq_ignore_ascii_case("off") => Ok(options.clamp = false),
+            "-clamp" => Err(format!("{} is neither `on` nor `off`", quoted(value))),
+            "-imfchan" => match channel(value) {
+                _ if keyword != "map_d" => Err(format!("it has no effect on `{keyword}`")),
+                Some(channel) => Ok(options.channel = Some(channel)),
+                None => Err(format!("{} is none of the channels r, g, b, m, l", quoted(value))),
+            },
+            _ => return self.option_not_rendered(line, option),
+        };
+        if let Err(reason) = done {
+            self.warn(line, format!("texture option `{option}`: {reason}; left out"));
+        }
+    }
+}
+
+fn channel(name: &str) -> Option<Channel> {
+    Some(match name.to_ascii_lowercase().as_str() {
+        "r" => Channel::Red,
+        "g" => Channel::Green,
+        "b" => Channel::Blue,
+        "m" => Channel::Matte,
+        "l" => Channel::Luminance,
+        _ => return None,
+    })
+}
+
+/// Returns the usual spelling of a texture option and the most values that follow it.
+fn most_values(word: &str) -> Option<(&'static str, usize)> {
+    let option = statements::find(Format::Option, word)?.keyword;
+    let most = match option {
+        "-o" | "-s" | "-t" => 3,
+        "-mm" => 2,
+        _ => 1,
     };
-    match values {
-        Ok(values) => {
-            let mut statement = keyword.to_owned();
-            if values.iter().any(|v| !(0.0..=1.0).contains(v)) {
-                warn(format!("`{keyword}` outside 0 to 1; clamped"));
-            }
-            for i in 0..wanted {
-                let value = values.get(i).unwrap_or(&values[0]).clamp(0.0, 1.0);
-                let _ = write!(statement, " {value:?}");
-            }
-            statement
-        }
-        Err(reason) => {
-            warn(format!("`{keyword}`: {reason}; left out"));
-            String::new()
-        }
-    }
-}
-
-/// Options of texture statements: name, and most values that follow it.
-const OPTIONS: [(&str, usize); 14] = [
-    ("-blendu", 1),
-    ("-blendv", 1),
-    ("-boost", 1),
-    ("-bm", 1),
-    ("-cc", 1),
-    ("-clamp", 1),
-    ("-colorspace", 1),
-    ("-imfchan", 1),
-    ("-mm", 2),
-    ("-o", 3),
-    ("-s", 3),
-    ("-t", 3),
-    ("-texres", 1),
-    ("-type", 1),
-];
-
-/// The file name of a texture statement, without options before or behind it and with `/` between folders; and
-/// whether one of the options would have moved the picture.
-fn without_options(rest: &str) -> (String, bool) {
-    let option = |word: &str| OPTIONS.iter().find(|(name, _)| *name == word);
-    let moves = |word: &str| matches!(word, "-o" | "-s" | "-t");
-    let mut words = rest.split_whitespace().peekable();
-    let mut moved = false;
-    while let Some((name, most)) = words.peek().and_then(|word| option(word)) {
-        words.next();
-        moved |= moves(name);
-        for taken in 0..*most {
-            // Up to three numbers may follow, so a word that is none starts the file name.
-            if *most > 1 && taken > 0 && words.peek().is_some_and(|word| number(word).is_err()) {
-                break;
-            }
-            words.next();
-        }
-    }
-    let name: Vec<&str> = words.by_ref().take_while(|word| option(word).is_none()).collect();
-    (name.join(" ").trim_matches('"').replace('\\', "/"), moved)
+    Some((option, most))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn remarks(text: &str) -> Vec<String> {
+    fn parsed(text: &str) -> (Descriptions, Vec<String>) {
         let library = Path::new("a.mtl");
         let (mut known, mut warnings) = (Descriptions::new(), Warnings::default());
         read(library, text, &mut known, &mut warnings);
-        warnings.finish(library).iter().map(ToString::to_string).collect()
+        (known, warnings.finish(library).iter().map(ToString::to_string).collect())
     }
 
     #[test]
-    fn of_invisible_materials_one_is_told_once() {
-        let told = remarks("newmtl a\nd 1\nTr 1\nnewmtl b\nKd 1 1 1\nTr 1\nnewmtl c\nd 0\n");
-        assert_eq!(told, ["a.mtl:6: opacity 0: what is made of it is not to be seen (2 times, here first)"]);
+    fn keywords_count_in_any_case() {
+        let (lower, none) = parsed("NEWMTL m\nkd 1 0 0\nKE 0 1 0\nkS 1 1 1\nNS 9\nD 0.5\nMAP_kd a.png\nNorm n.png\n");
+        let (usual, _) = parsed("newmtl m\nKd 1 0 0\nKe 0 1 0\nKs 1 1 1\nNs 9\nd 0.5\nmap_Kd a.png\nnorm n.png\n");
+        assert_eq!((lower, none), (usual, vec![]));
     }
 
     #[test]
-    fn opaque_and_transparent_materials_are_read_silently() {
-        assert!(remarks("newmtl a\nd 1.0\nTr 0.0\nnewmtl b\nTr 0.9\nnewmtl c\nillum 4\nd 0.01\n").is_empty());
+    fn a_statement_that_is_not_rendered_gives_one_warning_for_each_keyword() {
+        let (_, warnings) = parsed("newmtl a\nNi 1.5\nillum 2\nnewmtl b\nNI 1.5\nmap_pr r.png\nfoo 1\n");
+        assert_eq!(
+            warnings,
+            [
+                "a.mtl:2: `Ni` (index of refraction) is not rendered (2 times, here first)",
+                "a.mtl:3: `illum` (illumination model; `shading` is a setting) is not rendered",
+                "a.mtl:6: `map_Pr` (roughness texture (PBR)) is not rendered",
+                "a.mtl:7: statement \"foo\" is not known; left out",
+            ]
+        );
+    }
+
+    #[test]
+    fn texture_options_are_read_before_and_behind_the_name() {
+        let (known, warnings) = parsed(
+            "newmtl m\nmap_Kd -o 0.5 -s 2 3 4 my file.png -clamp on\nmap_d -imfchan G m.png\nmap_bump b.png -bm 2\n",
+        );
+        let picture = known["m"].picture.clone().unwrap();
+        assert_eq!(picture.name, "my file.png");
+        assert_eq!(picture.options.offset, Vec2::new(0.5, 0.0));
+        assert_eq!((picture.options.scale, picture.options.clamp), (Vec2::new(2.0, 3.0), true));
+        assert_eq!(known["m"].alpha_picture.clone().unwrap().options.channel, Some(Channel::Green));
+        assert_eq!(known["m"].bump_picture.clone().unwrap().options.bump, 2.0);
+        assert!(warnings.is_empty(), "{warnings:?}");
+    }
+
+    #[test]
+    fn options_that_are_not_rendered_or_not_understood_give_warnings() {
+        let (known, warnings) = parsed(
+            "newmtl m\nmap_Kd -boost 2 -mm 0 1 -imfchan r -clamp maybe a.png\nmap_d -imfchan z a.png\nd -halo 0.5\n",
+        );
+        assert_eq!(known["m"].picture.clone().unwrap().name, "a.png");
+        assert_eq!(known["m"].dissolve.clone().unwrap().value, 0.5);
+        assert_eq!(
+            warnings,
+            [
+                "a.mtl:2: `-boost` (sharpening of mip levels) is not rendered",
+                "a.mtl:2: `-mm` (brightness and contrast) is not rendered",
+                "a.mtl:2: texture option `-imfchan`: it has no effect on `map_Kd`; left out",
+                "a.mtl:2: texture option `-clamp`: \"maybe\" is neither `on` nor `off`; left out",
+                "a.mtl:3: texture option `-imfchan`: \"z\" is none of the channels r, g, b, m, l; left out",
+                "a.mtl:4: `-halo` (dissolve by viewing angle) is not rendered",
+            ]
+        );
     }
 }

@@ -2,20 +2,24 @@
 //!
 //! In: positions and triangles, each with an area. Out: unit normals, and their numbers in the corners. A corner's
 //! normal is the mean of the normals of the faces around its vertex, weighted by their angles there (Thürmer and
-//! Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998), of those faces only that turn away from its own
-//! by no more than [`CREASE_DEGREES`]: so a box keeps its edges and a bunny is smooth. Faces are neighbours where
+//! Wüthrich, "Computing Vertex Normals from Polygonal Facets", 1998), of those faces only that belong to its smoothing
+//! group (`s`). In a file without smoothing groups, they are those that turn away from its own by no more than
+//! [`CREASE_DEGREES`]: so a box keeps its edges and a bunny is smooth. Faces are neighbours where
 //! they share a vertex in the file, across objects and materials, so no seam shows where the material changes.
 //!
 //! Comparing every face around a vertex with every other is quadratic. Around a crowded vertex (the tip of a fan of
 //! thousands) faces of nearly one direction are therefore put together first, which bounds the work.
 
+use std::collections::HashMap;
+
 use glam::{DVec3, Vec3};
 
-use super::faces::{Corner, NONE};
+use super::attributes::Attributes;
+use super::faces::{Corner, Faces, NONE, Smoothing};
 use crate::math::unit_or;
 
 /// Largest angle between faces that are shaded as one surface.
-const CREASE_DEGREES: f64 = 45.0;
+pub(super) const CREASE_DEGREES: f64 = 45.0;
 
 /// Faces around a vertex from which on nearly equal directions are put together.
 const CROWD: usize = 32;
@@ -23,12 +27,23 @@ const CROWD: usize = 32;
 /// Largest angle between directions that are put together; not 300 directions can all differ by more.
 const CROWD_DEGREES: f64 = 15.0;
 
-/// Gives a normal to every corner without one: adds them to `normals` and writes their numbers into `triangles`.
-pub(super) fn fill(positions: &[Vec3], triangles: &mut [[Corner; 3]], normals: &mut Vec<Vec3>) {
+/// Gives a normal to every corner without one: adds them to `lists` and writes their numbers into `faces`. Returns whether
+/// the crease angle decided about an edge.
+pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces) -> bool {
+    let Attributes { positions, normals, .. } = lists;
+    let Faces { triangles, smoothing, .. } = faces;
     if triangles.as_flattened().iter().all(|corner| corner.normal != NONE) {
-        return;
+        return false;
     }
+    let mut uses_crease = false;
+    let smoothing_of = |triangle: usize| {
+        let later = smoothing.partition_point(|run| run.first <= triangle);
+        if later == 0 { Smoothing::Crease } else { smoothing[later - 1].smoothing }
+    };
     let faces: Vec<Vec3> = triangles.iter().map(|t| face_normal(positions, t)).collect();
+    if !smoothing.is_empty() {
+        flat(&faces, triangles, normals, |triangle| smoothing_of(triangle) == Smoothing::Off);
+    }
     let incidence = Incidence::new(positions.len(), triangles.as_flattened());
     for vertex in 0..positions.len() {
         let corners = incidence.corners_at(vertex);
@@ -37,11 +52,20 @@ pub(super) fn fill(positions: &[Vec3], triangles: &mut [[Corner; 3]], normals: &
         }
         let weighted = corners.iter().map(|corner| {
             let (triangle, k) = (*corner as usize / 3, *corner as usize % 3);
-            (faces[triangle].as_dvec3(), angle(positions, &triangles[triangle], k))
+            let weight = angle(positions, &triangles[triangle], k);
+            Face { unit: faces[triangle].as_dvec3(), weight, smoothing: smoothing_of(triangle) }
         });
         let (directions, membership) = gather(weighted, corners.len());
         let first = normals.len();
-        let numbers: Vec<u32> = directions.iter().map(|d| number_of(d.smooth(&directions), first, normals)).collect();
+        let mut number = |direction: &Direction| match direction.smoothing {
+            Smoothing::Crease => number_of(direction.smooth(&directions), first, normals),
+            Smoothing::Off | Smoothing::Group(_) => {
+                normals.push(unit_or(direction.weighted, direction.unit.as_vec3()));
+                normals.len() as u32 - 1
+            }
+        };
+        let numbers: Vec<u32> = directions.iter().map(&mut number).collect();
+        uses_crease |= has_crease(&directions);
         for (corner, direction) in corners.iter().zip(membership) {
             let corner = &mut triangles.as_flattened_mut()[*corner as usize];
             if corner.normal == NONE {
@@ -49,17 +73,34 @@ pub(super) fn fill(positions: &[Vec3], triangles: &mut [[Corner; 3]], normals: &
             }
         }
     }
+    uses_crease
+}
+
+/// Gives the corners without a normal of all triangles that are `chosen` the normal of their face. Triangles of one
+/// polygon, which follow each other, share it.
+fn flat(faces: &[Vec3], triangles: &mut [[Corner; 3]], normals: &mut Vec<Vec3>, chosen: impl Fn(usize) -> bool) {
+    for (place, triangle) in triangles.iter_mut().enumerate().filter(|(place, _)| chosen(*place)) {
+        for corner in triangle.iter_mut().filter(|corner| corner.normal == NONE) {
+            if normals.last() != Some(&faces[place]) {
+                normals.push(faces[place]);
+            }
+            corner.normal = normals.len() as u32 - 1;
+        }
+    }
 }
 
 fn face_normal(positions: &[Vec3], triangle: &[Corner; 3]) -> Vec3 {
     let [a, b, c] = triangle.map(|corner| positions[corner.position as usize].as_dvec3());
-    unit_or((b - a).cross(c - a), Vec3::Z)
+    let normal = (b - a).cross(c - a);
+    if normal.is_finite() { unit_or(normal, Vec3::Z) } else { Vec3::Z }
 }
 
 /// Angle of the triangle at its corner `k`, radians.
 fn angle(positions: &[Vec3], triangle: &[Corner; 3], k: usize) -> f64 {
     let at = |i: usize| positions[triangle[i % 3].position as usize].as_dvec3();
-    (at(k + 1) - at(k)).angle_between(at(k + 2) - at(k))
+    let angle = (at(k + 1) - at(k)).angle_between(at(k + 2) - at(k));
+    // A triangle with a corner that is not finite has no say.
+    if angle.is_finite() { angle } else { 0.0 }
 }
 
 /// The number of `normal` among those from `first` on, adding it if it is new.
@@ -72,33 +113,69 @@ fn number_of(normal: Vec3, first: usize, normals: &mut Vec<Vec3>) -> u32 {
     number as u32
 }
 
-/// Faces around one vertex that point (nearly) the same way.
+/// A face at one of its corners.
+struct Face {
+    /// Unit normal.
+    unit: DVec3,
+    /// Angle at the corner.
+    weight: f64,
+    smoothing: Smoothing,
+}
+
+/// Faces around one vertex that point (nearly) the same way, or all of one smoothing group.
 struct Direction {
     unit: DVec3,
+    smoothing: Smoothing,
     /// Sum of the faces' unit normals, each times its angle at the vertex.
     weighted: DVec3,
+}
+
+/// Largest difference of the cosine of an angle from 1 that counts as rounding.
+const FLAT: f64 = 1e-6;
+
+/// Whether the crease angle decides about an edge between these directions.
+fn has_crease(directions: &[Direction]) -> bool {
+    let mut creased = directions.iter().filter(|direction| direction.smoothing == Smoothing::Crease);
+    creased.next().is_some_and(|first| creased.any(|other| other.unit.dot(first.unit) < 1.0 - FLAT))
 }
 
 impl Direction {
     /// Unit mean over all directions on this one's side of a crease.
     fn smooth(&self, all: &[Self]) -> Vec3 {
         let limit = CREASE_DEGREES.to_radians().cos();
-        let sum = all.iter().filter(|d| d.unit.dot(self.unit) >= limit).map(|d| d.weighted).sum();
+        let alike = |d: &&Self| d.smoothing == self.smoothing && d.unit.dot(self.unit) >= limit;
+        let sum = all.iter().filter(alike).map(|d| d.weighted).sum();
         unit_or(sum, self.unit.as_vec3())
     }
 }
 
-/// The directions among `count` faces, given as (unit normal, weight), and for each face the direction it went to.
-fn gather(faces: impl Iterator<Item = (DVec3, f64)>, count: usize) -> (Vec<Direction>, Vec<usize>) {
+/// The directions among `count` faces, and for each face the direction it went to.
+fn gather(faces: impl Iterator<Item = Face>, count: usize) -> (Vec<Direction>, Vec<usize>) {
     let limit = if count > CROWD { CROWD_DEGREES.to_radians().cos() } else { f64::INFINITY };
     let mut directions: Vec<Direction> = Vec::new();
+    let mut groups: HashMap<i64, usize> = HashMap::new();
     let membership = faces
-        .map(|(unit, weight)| {
-            let near = directions.iter().position(|d| d.unit.dot(unit) >= limit);
+        .map(|Face { unit, weight, smoothing }| {
+            let near = match smoothing {
+                Smoothing::Crease => {
+                    directions.iter().position(|d| d.smoothing == smoothing && d.unit.dot(unit) >= limit)
+                }
+                // Their corners have the normal of their face.
+                Smoothing::Off => directions.iter().position(|d| d.smoothing == smoothing),
+                Smoothing::Group(group) => match directions.last() {
+                    Some(last) if last.smoothing == smoothing => Some(directions.len() - 1),
+                    _ => groups.get(&group).copied(),
+                },
+            };
             let place = near.unwrap_or(directions.len());
             match directions.get_mut(place) {
                 Some(direction) => direction.weighted += unit * weight,
-                None => directions.push(Direction { unit, weighted: unit * weight }),
+                None => {
+                    directions.push(Direction { unit, smoothing, weighted: unit * weight });
+                    if let Smoothing::Group(group) = smoothing {
+                        groups.insert(group, place);
+                    }
+                }
             }
             place
         })
@@ -142,14 +219,25 @@ impl Incidence {
 mod tests {
     use std::collections::HashSet;
 
+    use super::super::faces::SmoothingRun;
     use super::*;
 
     fn filled(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
+        smoothed(positions, triangles, &[])
+    }
+
+    /// Fills with the smoothing of each triangle given; without any, the crease angle decides.
+    fn smoothed(positions: &[Vec3], triangles: &[[u32; 3]], smoothing: &[Smoothing]) -> (Vec<[Corner; 3]>, Vec<Vec3>) {
         let corner = |position| Corner { position, uv: NONE, normal: NONE };
-        let mut triangles: Vec<_> = triangles.iter().map(|t| t.map(corner)).collect();
-        let mut normals = Vec::new();
-        fill(positions, &mut triangles, &mut normals);
-        (triangles, normals)
+        let runs = smoothing.iter().enumerate().map(|(first, smoothing)| SmoothingRun { first, smoothing: *smoothing });
+        let mut lists = Attributes { positions: positions.to_vec(), ..Attributes::default() };
+        let mut faces = Faces {
+            triangles: triangles.iter().map(|t| t.map(corner)).collect(),
+            smoothing: runs.collect(),
+            ..Faces::default()
+        };
+        fill(&mut lists, &mut faces);
+        (faces.triangles, lists.normals)
     }
 
     /// Two squares that share the edge x = 0, the second raised by `degrees` around it.
@@ -180,12 +268,61 @@ mod tests {
 
     #[test]
     fn given_normals_are_left_alone() {
-        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        let corner = |position, normal| Corner { position, uv: NONE, normal };
-        let mut triangles = [[corner(0, 0), corner(1, NONE), corner(2, 0)]];
-        let mut normals = vec![Vec3::X];
-        fill(&positions, &mut triangles, &mut normals);
-        assert_eq!(triangles[0].map(|c| normals[c.normal as usize]), [Vec3::X, Vec3::Z, Vec3::X]);
+        for smoothing in [Smoothing::Crease, Smoothing::Off, Smoothing::Group(1)] {
+            let corner = |position, normal| Corner { position, uv: NONE, normal };
+            let mut lists = Attributes {
+                positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+                normals: vec![Vec3::X],
+                ..Attributes::default()
+            };
+            let mut faces = Faces {
+                triangles: vec![[corner(0, 0), corner(1, NONE), corner(2, 0)]],
+                smoothing: vec![SmoothingRun { first: 0, smoothing }],
+                ..Faces::default()
+            };
+            fill(&mut lists, &mut faces);
+            let normals = faces.triangles[0].map(|c| lists.normals[c.normal as usize]);
+            assert_eq!(normals, [Vec3::X, Vec3::Z, Vec3::X], "{smoothing:?}");
+        }
+    }
+
+    #[test]
+    fn smoothing_groups_decide_whatever_the_angle() {
+        // Two pairs of triangles that meet at the edge x = 0.
+        for degrees in [10.0_f32, 45.0, 90.0, 150.0] {
+            let (rise, run) = degrees.to_radians().sin_cos();
+            let xz = [[-1.0, 0.0], [0.0, 0.0], [run, rise]];
+            let positions: Vec<_> = xz.iter().flat_map(|[x, z]| [0.0, 1.0].map(|y| Vec3::new(*x, y, *z))).collect();
+            let triangles = [[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]];
+            let at_the_edge = |[left, right]: [Smoothing; 2]| {
+                let (triangles, normals) = smoothed(&positions, &triangles, &[left, left, right, right]);
+                [triangles[0][1], triangles[2][0]].map(|corner| normals[corner.normal as usize])
+            };
+            let half = degrees.to_radians() / 2.0;
+            let between = Vec3::new(-half.sin(), 0.0, half.cos());
+            let tilted = Vec3::new(-rise, 0.0, run);
+            let group = Smoothing::Group;
+            for (smoothing, expected) in [
+                ([group(1), group(1)], [between; 2]),
+                ([group(1), group(2)], [Vec3::Z, tilted]),
+                ([group(1), Smoothing::Off], [Vec3::Z, tilted]),
+                ([Smoothing::Off, Smoothing::Off], [Vec3::Z, tilted]),
+            ] {
+                for (found, expected) in at_the_edge(smoothing).into_iter().zip(expected) {
+                    assert!((found - expected).length() < 1e-5, "{degrees}° {smoothing:?}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn corners_that_are_not_finite_leave_their_neighbours_alone() {
+        let broken =
+            [Vec3::NAN, Vec3::splat(f32::INFINITY), Vec3::new(f32::NAN, 1.0, 2.0), Vec3::new(1.0, 2.0, f32::NAN)];
+        let positions = [[Vec3::ZERO, Vec3::X, Vec3::Y].as_slice(), &broken].concat();
+        let (triangles, normals) = filled(&positions, &[[0, 1, 2], [0, 2, 3], [1, 4, 2], [0, 2, 5], [1, 6, 2]]);
+        assert_eq!(triangles[0].map(|corner| normals[corner.normal as usize]), [Vec3::Z; 3]);
+        assert!(normals.iter().all(|normal| normal.is_normalized()));
     }
 
     #[test]

@@ -4,64 +4,179 @@
 //! pixels. A path of the exporter's machine (`C:\work\x.png`) is taken as the file of that name beside the library.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use super::mtl::Picture;
+use super::attributes::quoted;
+use super::file_names::{self, Difference};
+use super::mtl::{Channel, Picture};
 use super::warnings::Warnings;
-use crate::image::file;
-use crate::scene::{Library, Texture, TextureId};
+use crate::image::{Image, Rgba8, file};
+use crate::scene::{Alpha, Library, Texture, TextureId};
 
 /// Most bytes that the textures of one model may take as codes, 4 for each texel. Drawing keeps copies besides: of another 4
 /// bytes for each texel where light is computed in codes, of 16 in linear light; with mip maps of some 7 and 25.
 const BUDGET_BYTES: usize = 512 << 20;
 
+/// What a picture is used for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Use {
+    /// Colour and alpha.
+    Color,
+    /// One number for each texel, moved to alpha; without a channel alpha if the picture has any, else luminance.
+    Opacity(Option<Channel>),
+    /// Normals named as such (`norm`).
+    Normals,
+    /// Normals, or heights, which are not rendered (`map_Bump`).
+    Bumps,
+}
+
 /// The textures of one model.
 #[derive(Default)]
 pub(super) struct Textures {
-    /// What became of each file.
-    known: HashMap<PathBuf, Option<TextureId>>,
+    /// The result for each file and use.
+    known: HashMap<(PathBuf, Use), Option<TextureId>>,
     bytes: usize,
 }
 
+/// A model whose pictures are read, and the place for what is read.
+pub(super) struct Reading<'a> {
+    pub(super) model: &'a Path,
+    pub(super) library: &'a mut Library,
+    pub(super) warnings: &'a mut Warnings,
+}
+
 impl Textures {
-    /// The texture of a picture, read now or before. `None` with a warning where it cannot be read.
-    pub(super) fn get(
-        &mut self,
-        picture: &Picture,
-        model: &Path,
-        library: &mut Library,
-        warnings: &mut Warnings,
-    ) -> Option<TextureId> {
-        let path = locate(picture, model);
-        let same_file = path.canonicalize().unwrap_or_else(|_| path.clone());
-        if let Some(known) = self.known.get(&same_file) {
-            return *known;
+    /// Returns the texture of a picture, read now or before. `None` with a warning where it cannot be read or used.
+    pub(super) fn get(&mut self, picture: &Picture, purpose: Use, reading: &mut Reading<'_>) -> Option<TextureId> {
+        let (path, difference) = locate(picture, reading.model);
+        let mut warn = |text: String| reading.warnings.add(&picture.library, Some(picture.line), text);
+        if difference == Difference::Case {
+            let found = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+            warn(format!("texture {} is read from {found}: the names differ in case", quoted(&picture.name)));
         }
-        let texture = match self.read(&path) {
-            Ok(texture) => Some(library.add_texture(texture)),
+        let same_file = path.canonicalize().unwrap_or_else(|_| path.clone());
+        let place = match self.known.entry((same_file, purpose)) {
+            Entry::Occupied(known) => return *known.get(),
+            Entry::Vacant(place) => place,
+        };
+        let texture = match read(&path, &mut self.bytes) {
+            Ok(image) => adapt(image, purpose, &path, &mut warn).and_then(|image| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                Some(reading.library.add_texture(Texture::new(name, image)?))
+            }),
+            Err(reason) if purpose == Use::Color => {
+                warn(format!("texture left out, the plain colour is used: {reason}"));
+                None
+            }
             Err(reason) => {
-                let text = format!("texture left out, the plain colour is used: {reason}");
-                warnings.add(&picture.library, Some(picture.line), text);
+                warn(format!("texture left out: {reason}"));
                 None
             }
         };
-        self.known.insert(same_file, texture);
-        texture
-    }
-
-    fn read(&mut self, path: &Path) -> Result<Texture, String> {
-        let image = file::read(path).map_err(|e| e.to_string())?;
-        if self.bytes + image.bytes() > BUDGET_BYTES {
-            return Err(format!("{}: more than {} MiB of textures", path.display(), BUDGET_BYTES >> 20));
-        }
-        self.bytes += image.bytes();
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        Texture::new(name, image).ok_or_else(|| format!("{}: it has no pixels", path.display()))
+        *place.insert(texture)
     }
 }
 
-/// The first place where the picture is; if it is nowhere, the first place where it could be.
-fn locate(picture: &Picture, model: &Path) -> PathBuf {
+fn read(path: &Path, bytes: &mut usize) -> Result<Image<Rgba8>, String> {
+    let image = file::read(path).map_err(|e| e.to_string())?;
+    if *bytes + image.bytes() > BUDGET_BYTES {
+        return Err(format!("{}: more than {} MiB of textures", path.display(), BUDGET_BYTES >> 20));
+    }
+    *bytes += image.bytes();
+    Ok(image)
+}
+
+/// Returns the picture as its use needs it; `None` if it is of no use.
+fn adapt(image: Image<Rgba8>, purpose: Use, path: &Path, warn: &mut impl FnMut(String)) -> Option<Image<Rgba8>> {
+    let name = quoted(&path.file_name().unwrap_or_default().to_string_lossy());
+    match purpose {
+        Use::Color if image.pixels().iter().all(|[.., alpha]| *alpha == 0) => {
+            if may_lack_alpha(path) {
+                warn(format!(
+                    "texture {name} has alpha 0 everywhere; drawn opaque, as its format may hold unused alpha"
+                ));
+                Some(mapped(&image, |[r, g, b, _]| [r, g, b, u8::MAX]))
+            } else {
+                warn(format!("texture {name} has alpha 0 everywhere: surfaces of this material are invisible"));
+                Some(image)
+            }
+        }
+        Use::Color => Some(image),
+        Use::Opacity(channel) => {
+            let channel = channel.unwrap_or_else(|| default_channel(&image));
+            Some(mapped(&image, |texel| [u8::MAX, u8::MAX, u8::MAX, value(channel, texel)]))
+        }
+        Use::Normals => {
+            if !looks_like_normals(&image) {
+                warn(format!("texture {name} does not look like a tangent-space normal map; rendered as one"));
+            }
+            Some(image)
+        }
+        Use::Bumps => {
+            let is_normal_map = looks_like_normals(&image);
+            if !is_normal_map {
+                warn(format!("texture {name} is a height map, which is not rendered; use `norm` for a normal map"));
+            }
+            is_normal_map.then_some(image)
+        }
+    }
+}
+
+fn mapped(image: &Image<Rgba8>, map: impl Fn(Rgba8) -> Rgba8) -> Image<Rgba8> {
+    Image::from_pixels(image.width(), image.height(), image.pixels().iter().map(|texel| map(*texel)).collect())
+}
+
+/// Returns alpha if the picture has any, else luminance.
+pub(super) fn default_channel(image: &Image<Rgba8>) -> Channel {
+    let has_alpha = image.pixels().iter().any(|[.., alpha]| *alpha != u8::MAX);
+    if has_alpha { Channel::Matte } else { Channel::Luminance }
+}
+
+fn value(channel: Channel, [r, g, b, alpha]: Rgba8) -> u8 {
+    match channel {
+        Channel::Red => r,
+        Channel::Green => g,
+        Channel::Blue => b,
+        Channel::Matte => alpha,
+        // The weights of Rec. 709, which add up to 10 000.
+        Channel::Luminance => ((2126 * u32::from(r) + 7152 * u32::from(g) + 722 * u32::from(b) + 5000) / 10_000) as u8,
+    }
+}
+
+/// Whether 32 bits per pixel do not mean that there is alpha: TGA and BMP files often leave the fourth byte unused.
+fn may_lack_alpha(path: &Path) -> bool {
+    let is_named = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
+    let mut start = [0; 2];
+    let is_bmp = File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == *b"BM";
+    is_named("tga") || is_bmp
+}
+
+/// Smallest share of the texels of a normal map that are unit vectors out of the surface.
+const FEWEST_NORMALS: f64 = 0.9;
+
+/// Whether nearly all texels decode to vectors of about unit length with z > 0, and not to greys, as heights do.
+fn looks_like_normals(image: &Image<Rgba8>) -> bool {
+    let is_normal = |[r, g, b, _]: &Rgba8| {
+        let [x, y, z] = [r, g, b].map(|code| f32::from(*code) / 127.5 - 1.0);
+        let length = (x * x + y * y + z * z).sqrt();
+        !(r == g && g == b) && z > 0.0 && (0.8..=1.2).contains(&length)
+    };
+    let normals = image.pixels().iter().filter(|texel| is_normal(texel)).count();
+    normals as f64 >= FEWEST_NORMALS * image.pixels().len() as f64
+}
+
+/// Whether `map_d` names the file of `map_Kd`, whose alpha is used already, and reads alpha from it.
+pub(super) fn repeats_alpha(color: TextureId, opacity: &Picture, picture: &Picture, reading: &Reading<'_>) -> bool {
+    let same_file = locate(opacity, reading.model).0 == locate(picture, reading.model).0;
+    let has_alpha = reading.library.texture(color).alpha() != Alpha::Opaque;
+    same_file && has_alpha && opacity.options.channel.is_none_or(|channel| channel == Channel::Matte)
+}
+
+/// Returns the first place where the picture is; if it is nowhere, the first place where it could be.
+fn locate(picture: &Picture, model: &Path) -> (PathBuf, Difference) {
     let folder = |file: &Path| file.parent().map_or_else(PathBuf::new, Path::to_owned);
     let (beside_library, beside_model) = (folder(&picture.library), folder(model));
     let written = Path::new(&picture.name);
@@ -69,5 +184,40 @@ fn locate(picture: &Picture, model: &Path) -> PathBuf {
     let bare = beside_library.join(written.file_name().unwrap_or_default());
     let candidates =
         if is_foreign { vec![bare] } else { vec![beside_library.join(written), beside_model.join(written), bare] };
-    candidates.iter().find(|path| path.exists()).unwrap_or(&candidates[0]).clone()
+    let found =
+        candidates.iter().filter_map(|path| file_names::existing(path)).min_by_key(|(_, difference)| *difference);
+    found.unwrap_or_else(|| (candidates[0].clone(), Difference::None))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(texels: &[Rgba8]) -> Image<Rgba8> {
+        Image::from_pixels(texels.len() as u32, 1, texels.to_vec())
+    }
+
+    #[test]
+    fn normal_maps_are_told_from_heights_by_their_texels() {
+        let normals = [[128, 128, 255, 255], [200, 128, 232, 255], [90, 60, 229, 255]];
+        assert!(looks_like_normals(&image(&normals)));
+        for level in 0..=u8::MAX {
+            assert!(!looks_like_normals(&image(&[[level, level, level, 255]; 4])), "{level}");
+        }
+        assert!(!looks_like_normals(&image(&[[255, 0, 0, 255], [0, 255, 0, 255]])));
+    }
+
+    #[test]
+    fn opacity_is_read_from_the_channel_that_is_named() {
+        let texel = [10, 20, 30, 40];
+        let read = |channel| {
+            let mut warn = |text: String| panic!("{text}");
+            adapt(image(&[texel]), Use::Opacity(channel), Path::new("a.png"), &mut warn).unwrap().pixels()[0][3]
+        };
+        let channels = [Channel::Red, Channel::Green, Channel::Blue, Channel::Matte].map(|c| read(Some(c)));
+        assert_eq!(channels, [10, 20, 30, 40]);
+        // 0.2126 · 10 + 0.7152 · 20 + 0.0722 · 30 = 18.596.
+        assert_eq!(read(Some(Channel::Luminance)), 19);
+        assert_eq!(read(None), 40);
+    }
 }

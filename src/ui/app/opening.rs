@@ -27,7 +27,7 @@ pub(super) struct Loading {
 
 impl Workbench {
     pub(super) fn open(&mut self, ui: &Ui, source: SceneSource) {
-        if let SceneSource::File(path) = &source
+        if let SceneSource::File(path, _) = &source
             && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
         {
             match Case::read(path) {
@@ -61,11 +61,14 @@ impl Workbench {
 
     pub(super) fn loaded(&mut self, source: SceneSource, result: Result<Loaded, SceneError>) {
         match result {
-            Ok(Loaded { scene, warnings }) => {
+            Ok(Loaded { scene, warnings, notes }) => {
                 self.session.show_scene(scene, source);
                 self.worker.send(Job::CancelMeasure);
                 self.drop_findings();
                 self.canvas.fit();
+                for note in notes {
+                    self.session.report(Level::Info, note.to_string());
+                }
                 self.warn(&warnings);
             }
             Err(error) => {
@@ -94,7 +97,7 @@ impl Workbench {
     pub(super) fn slow_load(&self) -> Option<&Path> {
         let loading = self.loading.as_ref()?;
         match &loading.source {
-            SceneSource::File(path) if loading.since.elapsed() >= SLOW_LOAD => Some(path),
+            SceneSource::File(path, _) if loading.since.elapsed() >= SLOW_LOAD => Some(path),
             _ => None,
         }
     }

@@ -180,7 +180,7 @@ fn scenes(session: &Session) -> impl Iterator<Item = Entry> {
         entry(Kind::Scene, format!("Open scene: {}", scene.title), open).with(scene.summary, holds)
     });
     let files = session.recent.iter().map(|path| {
-        let holds = matches!(&session.source, SceneSource::File(shown) if shown == path);
+        let holds = matches!(&session.source, SceneSource::File(shown, _) if shown == path);
         entry(Kind::Scene, format!("Open {}", path.display()), Command::Open(path.clone())).with("", holds)
     });
     builtins.chain(files)

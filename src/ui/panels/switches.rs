@@ -11,7 +11,8 @@ use crate::inspect::Stage;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::Part;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Shading};
-use crate::scene::{Camera, DepthMapping, Projection, SceneSource, builtin};
+use crate::scene::obj::TrMeaning;
+use crate::scene::{Camera, DepthMapping, Projection, SceneSource, UpAxis, builtin};
 use crate::ui::command::Command;
 use crate::ui::engine::{StageFigures, View};
 use crate::ui::format;
@@ -53,6 +54,7 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
             commands.push(Command::MirrorZ);
         }
     });
+    model_reading(ui, session, commands);
     let scene = &session.scene;
     let library = &scene.library;
     value_row(ui, "Instances", &format::count(scene.instances.len() as u64), "Objects placed in the scene");
@@ -73,6 +75,31 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ];
     for (label, number, help) in figures {
         value_row(ui, label, &bytes(number), help);
+    }
+}
+
+/// Draws the switches about what a model file leaves open.
+fn model_reading(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
+    let mut up = UpAxis::nearest(session.state.camera.up);
+    row(ui, "Up axis", "Axis that points up in the view; guessed when a model is loaded  (--up)", |ui| {
+        let options =
+            [(UpAxis::Y, "Y", "Show all of the scene with y up"), (UpAxis::Z, "Z", "Show all of the scene with z up")];
+        if choice(ui, &mut up, &options) {
+            commands.push(Command::SetCamera(session.scene.first_view(up)));
+        }
+    });
+    if let SceneSource::File(path, tr) = &session.source {
+        let mut tr = *tr;
+        row(ui, "Tr means", "Meaning of `Tr` in material libraries; loads the model again  (--tr)", |ui| {
+            let options = [
+                (TrMeaning::Auto, "Auto", "Opacity where the file indicates it, else transparency"),
+                (TrMeaning::Transparency, "Transparency", "0 is opaque, by the format's description"),
+                (TrMeaning::Opacity, "Opacity", "1 is opaque, as MeshLab writes it"),
+            ];
+            if choice(ui, &mut tr, &options) {
+                commands.push(Command::Reopen(path.clone(), tr));
+            }
+        });
     }
 }
 

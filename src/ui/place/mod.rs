@@ -91,7 +91,7 @@ impl Session {
         Place {
             scene: match &self.source {
                 SceneSource::Builtin(_) => self.source.name(),
-                SceneSource::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+                SceneSource::File(path, _) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
             },
             mirrored: self.mirrored,
             camera: self.state.camera,
@@ -214,7 +214,7 @@ impl Session {
         }
         let open = match SceneSource::named(place.scene.clone()) {
             SceneSource::Builtin(scene) => Command::OpenBuiltin(scene.id.to_owned()),
-            SceneSource::File(path) => Command::Open(path),
+            SceneSource::File(path, _) => Command::Open(path),
         };
         self.places.pending = Some(place);
         Some(open)

@@ -180,7 +180,7 @@ impl Session {
         Preferences {
             source: Some(match &self.source {
                 SceneSource::Builtin(_) => self.source.name(),
-                SceneSource::File(path) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+                SceneSource::File(path, _) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
             }),
             recipe: self.state.recipe,
             camera: Some(if self.mirrored { self.state.camera.mirrored_z() } else { self.state.camera }),

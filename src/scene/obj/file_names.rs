@@ -1,0 +1,61 @@
+//! Looks up files whose names are written differently in the model and on disk.
+//!
+//! macOS writes decomposed names (NFD), most other systems composed ones (NFC), and Windows does not distinguish
+//! upper and lower case; archives carry such names to systems that do.
+
+use std::path::{Path, PathBuf};
+
+use unicode_normalization::UnicodeNormalization as _;
+
+/// How the name of a file on disk differs from the name that was looked up. Ordered by severity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Difference {
+    /// The names are equal.
+    None,
+    /// The names differ in their Unicode normal form only.
+    NormalForm,
+    /// The names differ in upper and lower case.
+    Case,
+}
+
+/// Returns the existing path that `path` means, and how its name differs; `None` if there is none.
+pub(super) fn existing(path: &Path) -> Option<(PathBuf, Difference)> {
+    if path.exists() {
+        return Some((path.to_owned(), Difference::None));
+    }
+    let (Some(folder), Some(name)) = (path.parent(), path.file_name()?.to_str()) else { return None };
+    let (folder, outer) =
+        if folder == Path::new("") { (PathBuf::from("."), Difference::None) } else { existing(folder)? };
+    let composed: String = name.nfc().collect();
+    let folded = composed.to_lowercase();
+    let alike = |found: &str| {
+        let found: String = found.nfc().collect();
+        if found == composed {
+            Some(Difference::NormalForm)
+        } else {
+            (found.to_lowercase() == folded).then_some(Difference::Case)
+        }
+    };
+    let names = std::fs::read_dir(&folder).ok()?.flatten().filter_map(|entry| entry.file_name().into_string().ok());
+    // The least difference, and of several the first name, so that the result does not depend on the file system.
+    let (own, found) = names.filter_map(|found| Some((alike(&found)?, found))).min()?;
+    Some((folder.join(found), own.max(outer)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_found_in_any_normal_form_and_case() {
+        let folder = tempfile::tempdir().unwrap();
+        let sub = folder.path().join("Bücher".nfd().collect::<String>());
+        std::fs::create_dir(&sub).unwrap();
+        std::fs::write(sub.join("Ångström.PNG"), "").unwrap();
+        let find = |name: &str| existing(&folder.path().join(name));
+        let found = sub.join("Ångström.PNG");
+        assert_eq!(find("Bücher/Ångström.PNG"), Some((found.clone(), Difference::NormalForm)));
+        assert_eq!(find("bücher/ångström.png"), Some((found, Difference::Case)));
+        assert_eq!(find("Bucher/Angstrom.png"), None);
+    }
+}

@@ -1,0 +1,87 @@
+//! The meaning of `Tr`: transparency by the format's description, opacity in files of MeshLab and some others.
+
+use std::path::Path;
+
+use super::libraries::Libraries;
+use super::mtl::{At, Description, Descriptions};
+use super::warnings::Warnings;
+
+/// Meaning of the statement `Tr`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TrMeaning {
+    /// Opacity where the file indicates it, else transparency.
+    #[default]
+    Auto,
+    /// 0 is opaque.
+    Transparency,
+    /// 1 is opaque.
+    Opacity,
+}
+
+/// Smallest difference between two opacities that counts as different.
+const DIFFERENT: f32 = 1e-3;
+
+/// Returns whether `Tr` means opacity in a model that uses the materials `used`. Warns where that was inferred.
+pub(super) fn tr_is_opacity(
+    meaning: TrMeaning,
+    used: &[&Description],
+    libraries: &Libraries,
+    warnings: &mut Warnings,
+) -> bool {
+    let all = &libraries.descriptions;
+    let written: Vec<&At<f32>> = all.values().filter_map(|material| material.tr.as_ref()).collect();
+    let Some(first) = written.iter().min_by_key(|tr| tr.line) else { return false };
+    match meaning {
+        TrMeaning::Transparency => return false,
+        TrMeaning::Opacity => return true,
+        TrMeaning::Auto => {}
+    }
+    let reason = if libraries.is_meshlab() {
+        "the file was written by MeshLab"
+    } else if agrees_with_dissolve(all) {
+        "it equals `d` where both are given"
+    } else if !used.is_empty() && used.iter().all(|material| material.opacity(false) == 0.0) && alone(used) {
+        "every material would be invisible otherwise"
+    } else {
+        return false;
+    };
+    let text = format!("`Tr` is taken as opacity, since {reason}; `--tr transparency` overrides this");
+    warnings.add(&first.library, Some(first.line), text);
+    true
+}
+
+/// Whether at least one material has both `d` and `Tr`, and the two are equal wherever that distinguishes the meanings.
+fn agrees_with_dissolve(all: &Descriptions) -> bool {
+    let mut pairs = all
+        .values()
+        .filter_map(|material| Some((material.dissolve.as_ref()?.value, material.tr.as_ref()?.value)))
+        .filter(|(d, _)| (d - 0.5).abs() > DIFFERENT)
+        .peekable();
+    pairs.peek().is_some() && pairs.all(|(d, tr)| (d - tr).abs() < DIFFERENT)
+}
+
+/// Whether `Tr` alone decides the opacity of one of the materials.
+fn alone(used: &[&Description]) -> bool {
+    used.iter().any(|material| material.dissolve.is_none() && material.tr.is_some())
+}
+
+impl Description {
+    /// Returns the opacity: `d`, else what `Tr` gives, else 1.
+    pub(super) fn opacity(&self, tr_is_opacity: bool) -> f32 {
+        match (&self.dissolve, &self.tr) {
+            (Some(dissolve), _) => dissolve.value,
+            (None, Some(tr)) if tr_is_opacity => tr.value,
+            (None, Some(tr)) => 1.0 - tr.value,
+            (None, None) => 1.0,
+        }
+    }
+
+    /// Warns if surfaces of this material are invisible.
+    pub(super) fn warn_if_invisible(&self, tr_is_opacity: bool, path: &Path, warnings: &mut Warnings) {
+        if self.opacity(tr_is_opacity) == 0.0 {
+            let at = self.dissolve.as_ref().or(self.tr.as_ref());
+            let (library, line) = at.map_or((path, None), |at| (at.library.as_path(), Some(at.line)));
+            warnings.add(library, line, "opacity 0: surfaces of this material are invisible");
+        }
+    }
+}
