@@ -31,7 +31,7 @@ impl Eye {
     }
 
     /// Returns the vector from a world-space position to the eye, of any length.
-    pub(crate) fn from(self, position: Vec3) -> Vec3 {
+    pub(crate) fn vector_from(self, position: Vec3) -> Vec3 {
         match self {
             Self::At(eye) => eye - position,
             Self::Towards(direction) => direction,
@@ -54,7 +54,7 @@ impl Highlight<'_> {
     /// Returns the unit vector from a fragment towards the eye.
     pub(crate) fn to_eye(&self, fragment: &Fragment) -> Vec3 {
         let position = self.mesh.position(fragment).unwrap_or_default();
-        unit_or(self.eye.from(position).as_dvec3(), Vec3::ZERO)
+        unit_or(self.eye.vector_from(position).as_dvec3(), Vec3::ZERO)
     }
 
     /// Returns the unit vector halfway between the directions to the light and to the eye; zero if they are opposite.

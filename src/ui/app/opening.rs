@@ -36,7 +36,7 @@ impl Workbench {
             }
             return;
         }
-        if let SceneSource::File(path) = &source
+        if let SceneSource::File(path, _) = &source
             && is_named_picture(path)
         {
             // A picture is no scene; the lab fills in and samples pictures.
