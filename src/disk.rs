@@ -51,6 +51,13 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > max_bytes { Err(too_large()) } else { Ok(bytes) }
 }
 
+/// Whether the regular file at `path` starts with these bytes; `false` if it cannot be read.
+pub fn starts_with(path: &Path, prefix: &[u8]) -> bool {
+    let mut start = vec![0; prefix.len()];
+    let is_regular = std::fs::metadata(path).is_ok_and(|metadata| metadata.is_file());
+    is_regular && File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == prefix
+}
+
 /// From now on [`write`] refuses to replace a file that this process has read.
 pub fn protect_inputs() {
     lock_inputs().get_or_insert_default();

@@ -38,7 +38,10 @@ impl<T: Copy> Image<T> {
 
     /// Builds a picture by asking `value` for every pixel, rows from the top.
     pub fn from_fn(width: u32, height: u32, mut value: impl FnMut(u32, u32) -> T) -> Self {
-        let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| value(x, y)).collect();
+        let mut pixels = Vec::with_capacity(width as usize * height as usize);
+        for y in 0..height {
+            pixels.extend((0..width).map(|x| value(x, y)));
+        }
         Self { width, height, pixels }
     }
 

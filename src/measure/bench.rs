@@ -173,7 +173,7 @@ fn stages(frame: &Frame, recipe: &Recipe) -> Vec<(&'static str, Duration)> {
     let rest = [
         ("resolve", times.resolve, !recipe.antialias.is_off()),
         ("surfaces", times.surfaces, recipe.upscaler.upscaler().reads().surfaces),
-        ("upscale", times.upscale, !recipe.upscaler.is_native()),
+        ("upscale", times.upscale, true),
         ("post filter", times.post, !recipe.post.is_off() || recipe.wireframe),
         ("other", times.other(), true),
     ];

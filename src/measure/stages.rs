@@ -256,18 +256,6 @@ mod tests {
     }
 
     #[test]
-    fn every_pass_of_a_supersampled_frame_is_counted() {
-        let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
-        let size = Viewport { width: 320, height: 240 };
-        let mut recipe = Recipe::default();
-        recipe.set_all(&["antialias.method=regular", "antialias.samples=16"]).unwrap();
-        let frame = Renderer::default().render(&scene, &scene.home, &recipe, size, KeepDepth::No);
-        // Sixteen passes fill most of the frame however slow the machine is; one pass would fill a sixteenth of it.
-        let FrameTimes { geometry, pixels, total, .. } = frame.times;
-        assert!(geometry + pixels > total / 4, "{:?}", frame.times);
-    }
-
-    #[test]
     fn without_a_depth_test_there_is_no_time_of_one() {
         let times = times(DepthTest::Off);
         assert_eq!(times.depth, None);

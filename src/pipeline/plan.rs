@@ -101,6 +101,8 @@ impl Part {
             Self::PerspectiveDivision => settings.interpolation == Interpolation::Perspective,
             Self::TextureCoordinates => !mesh.uvs.is_empty(),
             Self::VertexColors => !mesh.colors.is_empty(),
+            // Each of them adds to the picture: it runs where it is needed, and nowhere else.
+            Self::NormalMap | Self::Highlight | Self::Emission => false,
             _ => true,
         }
     }

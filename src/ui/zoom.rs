@@ -163,12 +163,13 @@ mod tests {
         let context = eframe::egui::Context::default();
         let canvas = Rect::from_min_size(pos2(10.0, 20.0), vec2(300.0, 0.0));
         let mut placed = None;
-        drop(context.run_ui(Default::default(), |ui| {
+        let mut output = context.run_ui(Default::default(), |ui| {
             let mut zoom = Zoom::default();
             let fitted = zoom.placement(ui, canvas, (640, 480));
             zoom.enlarge(ui, fitted, canvas.center(), 1.5);
             placed = Some((fitted, zoom.placement(ui, canvas, (640, 480))));
-        }));
+        });
+        output.textures_delta.clear();
         let (fitted, enlarged) = placed.unwrap();
         for placement in [fitted, enlarged] {
             let position = placement.to_picture(canvas.center());

@@ -199,7 +199,7 @@ fn the_nearest_enlargement_on_offer_is_taken_and_what_is_not_offered_is_not_kept
     let chosen = chosen.with_anchor(Anchor::Centre).with_light(Light::Linear).with_deringing(true);
     assert_eq!(chosen.label(), "Lanczos 3 ×1.5, centre, linear, de-ringed");
     assert_eq!(chosen.with_method("native"), Some(Upscaling::NATIVE));
-    assert_eq!(chosen.with_method("mitchell").unwrap().label(), "Mitchell ×1.5, centre, linear");
+    assert_eq!(chosen.with_method("mitchell").unwrap().label(), "Mitchell ×1.5");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use glam::Vec3;
 
 use super::*;
-use crate::scene::{DepthMapping, Mesh};
+use crate::scene::{DepthMapping, Material, Mesh};
 
 fn scenes() -> impl Iterator<Item = (&'static Builtin, Scene)> {
     ALL.iter().map(|builtin| (builtin, builtin.build()))
@@ -95,8 +95,9 @@ fn no_mesh_material_or_texture_is_unused() {
         let library = &scene.library;
         let meshes: HashSet<_> = scene.instances.iter().map(|i| i.mesh).collect();
         let materials: HashSet<_> = scene.instances.iter().map(|i| i.material).collect();
-        let textures: HashSet<_> =
-            library.materials().iter().flat_map(|m| [m.texture, m.dark_texture]).flatten().collect();
+        let of_material =
+            |m: &Material| [m.texture, m.dark_texture, m.alpha_texture, m.normal_texture, m.emission_texture];
+        let textures: HashSet<_> = library.materials().iter().flat_map(of_material).flatten().collect();
         let used = [meshes.len(), materials.len(), textures.len()];
         assert_eq!(
             used,

@@ -5,14 +5,13 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use super::attributes::quoted;
 use super::file_names::{self, Difference};
 use super::mtl::{Channel, Picture};
 use super::warnings::Warnings;
+use crate::disk;
 use crate::image::{Image, Rgba8, file};
 use crate::scene::{Alpha, Library, Texture, TextureId};
 
@@ -149,9 +148,7 @@ fn value(channel: Channel, [r, g, b, alpha]: Rgba8) -> u8 {
 /// Whether 32 bits per pixel do not mean that there is alpha: TGA and BMP files often leave the fourth byte unused.
 fn may_lack_alpha(path: &Path) -> bool {
     let is_named = |extension: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension));
-    let mut start = [0; 2];
-    let is_bmp = File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == *b"BM";
-    is_named("tga") || is_bmp
+    is_named("tga") || disk::starts_with(path, b"BM")
 }
 
 /// Smallest share of the texels of a normal map that are unit vectors out of the surface.
