@@ -213,8 +213,8 @@ fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
         // As for any new file: the user's mask takes away what it should not have.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut file = builder.tempfile_in(folder).map_err(plain)?;
-    file.write_all(bytes).map_err(plain)?;
+    let mut file = builder.tempfile_in(folder).map_err(|error| plain(&error))?;
+    file.write_all(bytes).map_err(|error| plain(&error))?;
     if !bytes.is_empty() {
         file.as_file().sync_all()?;
     }
@@ -222,7 +222,7 @@ fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
 }
 
 /// Removes the name of the temporary file from an error, because the caller names the output.
-fn plain(error: io::Error) -> io::Error {
+fn plain(error: &io::Error) -> io::Error {
     match error.get_ref().and_then(std::error::Error::source).and_then(|source| source.downcast_ref::<io::Error>()) {
         Some(source) => source.raw_os_error().map_or_else(|| source.kind().into(), io::Error::from_raw_os_error),
         None => error.kind().into(),

@@ -150,8 +150,8 @@ impl<'a> Band<'a> {
     /// Returns a bit for each of sixteen pixels around which brightness changes enough.
     #[inline(always)]
     fn contrasts<S: Simd>(&self, simd: S, place: usize) -> u32 {
-        let [middle, n, s, w, e] = each!(place in
-            [place, place - self.stride, place + self.stride, place - 1, place + 1] => self.sixteen(simd, place));
+        let [middle, n, s, w, e] = each!(at in
+            [place, place - self.stride, place + self.stride, place - 1, place + 1] => self.sixteen(simd, at));
         let brightest = n.max(s).max(w).max(e).max(middle);
         let contrast = brightest - n.min(s).min(w).min(e).min(middle);
         contrast.simd_ge((brightest * LEAST_SHARE).max(LEAST_CONTRAST)).to_bitmask() as u32
@@ -162,7 +162,7 @@ impl<'a> Band<'a> {
     fn edges<S: Simd>(&self, simd: S, place: usize) -> Edges {
         let [above, below] = [place - self.stride, place + self.stride];
         let [nw, n, ne] = each!(place in [above - 1, above, above + 1] => self.sixteen(simd, place));
-        let [w, middle, e] = each!(place in [place - 1, place, place + 1] => self.sixteen(simd, place));
+        let [w, middle, e] = each!(at in [place - 1, place, place + 1] => self.sixteen(simd, at));
         let [sw, s, se] = each!(place in [below - 1, below, below + 1] => self.sixteen(simd, place));
         let along_row = bend(n, middle, s) * 2.0 + bend(nw, w, sw) + bend(ne, e, se);
         let along_column = bend(w, middle, e) * 2.0 + bend(nw, n, ne) + bend(sw, s, se);

@@ -1,6 +1,6 @@
 //! `rasterscope probe`: how firmly a picture stands when its camera or its vertices move by a few units in the last place.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
@@ -77,7 +77,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<(), Failure> {
 }
 
 /// Writes the most fragile triangle as a case.
-fn save_case(found: &ProbeResult, path: &PathBuf) -> Result<(), Failure> {
+fn save_case(found: &ProbeResult, path: &Path) -> Result<(), Failure> {
     let worst = found.ranking.first().and_then(|worst| Some((worst, found.triangle_of(worst)?)));
     let Some((worst, triangle)) = worst else {
         return Err(Failure::Usage("--save-case: no triangle lost or gained a pixel".to_owned()));

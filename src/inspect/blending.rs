@@ -187,9 +187,9 @@ mod tests {
                 let report = inspect(&scene, &recipe, &frame, x, y).unwrap();
                 let depths: Vec<_> = report.fragments.iter().map(|fragment| fragment.depth.value).collect();
                 assert!(*order != BlendingOrder::Exact || depths.is_sorted_by(|a, b| a >= b), "{depths:?}");
-                let colors = report.fragments.iter().filter_map(|fragment| fragment.shading.as_ref());
+                let mut colors = report.fragments.iter().filter_map(|fragment| fragment.shading.as_ref());
                 assert_eq!(
-                    colors.last().map(|shading| shading.color),
+                    colors.next_back().map(|shading| shading.color),
                     report.visible().map(|_| frame.image().at(x, y))
                 );
                 let area = (frame.sampling.grid(), frame.raster);

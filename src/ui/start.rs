@@ -180,7 +180,7 @@ fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
     match store {
         Some(store) => workbench.keep_in(store),
         None => {
-            workbench.session_mut().report(Level::Warning, "There is no folder to keep preferences and bookmarks in")
+            workbench.session_mut().report(Level::Warning, "There is no folder to keep preferences and bookmarks in");
         }
     }
     if let Some(warning) = found.warning {

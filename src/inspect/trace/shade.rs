@@ -125,7 +125,7 @@ fn write_highlight(subject: &Subject<'_>, highlight: &Highlight<'_>, cosine: f32
         scribe.decide("highlight", "N·L ≤ 0: no highlight on the side away from the light", "none");
         return;
     }
-    let to_eye = highlight.to_eye(fragment);
+    let to_eye = highlight.eye_direction(fragment);
     let halfway = highlight.halfway(shader.light_direction, fragment);
     let between = shader.light_direction + to_eye;
     for axis in 0..3 {

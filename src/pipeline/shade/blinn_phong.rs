@@ -52,14 +52,14 @@ pub(crate) struct Highlight<'a> {
 
 impl Highlight<'_> {
     /// Returns the unit vector from a fragment towards the eye.
-    pub(crate) fn to_eye(&self, fragment: &Fragment) -> Vec3 {
+    pub(crate) fn eye_direction(&self, fragment: &Fragment) -> Vec3 {
         let position = self.mesh.position(fragment).unwrap_or_default();
         unit_or(self.eye.vector_from(position).as_dvec3(), Vec3::ZERO)
     }
 
     /// Returns the unit vector halfway between the directions to the light and to the eye; zero if they are opposite.
     pub(crate) fn halfway(&self, to_light: Vec3, fragment: &Fragment) -> Vec3 {
-        unit_or((to_light + self.to_eye(fragment)).as_dvec3(), Vec3::ZERO)
+        unit_or((to_light + self.eye_direction(fragment)).as_dvec3(), Vec3::ZERO)
     }
 
     /// Returns max(0, N·H)^Ns; 0 where N·L ≤ 0.

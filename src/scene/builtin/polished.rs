@@ -51,8 +51,7 @@ fn add_floor(draft: &mut Draft) {
 /// Stones whose highlights shrink from left to right.
 fn add_stones(draft: &mut Draft) {
     let ball = draft.mesh(shapes::sphere(40));
-    let stones =
-        [("jasper", 0xA8_3A_32, 8.0, -2.3), ("jade", 0x3F_8F_68, 40.0, 0.2), ("lapis", 0x2F_55_A8, 400.0, 2.4)];
+    let stones = [("jasper", 0xA8_3A32, 8.0, -2.3), ("jade", 0x3F_8F_68, 40.0, 0.2), ("lapis", 0x2F_55_A8, 400.0, 2.4)];
     for (name, color, shininess, x) in stones {
         let specular = srgb(0xB8_B8_B8);
         let stone = draft.material(Material { specular, shininess, ..Material::plain(name, srgb(color)) });
@@ -75,7 +74,7 @@ fn add_lamp(draft: &mut Draft) {
     let iron = draft.material(Material {
         specular: srgb(0x70_70_78),
         shininess: 24.0,
-        ..Material::plain("iron", srgb(0x2A_2C_32))
+        ..Material::plain("iron", srgb(0x2A_2C32))
     });
     let foot = Vec3::new(-1.15, 0.0, -1.7);
     draft.place("lamp post", post, iron, at(foot, 1.0));

@@ -262,24 +262,35 @@ impl Reader<'_> {
             Ok(numbers) => Ok(numbers.get(i).copied().unwrap_or(missing)),
             Err(reason) => Err(reason.clone()),
         };
+        let pair = |missing: f32| Ok(Vec2::new(at(0, missing)?, at(1, missing)?));
         let value = values.first().copied().unwrap_or_default();
         let done = match option {
-            "-o" => at(0, 0.0).and_then(|u| Ok(options.offset = Vec2::new(u, at(1, 0.0)?))),
-            "-s" => at(0, 1.0).and_then(|u| Ok(options.scale = Vec2::new(u, at(1, 1.0)?))),
+            "-o" => pair(0.0).map(|offset| options.offset = offset),
+            "-s" => pair(1.0).map(|scale| options.scale = scale),
             "-bm" => at(0, 1.0).map(|factor| options.bump = factor),
-            "-clamp" if value.eq_ignore_ascii_case("on") => Ok(options.clamp = true),
-            "-clamp" if value.eq_ignore_ascii_case("off") => Ok(options.clamp = false),
-            "-clamp" => Err(format!("{} is neither `on` nor `off`", quoted(value))),
+            "-clamp" => switch(value).map(|clamp| options.clamp = clamp),
             "-imfchan" => match channel(value) {
                 _ if keyword != "map_d" => Err(format!("it has no effect on `{keyword}`")),
-                Some(channel) => Ok(options.channel = Some(channel)),
                 None => Err(format!("{} is none of the channels r, g, b, m, l", quoted(value))),
+                known => {
+                    options.channel = known;
+                    Ok(())
+                }
             },
             _ => return self.option_not_rendered(line, option),
         };
         if let Err(reason) = done {
             self.warn(line, format!("texture option `{option}`: {reason}; left out"));
         }
+    }
+}
+
+/// Parses the value of an option that is on or off.
+fn switch(value: &str) -> Result<bool, String> {
+    match value.to_ascii_lowercase().as_str() {
+        "on" => Ok(true),
+        "off" => Ok(false),
+        _ => Err(format!("{} is neither `on` nor `off`", quoted(value))),
     }
 }
 
