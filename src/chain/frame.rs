@@ -37,7 +37,7 @@ pub struct FrameTimes {
     pub upscale: Duration,
     /// Post filter and wireframe.
     pub post: Duration,
-    /// The whole frame.
+    /// Time from the plan to the finished picture.
     pub total: Duration,
 }
 

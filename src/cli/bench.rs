@@ -129,7 +129,7 @@ struct Report {
 /// Error against the native frames of the same cameras.
 #[derive(Serialize)]
 struct MeasuredError {
-    /// How the camera moves.
+    /// Motion of the camera over the measured frames.
     turn: Turn,
     /// Figures of the settled still view.
     still: Figures,

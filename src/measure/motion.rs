@@ -53,13 +53,13 @@ impl Default for Turn {
 /// The view at the end of a sequence.
 #[derive(Clone, Copy, Debug)]
 pub struct Shot<'a> {
-    /// The scene.
+    /// Scene that the camera sees.
     pub scene: &'a Arc<Scene>,
     /// The last camera of the sequence.
     pub camera: &'a Camera,
     /// Size of the pictures.
     pub viewport: Viewport,
-    /// How the camera moves.
+    /// Motion of the camera up to this view.
     pub turn: Turn,
 }
 
