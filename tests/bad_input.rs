@@ -6,16 +6,18 @@
 mod samples;
 
 use std::path::{Path, PathBuf};
-use std::sync::mpsc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, mpsc};
 use std::time::Duration;
 
 use glam::{Vec2, Vec3};
 use rasterscope::chain::{Recipe, run};
+use rasterscope::image::{Image, file};
 use rasterscope::inspect::inspect;
 use rasterscope::pipeline::settings::{Culling, Settings};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::obj::{self, Loaded};
-use rasterscope::scene::{DepthMapping, Mesh, SceneError};
+use rasterscope::scene::obj::{self, Loaded, TrMeaning};
+use rasterscope::scene::{DepthMapping, LoadControl, MemoryLimit, Mesh, SceneError};
 
 const LONGEST: Duration = Duration::from_secs(10);
 
@@ -356,4 +358,98 @@ fn the_largest_coordinates_give_a_finite_scene() {
     let loaded = load_texts(&[("a.obj", "v 3e38 0 0\nv -3e38 0 0\nv 0 3e38 0\nf 1 2 3\n")]).unwrap();
     assert_eq!(sound(&loaded), Ok(()));
     assert!(loaded.warnings[0].text.contains("scaled"), "{}", loaded.warnings[0]);
+}
+
+/// A grid of `side`² vertices and 2·(`side` − 1)² triangles.
+fn grid(side: usize) -> String {
+    let vertices = (0..side * side).map(|i| format!("v {} {} 0\n", i % side, i / side)).collect::<String>();
+    let corners = (0..(side - 1) * (side - 1)).map(|i| i / (side - 1) * side + i % (side - 1) + 1);
+    let faces = corners.map(|a| format!("f {a} {} {}\nf {a} {} {}\n", a + 1, a + side + 1, a + side + 1, a + side));
+    vertices + &faces.collect::<String>()
+}
+
+#[test]
+fn a_load_ends_at_the_memory_limit_and_when_it_is_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("grid.obj");
+    std::fs::write(&path, grid(400)).unwrap();
+    let load = |control: LoadControl<'_>| obj::load_with(&path, TrMeaning::Auto, control);
+    let error = load(LoadControl::quiet(MemoryLimit::mib(16))).unwrap_err().to_string();
+    assert!(error.contains("needs more than 16 MiB of memory, the limit; `--memory` raises it"), "{error}");
+    assert!(load(LoadControl::quiet(MemoryLimit::mib(160))).is_ok());
+
+    let shares = Mutex::new(Vec::new());
+    let progress = |share| shares.lock().unwrap().push(share);
+    load(LoadControl { progress: &progress, ..LoadControl::quiet(MemoryLimit::default()) }).unwrap();
+    let shares = shares.into_inner().unwrap();
+    assert!(shares.len() > 40 && shares.is_sorted() && shares[shares.len() - 1] == 1.0, "{shares:?}");
+    // Wherever it is cancelled, it ends before the next report.
+    for wanted in [0.0, 0.2, 0.5, 0.8, 0.9, 0.98] {
+        let (cancel, reports) = (AtomicBool::new(false), AtomicUsize::new(0));
+        let progress = |share| {
+            if share >= wanted {
+                cancel.store(true, Ordering::Relaxed);
+                reports.fetch_add(1, Ordering::Relaxed);
+            }
+        };
+        let result = load(LoadControl { memory: MemoryLimit::default(), progress: &progress, cancel: &cancel });
+        assert!(matches!(result, Err(SceneError::Cancelled { .. })), "{wanted}");
+        assert_eq!(reports.into_inner(), 1, "{wanted}");
+    }
+}
+
+#[test]
+fn textures_beyond_the_memory_limit_are_not_decoded() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = Image::from_pixels(2048, 2048, vec![[1, 2, 3, 255]; 1 << 22]);
+    file::write_png(&folder.path().join("t0.png"), &picture).unwrap();
+    let (mut materials, mut faces) = (String::new(), String::new());
+    for i in 0..50 {
+        if i > 0 {
+            std::fs::copy(folder.path().join("t0.png"), folder.path().join(format!("t{i}.png"))).unwrap();
+        }
+        materials += &format!("newmtl m{i}\nmap_Kd t{i}.png\n");
+        faces += &format!("usemtl m{i}\nf 1/1 2/1 3/1\n");
+    }
+    std::fs::write(folder.path().join("a.mtl"), materials).unwrap();
+    let path = folder.path().join("a.obj");
+    std::fs::write(&path, format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{faces}")).unwrap();
+    // 2²² texels of 32 bytes are 128 MiB: three of them fit.
+    let Loaded { scene, warnings, .. } =
+        obj::load_with(&path, TrMeaning::Auto, LoadControl::quiet(MemoryLimit::mib(400))).unwrap();
+    assert_eq!(scene.library.textures().len(), 3);
+    let left_out: Vec<_> = warnings.iter().filter(|w| w.text.contains("2048 × 2048 texels")).collect();
+    assert_eq!(left_out.len(), 47);
+    assert!(left_out[0].to_string().contains("a.mtl:8: texture left out"), "{}", left_out[0]);
+}
+
+#[test]
+fn attributes_are_interpolated_where_a_face_crosses_itself() {
+    let text = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 1\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n\
+                f 1/1 2/2 3/3 4/4\n";
+    let loaded = load_texts(&[("a.obj", text)]).unwrap();
+    assert_eq!(loaded.warnings[0].text, "face that crosses itself; drawn by its winding numbers");
+    let mesh = &loaded.scene.library.meshes()[0];
+    assert_eq!(mesh.triangles.len(), 2);
+    let middle = mesh.positions.iter().position(|p| (*p - Vec3::new(0.5, 0.5, 0.0)).length() < 1e-6).unwrap();
+    assert!((mesh.uvs[middle] - Vec2::new(0.5, 0.5)).length() < 1e-6);
+    // The crossing lies on the edge from the green to the blue corner.
+    assert!((mesh.colors[middle] - Vec3::new(0.0, 0.5, 0.5)).length() < 1e-6, "{}", mesh.colors[middle]);
+}
+
+#[test]
+fn polygons_of_any_size_are_cut() {
+    for count in [1_000, 100_000] {
+        let mut text = String::new();
+        for i in 0..count {
+            let (y, x) = (f64::from(i) / f64::from(count) * std::f64::consts::TAU).sin_cos();
+            let radius = if i % 4 < 2 { 0.9 } else { 1.0 };
+            text += &format!("v {} {} 0\n", x * radius, y * radius);
+        }
+        text += "f";
+        (1..=count).for_each(|i| text += &format!(" {i}"));
+        let loaded = load_texts(&[("a.obj", &text)]).unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        assert_eq!(loaded.scene.triangle_count(), count as usize - 2);
+    }
 }

@@ -10,7 +10,7 @@ use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::TriangleFate;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::{self, Loaded, TrMeaning};
-use rasterscope::scene::{Alpha, Material, Scene};
+use rasterscope::scene::{Alpha, LoadControl, Material, MemoryLimit, Scene};
 
 const SQUARE: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 const FACE: &str = "f 1/1 2/2 3/3 4/4\n";
@@ -163,7 +163,8 @@ fn tr_is_taken_by_evidence_unless_its_meaning_is_given() {
     }
     let folder = folder_with(meshlab);
     for (meaning, expected) in [(TrMeaning::Transparency, 0.25), (TrMeaning::Opacity, 0.75)] {
-        let loaded = obj::load_with(&folder.path().join("a.obj"), meaning).unwrap();
+        let loaded =
+            obj::load_with(&folder.path().join("a.obj"), meaning, LoadControl::quiet(MemoryLimit::default())).unwrap();
         assert_eq!(material(&loaded.scene).opacity, expected, "{meaning:?}");
     }
     let (used, unused) = ("newmtl m\nTr 1\n", "newmtl n\nKd 1 1 1\n");

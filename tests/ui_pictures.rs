@@ -10,7 +10,7 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::inspect::Stage;
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::SceneSource;
+use rasterscope::scene::{MemoryLimit, SceneSource};
 use rasterscope::ui::app::Workbench;
 use rasterscope::ui::headless::Headless;
 use rasterscope::ui::session::Session;
@@ -256,6 +256,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             camera,
             mirrored: false,
             resume: false,
+            memory_limit: MemoryLimit::default(),
             seen: Seen::default(),
         };
         let size = Viewport { width, height };

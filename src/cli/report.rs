@@ -16,6 +16,7 @@ use rasterscope::report::upscaling::sweep::{self, Plan, Progress, Subject, every
 use rasterscope::scene::obj::Loaded;
 
 use super::failure::Failure;
+use super::scene_args::MemoryArgs;
 use super::{interrupt, output, parse, scene_args};
 
 /// The page, the table and the JSON of the report.
@@ -39,6 +40,9 @@ pub(crate) struct ReportArgs {
     /// Width and height of the pictures in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse::size)]
     size: Viewport,
+
+    #[command(flatten)]
+    memory: MemoryArgs,
 
     /// Rounds that count; each draws everything once
     #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=1000))]
@@ -95,7 +99,7 @@ fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
     let names: Vec<Option<&PathBuf>> = if args.scenes.is_empty() { vec![None] } else { names.collect() };
     let mut subjects = Vec::with_capacity(names.len());
     for name in names {
-        let Loaded { scene, warnings, .. } = scene_args::source(name.map(PathBuf::as_path))?.load()?;
+        let Loaded { scene, warnings, .. } = args.memory.load(&scene_args::source(name.map(PathBuf::as_path))?)?;
         warnings.iter().for_each(|warning| output::complain("warning", warning));
         subjects.push(Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) });
     }

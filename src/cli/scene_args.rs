@@ -1,7 +1,10 @@
 //! What is drawn and how: the options that all commands share.
 
+use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use rasterscope::chain::{Frame, Recipe, Renderer, run};
@@ -9,7 +12,7 @@ use rasterscope::inspect::scrub::{Moment, Scrubber};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::{Loaded, TrMeaning};
-use rasterscope::scene::{Camera, Scene, SceneSource, Warning, builtin, camera_file};
+use rasterscope::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, Warning, builtin, camera_file};
 
 use super::failure::Failure;
 use super::parse::Up;
@@ -45,10 +48,47 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "MEANING", default_value = "auto", value_parser = parse::tr())]
     tr: TrMeaning,
 
+    #[command(flatten)]
+    memory: MemoryArgs,
+
     /// The view, as JSON or from a file of it
     #[arg(long, value_name = "FILE.json", long_help = CAMERA_HELP)]
     camera: Option<PathBuf>,
 }
+
+/// Memory limit of models.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct MemoryArgs {
+    /// Set the memory limit for the meshes and textures of a model in MiB
+    #[arg(long, value_name = "MIB", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
+    memory: u32,
+}
+
+impl MemoryArgs {
+    /// Loads a scene; prints warnings and, after a second on a terminal, the progress to standard error.
+    pub(crate) fn load(self, source: &SceneSource) -> Result<Loaded, Failure> {
+        let (begun, shown) = (Instant::now(), stderr().is_terminal());
+        let percent = AtomicU32::new(0);
+        let progress = |completed: f32| {
+            let now = (100.0 * completed) as u32;
+            let is_news = percent.swap(now, Ordering::Relaxed) != now;
+            if shown && is_news && begun.elapsed() > SLOW_LOAD {
+                // Where it cannot be written nobody misses it.
+                let _ = write!(stderr(), "\rloading: {now} %{}", if now < 100 { "" } else { "\n" });
+            }
+        };
+        let control = LoadControl { progress: &progress, ..LoadControl::quiet(self.limit()) };
+        Ok(source.load_with(control)?)
+    }
+
+    /// The limit.
+    pub(crate) fn limit(self) -> MemoryLimit {
+        MemoryLimit::mib(self.memory)
+    }
+}
+
+/// Time after which the progress of a load is printed.
+const SLOW_LOAD: Duration = Duration::from_secs(1);
 
 const CAMERA_HELP: &str = "The view, from a file of JSON, or that JSON itself, such as\n\
     {\"eye\": [0, 1, 5], \"target\": [0, 0, 0], \"up\": [0, 1, 0], \"fov_y_degrees\": 45, \"near\": 0.1, \"far\": 100}\n\
@@ -82,6 +122,9 @@ pub(crate) struct View {
     pub(crate) mirrored: bool,
     /// Whether nothing particular was asked for.
     pub(crate) is_default: bool,
+    /// Memory limit of models that are opened later.
+    #[cfg_attr(not(feature = "ui"), expect(dead_code, reason = "only the window opens others"))]
+    pub(crate) memory_limit: MemoryLimit,
 }
 
 impl View {
@@ -99,7 +142,7 @@ impl SceneArgs {
         let recipe = self.recipe()?;
         let camera = self.camera.as_deref().map(camera).transpose()?;
         let source = source(self.scene.as_deref())?.with_tr(self.tr);
-        let Loaded { scene, warnings, notes } = source.load()?;
+        let Loaded { scene, warnings, notes } = self.memory.load(&source)?;
         if std::env::var_os(WARNED).is_none() {
             warnings.iter().for_each(|warning| output::complain("warning", warning));
             notes.iter().for_each(|note| output::complain("note", note));
@@ -116,6 +159,7 @@ impl SceneArgs {
             warnings,
             mirrored: self.mirror_z,
             is_default: self.is_default(),
+            memory_limit: self.memory.limit(),
         })
     }
 

@@ -79,21 +79,52 @@ pub enum ImageFileError {
 
 /// Reads a picture. Never empty, at most 16 384 pixels a side and 8192 × 8192 in all.
 pub fn read(path: &Path) -> Result<Image<Rgba8>, ImageFileError> {
-    let bytes = disk::read(path, MAX_FILE_BYTES)
-        .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
-    let (format, kind) = recognize(path, &bytes)?;
-    let undecodable =
-        |reason: String| ImageFileError::Undecodable { path: path.to_owned(), kind, reason: text::message(&reason) };
+    PictureFile::read_header(path)?.decode()
+}
 
-    let (width, height) = reader(&bytes, format).into_dimensions().map_err(|e| undecodable(e.to_string()))?;
-    if width == 0 || height == 0 {
-        return Err(undecodable("it has no pixels".to_owned()));
+/// A picture file whose header was read.
+#[derive(Debug)]
+pub struct PictureFile {
+    path: PathBuf,
+    bytes: Vec<u8>,
+    format: ImageFormat,
+    /// Format as in messages, such as `PNG`.
+    kind: &'static str,
+    width: u32,
+    height: u32,
+}
+
+impl PictureFile {
+    /// Reads a file and the size of its picture, which is never empty: at most 16 384 pixels a side and 8192 × 8192 in all.
+    pub fn read_header(path: &Path) -> Result<Self, ImageFileError> {
+        let bytes = disk::read(path, MAX_FILE_BYTES)
+            .map_err(|source| ImageFileError::Unreadable { path: path.to_owned(), source })?;
+        let (format, kind) = recognize(path, &bytes)?;
+        let (width, height) =
+            reader(&bytes, format).into_dimensions().map_err(|e| undecodable(path, kind, &e.to_string()))?;
+        if width == 0 || height == 0 {
+            return Err(undecodable(path, kind, "it has no pixels"));
+        }
+        if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_PIXELS {
+            return Err(ImageFileError::TooManyPixels { path: path.to_owned(), width, height });
+        }
+        Ok(Self { path: path.to_owned(), bytes, format, kind, width, height })
     }
-    if width.max(height) > MAX_SIDE || u64::from(width) * u64::from(height) > MAX_PIXELS {
-        return Err(ImageFileError::TooManyPixels { path: path.to_owned(), width, height });
+
+    /// Width and height in pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
     }
-    let decoded = reader(&bytes, format).decode().map_err(|e| undecodable(e.to_string()))?;
-    Ok(to_rgba(decoded))
+
+    /// Decodes the picture.
+    pub fn decode(self) -> Result<Image<Rgba8>, ImageFileError> {
+        let decoded = reader(&self.bytes, self.format).decode();
+        decoded.map(to_rgba).map_err(|e| undecodable(&self.path, self.kind, &e.to_string()))
+    }
+}
+
+fn undecodable(path: &Path, kind: &'static str, reason: &str) -> ImageFileError {
+    ImageFileError::Undecodable { path: path.to_owned(), kind, reason: text::message(reason) }
 }
 
 /// Whether a path is named as pictures are.

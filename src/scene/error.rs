@@ -24,6 +24,12 @@ pub enum SceneError {
         /// What it is instead, and what to do.
         reason: String,
     },
+    /// The load was cancelled.
+    #[error("{}: loading was cancelled", path.display())]
+    Cancelled {
+        /// The file.
+        path: PathBuf,
+    },
     /// A line cannot be understood, or must not be believed.
     #[error("{}:{line}: {reason}", path.display())]
     Line {

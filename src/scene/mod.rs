@@ -16,6 +16,8 @@ pub mod first_view;
 
 pub mod library;
 
+pub mod load;
+
 pub mod material;
 
 pub mod mesh;
@@ -33,6 +35,7 @@ pub use depth_mapping::DepthMapping;
 pub use error::{SceneError, Warning};
 pub use first_view::UpAxis;
 pub use library::{Library, MaterialId, MeshId, TextureId};
+pub use load::{LoadControl, MemoryLimit};
 pub use material::{Material, Transparency};
 pub use mesh::{Mesh, MeshData};
 pub use mips::{Level, Levels};

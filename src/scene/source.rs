@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::builtin::{self, Builtin};
 use super::obj::{self, Loaded, TrMeaning};
-use super::{Scene, SceneError};
+use super::{LoadControl, MemoryLimit, Scene, SceneError};
 use crate::text;
 
 /// A built-in scene or a model file.
@@ -49,11 +49,16 @@ impl SceneSource {
         }
     }
 
-    /// Builds the scene, or loads it with warnings about what was left out. Only files fail; see [`obj::load`].
+    /// Builds the scene, or loads it within the default memory limit. Only files fail; see [`obj::load`].
     pub fn load(&self) -> Result<Loaded, SceneError> {
+        self.load_with(LoadControl::quiet(MemoryLimit::default()))
+    }
+
+    /// Builds or loads the scene like [`SceneSource::load`], under the given control.
+    pub fn load_with(&self, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
         let mut loaded = match self {
             Self::Builtin(builtin) => Loaded::from(builtin.build()),
-            Self::File(path, tr) => obj::load_with(path, *tr)?,
+            Self::File(path, tr) => obj::load_with(path, *tr, control)?,
         };
         loaded.scene.clean_names();
         Ok(loaded)

@@ -44,7 +44,7 @@ use crate::inspect::scrub::{Moment, Unit};
 use crate::inspect::{Buffer, Stage, TriangleSelection};
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, Scene, SceneSource};
+use crate::scene::{Camera, MemoryLimit, Scene, SceneSource};
 use crate::upscale;
 
 /// Files kept in the list of recent ones.
@@ -66,6 +66,8 @@ pub struct Session {
     pub source: SceneSource,
     /// Whether it is the mirror image in z of what came from there.
     pub mirrored: bool,
+    /// Memory limit of models.
+    pub memory_limit: MemoryLimit,
     /// Everything that undo covers.
     pub state: Undoable,
     /// What the canvas shows.
@@ -168,6 +170,7 @@ impl Session {
             scene,
             source,
             mirrored: false,
+            memory_limit: MemoryLimit::default(),
             settled: state.clone(),
             state,
             shown: Shown::Buffer(Buffer::Color),

@@ -29,7 +29,7 @@ use crate::inspect::overlays::Layer;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, Scene, SceneSource, Warning};
+use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, Warning};
 
 /// What the workbench starts with.
 #[derive(Clone, Debug)]
@@ -50,6 +50,8 @@ pub struct WindowStart {
     pub resume: bool,
     /// What is looked at.
     pub seen: Seen,
+    /// Memory limit of models.
+    pub memory_limit: MemoryLimit,
 }
 
 /// What of the frame is looked at from the start; where nothing is said, as always.
@@ -209,7 +211,7 @@ fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
     let Some(source) = preferences.source.clone().map(SceneSource::named) else { return start };
-    match source.load() {
+    match source.load_with(LoadControl::quiet(start.memory_limit)) {
         Ok(loaded) => WindowStart {
             source,
             camera: preferences.camera.filter(|camera| camera.check().is_ok()).unwrap_or(loaded.scene.home),
@@ -234,6 +236,7 @@ pub(super) fn workbench(start: WindowStart, preferences: Preferences, worker: Wo
     session.watch.pixels = preferences.watched;
     session.watch.pixels.truncate(watch::MOST);
     session.mirrored = start.mirrored;
+    session.memory_limit = start.memory_limit;
     session.state.size = preferences.size.checked();
     start.seen.show(&mut session);
     session.settle_silently();
@@ -328,6 +331,7 @@ mod tests {
             recipe: Recipe::default(),
             mirrored: false,
             resume: true,
+            memory_limit: MemoryLimit::default(),
             seen: Seen::default(),
         }
     }

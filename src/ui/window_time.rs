@@ -187,6 +187,7 @@ mod tests {
             recipe: Recipe::default(),
             mirrored: false,
             resume: false,
+            memory_limit: crate::scene::MemoryLimit::default(),
             seen: Seen { picture: Some(Viewport { width: 64, height: 40 }), ..Seen::default() },
         };
         let size = Viewport { width: 1000, height: 600 };

@@ -12,9 +12,13 @@ use super::decode::joined_lines;
 use super::warnings::Warnings;
 use crate::math::unit_or;
 use crate::scene::SceneError;
+use crate::scene::load::Load;
 
-/// Most entries of one list, and most triangles, so that loading stays below a gigabyte.
-pub(super) const MAX_COUNT: usize = 2_000_000;
+/// Largest number of entries of one list: numbers have 32 bits, one of which stands for none.
+const MAX_ENTRIES: usize = u32::MAX as usize;
+
+/// Number of lines between reports of progress.
+pub(super) const LINES_PER_REPORT: usize = 1 << 14;
 
 /// The lists, in file order.
 #[derive(Debug, Default)]
@@ -30,24 +34,29 @@ pub(super) struct Attributes {
 }
 
 /// Reads the lists out of a whole file.
-pub(super) fn read(path: &Path, text: &str, warnings: &mut Warnings) -> Result<Attributes, SceneError> {
+pub(super) fn read(
+    path: &Path,
+    text: &str,
+    warnings: &mut Warnings,
+    load: &mut Load<'_>,
+) -> Result<Attributes, SceneError> {
     let mut lists = Attributes::default();
-    for (line, statement) in joined_lines(text) {
+    let mut statements = joined_lines(text);
+    while let Some((line, statement)) = statements.next() {
+        if line % LINES_PER_REPORT == 0 {
+            load.advance(statements.completed())?;
+        }
         let mut words = statement.split_whitespace();
         let remark = match words.next() {
-            Some("v" | "V") => lists.vertex(words),
-            Some("vt" | "VT" | "Vt" | "vT") => lists.uv(words),
-            Some("vn" | "VN" | "Vn" | "vN") => lists.normal(words),
+            Some("v" | "V") => lists.vertex(words, load),
+            Some("vt" | "VT" | "Vt" | "vT") => lists.uv(words, load),
+            Some("vn" | "VN" | "Vn" | "vN") => lists.normal(words, load),
             _ => continue,
         };
         match remark {
             Ok(None) => {}
             Ok(Some(remark)) => warnings.add(path, Some(line), remark),
             Err(reason) => return Err(SceneError::Line { path: path.to_owned(), line, reason }),
-        }
-        if lists.positions.len().max(lists.uvs.len()).max(lists.normals.len()) > MAX_COUNT {
-            let reason = format!("more than {MAX_COUNT} vertices, the most that are read");
-            return Err(SceneError::Line { path: path.to_owned(), line, reason });
         }
     }
     Ok(lists)
@@ -57,8 +66,16 @@ pub(super) fn read(path: &Path, text: &str, warnings: &mut Warnings) -> Result<A
 type Remark = Result<Option<&'static str>, String>;
 
 impl Attributes {
+    /// Drops the lists and gives their memory back.
+    pub(super) fn free(self, load: &mut Load<'_>) {
+        load.free(self.positions);
+        load.free(self.colors);
+        load.free(self.uvs);
+        load.free(self.normals);
+    }
+
     /// `v x y z`, with a weight, a colour, or a colour with alpha behind it.
-    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Remark {
+    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
         let words = Words::<7>::new(words);
         let count = words.count;
         if count < 3 {
@@ -70,14 +87,16 @@ impl Attributes {
             );
         }
         let position = words.vector()?;
-        self.positions.push(position);
+        push(&mut self.positions, position, load)?;
         let broken = (!position.is_finite()).then_some("position that is not finite; faces that use it are not drawn");
         if count < 6 {
             if !self.colors.is_empty() {
-                self.colors.push(Vec3::ONE);
+                load.push(&mut self.colors, Vec3::ONE)?;
             }
             return Ok(broken);
         }
+        let missing = self.positions.len() - self.colors.len();
+        load.reserve(&mut self.colors, missing)?;
         self.colors.resize(self.positions.len() - 1, Vec3::ONE);
         let channel = |i: usize| number(words.list[i]);
         let (color, remark) = match (channel(3), channel(4), channel(5)) {
@@ -90,31 +109,39 @@ impl Attributes {
     }
 
     /// `vt u`, `vt u v` or `vt u v w`; a missing v is 0, and w is for volumes.
-    fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Remark {
+    fn uv<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
         let words = Words::<3>::new(words);
         if words.count == 0 || words.count > 3 {
             return Err(format!("a texture coordinate has one to three numbers, this one has {}", words.count));
         }
         let v = if words.count > 1 { any_number(words.list[1])? } else { 0.0 };
         let uv = Vec2::new(any_number(words.list[0])?, v);
-        self.uvs.push(if uv.is_finite() { uv } else { Vec2::ZERO });
+        push(&mut self.uvs, if uv.is_finite() { uv } else { Vec2::ZERO }, load)?;
         Ok((!uv.is_finite()).then_some("texture coordinate that is not finite; taken as 0 0"))
     }
 
     /// `vn x y z`.
-    fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>) -> Remark {
+    fn normal<'a>(&mut self, words: impl Iterator<Item = &'a str>, load: &mut Load<'_>) -> Remark {
         let words = Words::<3>::new(words);
         if words.count != 3 {
             return Err(format!("a normal has three components, this one has {}", words.count));
         }
         let given = words.vector()?;
         if !given.is_finite() {
-            self.normals.push(Vec3::NAN);
+            push(&mut self.normals, Vec3::NAN, load)?;
             return Ok(Some("normal that is not finite; no direct light reaches the corners that use it"));
         }
-        self.normals.push(unit_or(given.as_dvec3(), Vec3::ZERO));
+        push(&mut self.normals, unit_or(given.as_dvec3(), Vec3::ZERO), load)?;
         Ok((given == Vec3::ZERO).then_some("normal without length; computed from the faces instead"))
     }
+}
+
+/// Appends an entry, if numbers and memory last.
+fn push<T>(list: &mut Vec<T>, entry: T, load: &mut Load<'_>) -> Result<(), String> {
+    if list.len() == MAX_ENTRIES {
+        return Err(format!("more than {MAX_ENTRIES} entries of one list: numbers have 32 bits"));
+    }
+    load.push(list, entry)
 }
 
 /// The words of a statement up to a comment: the first `N`, and how many there are.
@@ -182,15 +209,23 @@ pub(super) fn quoted(word: &str) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::scene::{LoadControl, MemoryLimit};
+
+    /// A load that is never cancelled, within the default limit.
+    pub(in super::super) fn unlimited(path: &Path) -> Load<'_> {
+        Load::new(path, LoadControl::quiet(MemoryLimit::default()))
+    }
 
     fn lists(text: &str) -> Attributes {
-        read(Path::new("a.obj"), text, &mut Warnings::default()).unwrap()
+        let path = Path::new("a.obj");
+        read(path, text, &mut Warnings::default(), &mut unlimited(path)).unwrap()
     }
 
     fn error(text: &str) -> String {
-        read(Path::new("a.obj"), text, &mut Warnings::default()).unwrap_err().to_string()
+        let path = Path::new("a.obj");
+        read(path, text, &mut Warnings::default(), &mut unlimited(path)).unwrap_err().to_string()
     }
 
     #[test]
@@ -213,7 +248,7 @@ mod tests {
         for word in ["nan", "-NaN", "inf", "-Infinity", "1e300", "1.#IND", "-1.#QNAN00", "1.#INF", "-nan(ind)"] {
             let mut warnings = Warnings::default();
             let text = format!("v 0 {word} 0\nvt {word} 1\nvn 0 0 {word}\n");
-            let lists = read(path, &text, &mut warnings).unwrap();
+            let lists = read(path, &text, &mut warnings, &mut unlimited(path)).unwrap();
             let expected =
                 if word.to_lowercase().contains("inf") || word == "1e300" { f32::INFINITY } else { f32::NAN };
             assert_eq!(lists.positions[0].y.abs().to_bits(), expected.to_bits(), "{word}");

@@ -7,6 +7,8 @@
 
 use std::borrow::Cow;
 
+use memchr::memchr2;
+
 /// A text and what had to be cut off it.
 #[derive(Debug, PartialEq)]
 pub(super) struct Decoded {
@@ -76,37 +78,65 @@ fn something_else(bytes: &[u8]) -> Option<&'static str> {
     KNOWN.iter().find(|(signature, _)| start.starts_with(signature)).map(|(_, what)| *what)
 }
 
-/// The lines of `text` with their numbers from 1. Lines end with LF, CR LF or CR; a form feed is no line end.
-pub(super) fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
-    let mut rest = text;
-    std::iter::from_fn(move || {
-        let end = rest.find(['\n', '\r']).unwrap_or(rest.len());
-        let (line, tail) = rest.split_at(end);
-        let tail_is_empty = tail.is_empty();
-        rest = tail.strip_prefix("\r\n").or_else(|| tail.get(1..)).unwrap_or("");
-        (!(line.is_empty() && tail_is_empty)).then_some(line)
-    })
-    .enumerate()
-    .map(|(index, line)| (index + 1, line))
+/// The lines of a text with their numbers from 1. Lines end with LF, CR LF or CR; a form feed is no line end.
+pub(super) struct Lines<'a> {
+    rest: &'a str,
+    number: usize,
+    length: usize,
 }
 
-/// Like [`lines`], with those joined that end with a backslash, under the number of the first. Comments are not
+/// Returns the lines of `text`.
+pub(super) fn lines(text: &str) -> Lines<'_> {
+    Lines { rest: text, number: 0, length: text.len() }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = (usize, &'a str);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let end = memchr2(b'\n', b'\r', self.rest.as_bytes()).unwrap_or(self.rest.len());
+        let (line, tail) = self.rest.split_at(end);
+        self.rest = tail.strip_prefix("\r\n").or_else(|| tail.get(1..)).unwrap_or("");
+        self.number += 1;
+        Some((self.number, line))
+    }
+}
+
+/// Like [`Lines`], with those joined that end with a backslash, under the number of the first. Comments are not
 /// continued: they may end with a path.
-pub(super) fn joined_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
-    let mut lines = lines(text);
-    std::iter::from_fn(move || {
-        let (number, first) = lines.next()?;
+pub(super) struct JoinedLines<'a>(Lines<'a>);
+
+/// Returns the lines of `text`, joined where they are continued.
+pub(super) fn joined_lines(text: &str) -> JoinedLines<'_> {
+    JoinedLines(lines(text))
+}
+
+impl JoinedLines<'_> {
+    /// Share of the text that was returned, from 0 to 1.
+    pub(super) fn completed(&self) -> f32 {
+        1.0 - self.0.rest.len() as f32 / self.0.length.max(1) as f32
+    }
+}
+
+impl<'a> Iterator for JoinedLines<'a> {
+    type Item = (usize, Cow<'a, str>);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let (number, first) = self.0.next()?;
         let mut joined = Cow::Borrowed(first);
         let is_comment = first.trim_start().starts_with('#');
         while let Some(kept) = joined.trim_end().strip_suffix('\\').map(str::len).filter(|_| !is_comment) {
-            let next = lines.next().map_or("", |(_, line)| line);
+            let next = self.0.next().map_or("", |(_, line)| line);
             let joined = joined.to_mut();
             joined.truncate(kept);
             joined.push(' ');
             joined.push_str(next);
         }
         Some((number, joined))
-    })
+    }
 }
 
 #[cfg(test)]

@@ -10,21 +10,29 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::attributes::{Attributes, MAX_COUNT, quoted};
+use super::attributes::{Attributes, LINES_PER_REPORT, quoted};
 use super::decode::joined_lines;
-use super::polygon::{Outcome, Triangulator};
+use super::polygon::{Crossing, Outcome, Triangulation, Triangulator};
 use super::statements::{self, Format, Treatment};
 use super::warnings::Warnings;
+use crate::math::unit_or;
 use crate::scene::SceneError;
+use crate::scene::load::Load;
 
 /// Stands for "no texture coordinate" and "no normal" in a [`Corner`].
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Most parts of one file; each becomes a mesh of its own.
-const MAX_PARTS: usize = 1 << 16;
+/// Largest number of triangles of a scene, whose numbers have 32 bits, one of which stands for none.
+const MAX_TRIANGLES: usize = u32::MAX as usize;
+
+/// Bytes of a part, which becomes a mesh and an instance, besides its triangles.
+const PART_BYTES: u64 = 1024;
+
+/// Bytes for each corner of a face while it is cut into triangles.
+const CUTTING_BYTES: u64 = 256;
 
 /// A corner of a triangle: places in the lists, from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     pub(super) position: u32,
     pub(super) uv: u32,
@@ -76,10 +84,20 @@ pub(super) enum Smoothing {
     Group(i64),
 }
 
-/// Reads the faces out of a whole file.
-pub(super) fn read(path: &Path, text: &str, lists: &Attributes, warnings: &mut Warnings) -> Result<Faces, SceneError> {
-    let mut reader = Reader::new(lists);
-    for (line, statement) in joined_lines(text) {
+/// Reads the faces out of a whole file. Appends the points where a face crosses itself to the lists.
+pub(super) fn read(
+    path: &Path,
+    text: &str,
+    lists: &mut Attributes,
+    warnings: &mut Warnings,
+    load: &mut Load<'_>,
+) -> Result<Faces, SceneError> {
+    let mut reader = Reader::new(lists, load);
+    let mut statements = joined_lines(text);
+    while let Some((line, statement)) = statements.next() {
+        if line % LINES_PER_REPORT == 0 {
+            reader.load.advance(statements.completed())?;
+        }
         match reader.statement(line, statement.trim()) {
             Ok(None) => {}
             Ok(Some(remark)) => warnings.add(path, Some(line), remark),
@@ -92,8 +110,11 @@ pub(super) fn read(path: &Path, text: &str, lists: &Attributes, warnings: &mut W
 /// What a statement gives: nothing more, a warning, or an error.
 type Remark = Result<Option<String>, String>;
 
-struct Reader<'a> {
-    lists: &'a Attributes,
+struct Reader<'a, 'l> {
+    lists: &'a mut Attributes,
+    load: &'a mut Load<'l>,
+    /// Entries of the file's lists of `v`, `vt` and `vn`.
+    totals: [usize; 3],
     /// Lines so far of `v`, `vt` and `vn`, which relative indices count back from.
     seen: [usize; 3],
     faces: Faces,
@@ -105,16 +126,19 @@ struct Reader<'a> {
     known: HashMap<(String, Option<String>, bool), usize>,
     corners: Vec<Corner>,
     outline: Vec<Vec3>,
-    local: Vec<[u32; 3]>,
+    local: Triangulation,
     triangulator: Triangulator,
     /// Whether all positions are finite.
     all_finite: bool,
 }
 
-impl<'a> Reader<'a> {
-    fn new(lists: &'a Attributes) -> Self {
+impl<'a, 'l> Reader<'a, 'l> {
+    fn new(lists: &'a mut Attributes, load: &'a mut Load<'l>) -> Self {
         Self {
+            totals: [lists.positions.len(), lists.uvs.len(), lists.normals.len()],
+            all_finite: lists.positions.iter().all(|position| position.is_finite()),
             lists,
+            load,
             seen: [0; 3],
             faces: Faces::default(),
             name: String::new(),
@@ -124,9 +148,8 @@ impl<'a> Reader<'a> {
             known: HashMap::new(),
             corners: Vec::new(),
             outline: Vec::new(),
-            local: Vec::new(),
+            local: Triangulation::default(),
             triangulator: Triangulator::default(),
-            all_finite: lists.positions.iter().all(|position| position.is_finite()),
         }
     }
 
@@ -185,14 +208,11 @@ impl<'a> Reader<'a> {
     fn face(&mut self, rest: &str) -> Remark {
         self.corners.clear();
         for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
-            self.corners.push(self.corner(word)?);
+            let corner = self.corner(word)?;
+            self.load.push(&mut self.corners, corner)?;
         }
         if self.corners.len() < 3 {
             return Ok(Some("face with fewer than three corners; left out".to_owned()));
-        }
-        // A face of n corners has n − 2 triangles.
-        if self.faces.triangles.len() + self.corners.len() - 2 > MAX_COUNT {
-            return Err(format!("more than {MAX_COUNT} triangles, the most that are read"));
         }
         let with_uv = self.corners.iter().filter(|c| c.uv != NONE).count();
         let has_uvs = with_uv == self.corners.len();
@@ -200,15 +220,16 @@ impl<'a> Reader<'a> {
             self.corners.iter_mut().for_each(|c| c.uv = NONE);
         }
         let is_broken = !self.all_finite && self.has_broken_corner();
-        let outcome = if is_broken { self.fan() } else { self.triangulate() };
-        if !self.local.is_empty() {
+        let outcome = if is_broken { self.fan() } else { self.triangulate()? };
+        self.add_crossings()?;
+        if !self.local.triangles.is_empty() {
             self.store(has_uvs)?;
         }
         Ok(match outcome {
             _ if is_broken => Some("face with a corner that is not finite; not drawn".to_owned()),
             Outcome::NoArea => Some("face without area; left out".to_owned()),
-            Outcome::TooLarge => Some("face with too many corners for one that is not convex; left out".to_owned()),
-            Outcome::Crossing => Some("face that crosses itself; its triangles only come near it".to_owned()),
+            Outcome::Crossing => Some("face that crosses itself; drawn by its winding numbers".to_owned()),
+            Outcome::TooManyCrossings => Some("face that crosses itself too often; drawn as a fan".to_owned()),
             Outcome::Whole if with_uv > 0 && !has_uvs => {
                 Some("face with texture coordinates at some corners only; drawn without them".to_owned())
             }
@@ -222,22 +243,69 @@ impl<'a> Reader<'a> {
 
     /// Cuts a face that has no plane into a fan.
     fn fan(&mut self) -> Outcome {
-        self.local.clear();
-        self.local.extend((2..self.corners.len() as u32).map(|corner| [0, corner - 1, corner]));
+        self.local = Triangulation::default();
+        self.local.triangles.extend((2..self.corners.len() as u32).map(|corner| [0, corner - 1, corner]));
         Outcome::Whole
     }
 
-    fn triangulate(&mut self) -> Outcome {
+    fn triangulate(&mut self) -> Result<Outcome, String> {
+        let bytes = CUTTING_BYTES * self.corners.len() as u64;
+        self.load.charge(bytes)?;
         self.outline.clear();
         self.outline.extend(self.corners.iter().map(|c| self.lists.positions[c.position as usize]));
-        self.triangulator.triangulate(&self.outline, &mut self.local)
+        let outcome = self.triangulator.triangulate(&self.outline, &mut self.local);
+        self.load.release(bytes);
+        Ok(outcome)
+    }
+
+    /// Appends the points where the current face crosses itself to its corners.
+    fn add_crossings(&mut self) -> Result<(), String> {
+        let count = self.corners.len();
+        for Crossing { edge, place } in std::mem::take(&mut self.local.crossings) {
+            let ends = [self.corners[edge as usize], self.corners[(edge as usize + 1) % count]];
+            let corner = self.between(ends, place)?;
+            self.load.push(&mut self.corners, corner)?;
+        }
+        Ok(())
+    }
+
+    /// Makes a corner between two others, interpolated linearly.
+    fn between(&mut self, [a, b]: [Corner; 2], place: f64) -> Result<Corner, String> {
+        let number = |list_length: usize| {
+            u32::try_from(list_length).ok().filter(|n| *n != NONE).ok_or("more vertices than 32-bit numbers")
+        };
+        let Self { lists, load, .. } = self;
+        let position = number(lists.positions.len())?;
+        let ends = [a, b].map(|corner| lists.positions[corner.position as usize].as_dvec3());
+        load.push(&mut lists.positions, ends[0].lerp(ends[1], place).as_vec3())?;
+        if !lists.colors.is_empty() {
+            let [from, to] = [a, b].map(|corner| lists.colors[corner.position as usize]);
+            load.push(&mut lists.colors, from.lerp(to, place as f32))?;
+        }
+        let (mut uv, mut normal) = (NONE, NONE);
+        if a.uv != NONE && b.uv != NONE {
+            uv = number(lists.uvs.len())?;
+            let [from, to] = [a, b].map(|corner| lists.uvs[corner.uv as usize]);
+            load.push(&mut lists.uvs, from.lerp(to, place as f32))?;
+        }
+        if a.normal != NONE && b.normal != NONE {
+            normal = number(lists.normals.len())?;
+            let [from, to] = [a, b].map(|corner| lists.normals[corner.normal as usize]);
+            load.push(&mut lists.normals, unit_or(from.as_dvec3().lerp(to.as_dvec3(), place), from))?;
+        }
+        Ok(Corner { position, uv, normal })
     }
 
     /// Puts the triangles of the current face where they belong.
     fn store(&mut self, has_uvs: bool) -> Result<(), String> {
         let part = self.part(has_uvs)?;
         let start = self.faces.triangles.len();
-        self.faces.triangles.extend(self.local.iter().map(|t| t.map(|corner| self.corners[corner as usize])));
+        self.load.reserve(&mut self.faces.triangles, self.local.triangles.len())?;
+        let corners = |triangle: &[u32; 3]| triangle.map(|corner| self.corners[corner as usize]);
+        self.faces.triangles.extend(self.local.triangles.iter().map(corners));
+        if self.faces.triangles.len() > MAX_TRIANGLES {
+            return Err(format!("more than {MAX_TRIANGLES} triangles: their numbers have 32 bits"));
+        }
         let end = self.faces.triangles.len();
         let runs = &mut self.faces.parts[part].runs;
         match runs.last_mut() {
@@ -255,9 +323,7 @@ impl<'a> Reader<'a> {
         let new = self.faces.parts.len();
         let part = *self.known.entry((self.name.clone(), self.material.clone(), has_uvs)).or_insert(new);
         if part == new {
-            if new == MAX_PARTS {
-                return Err(format!("more than {MAX_PARTS} objects, the most that are read"));
-            }
+            self.load.charge(PART_BYTES)?;
             let (name, material) = (self.name.clone(), self.material.clone());
             self.faces.parts.push(Part { name, material, material_line: self.material_line, runs: Vec::new() });
         }
@@ -267,7 +333,7 @@ impl<'a> Reader<'a> {
 
     /// `v`, `v/vt`, `v//vn` or `v/vt/vn`.
     fn corner(&self, word: &str) -> Result<Corner, String> {
-        let totals = [self.lists.positions.len(), self.lists.uvs.len(), self.lists.normals.len()];
+        let totals = self.totals;
         if word.bytes().filter(|b| *b == b'/').count() > 2 {
             return Err(format!("corner {} has more than three parts", quoted(word)));
         }
@@ -308,6 +374,7 @@ fn place(index: &str, kind: &str, total: usize, seen: usize) -> Result<u32, Stri
 #[cfg(test)]
 mod tests {
     use super::super::attributes;
+    use super::super::attributes::tests::unlimited;
     use super::*;
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n";
@@ -315,8 +382,9 @@ mod tests {
     fn faces(text: &str) -> Result<(Faces, Vec<String>), String> {
         let path = Path::new("a.obj");
         let mut warnings = Warnings::default();
-        let lists = attributes::read(path, text, &mut warnings).unwrap();
-        let faces = read(path, text, &lists, &mut warnings).map_err(|e| e.to_string())?;
+        let mut load = unlimited(path);
+        let mut lists = attributes::read(path, text, &mut warnings, &mut load).unwrap();
+        let faces = read(path, text, &mut lists, &mut warnings, &mut load).map_err(|e| e.to_string())?;
         Ok((faces, warnings.finish(path).iter().map(ToString::to_string).collect()))
     }
 
@@ -343,16 +411,6 @@ mod tests {
             let message = faces(&format!("{SQUARE}f {index} 2 3\n")).unwrap_err();
             assert!(message.starts_with("a.obj:8: ") && message.contains(why), "{message}");
         }
-    }
-
-    #[test]
-    fn as_many_triangles_are_read_as_the_limit_says() {
-        let lists = attributes::read(Path::new("a.obj"), SQUARE, &mut Warnings::default()).unwrap();
-        let mut reader = Reader { seen: [4, 0, 0], ..Reader::new(&lists) };
-        reader.faces.triangles = vec![[Corner { position: 0, uv: 0, normal: 0 }; 3]; MAX_COUNT - 2];
-        assert_eq!(reader.face("1 2 3 4"), Ok(None));
-        assert_eq!(reader.faces.triangles.len(), MAX_COUNT);
-        assert!(reader.face("1 2 3").unwrap_err().contains("the most that are read"));
     }
 
     #[test]

@@ -5,16 +5,14 @@
 //!
 //! ```text
 //! bytes ── decode ──► text ── attributes ──► lists ─┐
-//!                       └──── faces ───────► parts ─┴─ normals ─ canonical ─ tobj ──► meshes
-//!                               └ libraries ─ mtl ─ tobj ─► materials ─ textures ──────┴─► scene
+//!                       └──── faces ───────► parts ─┴─ normals ─ vertices ──► meshes
+//!                               └ libraries ─ mtl ─► materials ─ textures ──────┴─► scene
 //! ```
 //!
-//! tobj turns canonical text into arrays; everything it would get wrong, or could not say the line of, is settled
-//! before. Texture coordinates are flipped here, once: v runs down the picture afterwards. Errors are for what cannot
+//! A [`Load`] bounds the memory, reports progress and is asked for cancellation on the way. Texture coordinates are flipped here, once: v runs down the picture afterwards. Errors are for what cannot
 //! be drawn as meant (an index of nothing, a number that is none), warnings for what the rest can do without.
 
 mod attributes;
-mod canonical;
 mod decode;
 mod faces;
 mod file_names;
@@ -25,6 +23,7 @@ mod opacity;
 mod polygon;
 pub mod statements;
 mod textures;
+mod vertices;
 mod warnings;
 
 use std::collections::HashMap;
@@ -38,12 +37,17 @@ use self::libraries::Libraries;
 use self::mtl::{Description, Options, Picture};
 pub use self::opacity::TrMeaning;
 use self::textures::{Reading, Textures, Use, repeats_alpha};
+use self::vertices::Stopped;
 use self::warnings::Warnings;
-use super::{Camera, Instance, Library, Material, MaterialId, Mesh, MeshData, Scene, SceneError, UpAxis, Warning};
+use super::load::Load;
+use super::{
+    Camera, Instance, Library, LoadControl, Material, MaterialId, MemoryLimit, Mesh, MeshData, Scene, SceneError,
+    UpAxis, Warning,
+};
 use crate::disk;
 
-/// Largest model file that is read, bytes.
-const MAX_BYTES: u64 = 512 << 20;
+/// Shares of the steps of a load in its time, for the percentage: of a file of 10 million triangles without normals.
+const SHARES: [f32; 4] = [0.3, 0.35, 0.2, 0.15];
 
 /// Largest coordinate that is kept: a product of three such numbers, as in a determinant, is still finite in f32.
 const MAX_COORDINATE: f32 = 1e12;
@@ -65,34 +69,43 @@ pub struct Loaded {
 /// Loads a model with its materials and textures.
 ///
 /// Errors name the file and, where there is one, the line: unreadable or no OBJ text, a number that is none,
-/// an index of nothing, no face left to draw, or more than is read (512 MiB, 2 million vertices or triangles).
+/// an index of nothing, no face left to draw, or more memory than the default limit.
 pub fn load(path: &Path) -> Result<Loaded, SceneError> {
-    load_with(path, TrMeaning::Auto)
+    load_with(path, TrMeaning::Auto, LoadControl::quiet(MemoryLimit::default()))
 }
 
-/// Loads a model like [`load`], with the given meaning of `Tr`.
-pub fn load_with(path: &Path, tr: TrMeaning) -> Result<Loaded, SceneError> {
+/// Loads a model like [`load`], with the given meaning of `Tr` and under the given control.
+pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
+    let [share_of_lists, share_of_faces, share_of_normals, share_of_vertices] = SHARES;
+    let mut load = Load::new(path, control);
     let mut warnings = Warnings::default();
-    let text = read_text(path, &mut warnings)?;
-    let mut lists = attributes::read(path, &text, &mut warnings)?;
-    let mut faces = faces::read(path, &text, &lists, &mut warnings)?;
-    drop(text);
+    load.begin(share_of_lists);
+    load.advance(0.0)?;
+    let text = read_text(path, &mut warnings, &mut load)?;
+    let mut lists = attributes::read(path, &text, &mut warnings, &mut load)?;
+    load.begin(share_of_faces);
+    let mut faces = faces::read(path, &text, &mut lists, &mut warnings, &mut load)?;
+    load.free(text.into_bytes());
     let is_drawable =
         |triangle: &[Corner; 3]| triangle.iter().all(|corner| lists.positions[corner.position as usize].is_finite());
     if !faces.triangles.iter().any(is_drawable) {
         return Err(nothing_to_draw(path, &warnings));
     }
     let mut notes = Vec::new();
-    if normals::fill(&mut lists, &mut faces) {
+    let stopped = |stopped: Stopped| match stopped {
+        Stopped::Memory(reason) => SceneError::Unusable { path: path.to_owned(), reason },
+        Stopped::Cancelled(error) => error,
+    };
+    load.begin(share_of_normals);
+    if normals::fill(&mut lists, &mut faces, &mut load).map_err(stopped)? {
         let degrees = normals::CREASE_DEGREES;
         let text = format!("no smoothing groups (`s`): where normals are missing, edges above {degrees}° are hard");
         notes.push(Warning::file(path, text));
     }
-    let canonical = canonical::write(&lists, &faces);
-    faces.triangles = Vec::new();
-    drop(lists);
-    let meshes = canonical::parse(path, &canonical)?;
-    drop(canonical);
+    load.begin(share_of_vertices);
+    let meshes = vertices::meshes(&lists, &faces, &mut load).map_err(stopped)?;
+    load.free(std::mem::take(&mut faces.triangles));
+    lists.free(&mut load);
 
     let libraries = libraries::read(path, &faces.libraries, &mut warnings);
     let tr_is_opacity = libraries.tr_is_opacity(tr, &faces.parts, &mut warnings);
@@ -103,7 +116,7 @@ pub fn load_with(path: &Path, tr: TrMeaning) -> Result<Loaded, SceneError> {
         libraries: &libraries,
         tr_is_opacity,
         known: HashMap::new(),
-        textures: Textures::default(),
+        textures: Textures::new(load),
     };
     let scene = assemble(&faces, meshes, materials, &mut warnings)?;
     if scene.home.up == UpAxis::Z.unit() {
@@ -113,10 +126,12 @@ pub fn load_with(path: &Path, tr: TrMeaning) -> Result<Loaded, SceneError> {
     Ok(Loaded { scene, warnings: warnings.finish(path), notes })
 }
 
-fn read_text(path: &Path, warnings: &mut Warnings) -> Result<String, SceneError> {
-    let bytes =
-        disk::read(path, MAX_BYTES).map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
-    let decoded = decode::decode(bytes).map_err(|reason| SceneError::Unusable { path: path.to_owned(), reason })?;
+fn read_text(path: &Path, warnings: &mut Warnings, load: &mut Load<'_>) -> Result<String, SceneError> {
+    let bytes = disk::read(path, load.memory().bytes())
+        .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
+    let unusable = |reason| SceneError::Unusable { path: path.to_owned(), reason };
+    let decoded = decode::decode(bytes).map_err(unusable)?;
+    load.charge(decoded.text.capacity() as u64).map_err(unusable)?;
     if decoded.padded {
         let line = decode::lines(&decoded.text).count() + usize::from(decoded.text.ends_with(['\n', '\r']));
         warnings.add(path, Some(line), "NUL bytes from here to the end; left out");
@@ -138,18 +153,19 @@ fn nothing_to_draw(path: &Path, warnings: &Warnings) -> SceneError {
 /// One mesh and one instance for each part, in shared materials.
 fn assemble<'a>(
     faces: &'a Faces,
-    meshes: Vec<tobj::Mesh>,
+    mut meshes: Vec<MeshData>,
     mut materials: Materials<'a>,
     warnings: &mut Warnings,
 ) -> Result<Scene, SceneError> {
     let path = materials.path;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let scale = coordinate_scale(path, &meshes, warnings);
+    scale_down(path, &mut meshes, warnings);
     let mut library = Library::default();
     let mut instances = Vec::with_capacity(faces.parts.len());
-    for (part, mesh) in faces.parts.iter().zip(meshes) {
+    for (part, mut data) in faces.parts.iter().zip(meshes) {
+        materials.textures.check()?;
         let part_name = if part.name.is_empty() { name.clone() } else { part.name.clone() };
-        let data = mesh_data(part_name.clone(), &mesh, scale);
+        data.name.clone_from(&part_name);
         let material = materials.of(part, !data.colors.is_empty(), &mut library, warnings);
         let mesh = Mesh::without_lost_normals(data)
             .map_err(|e| SceneError::Unusable { path: path.to_owned(), reason: e.to_string() })?;
@@ -171,28 +187,16 @@ fn assemble<'a>(
     Ok(scene)
 }
 
-/// What to multiply all coordinates with so that the arithmetic behind stays finite; 1 for any reasonable model.
-fn coordinate_scale(path: &Path, meshes: &[tobj::Mesh], warnings: &mut Warnings) -> f32 {
-    let finite = meshes.iter().flat_map(|m| &m.positions).filter(|x| x.is_finite());
+/// Scales all coordinates down if the arithmetic of the pipeline would overflow otherwise; not for any reasonable model.
+fn scale_down(path: &Path, meshes: &mut [MeshData], warnings: &mut Warnings) {
+    let finite = meshes.iter().flat_map(|mesh| &mesh.positions).flat_map(Vec3::to_array).filter(|x| x.is_finite());
     let largest = finite.fold(0.0_f32, |largest, x| largest.max(x.abs()));
     if largest <= MAX_COORDINATE {
-        return 1.0;
+        return;
     }
     warnings.add(path, None, format!("coordinates up to {largest:e} are scaled down to {MAX_COORDINATE:e}"));
-    MAX_COORDINATE / largest
-}
-
-fn mesh_data(name: String, mesh: &tobj::Mesh, scale: f32) -> MeshData {
-    let vectors = |flat: &[f32]| flat.as_chunks::<3>().0.iter().copied().map(Vec3::from_array).collect::<Vec<_>>();
-    let colors = vectors(&mesh.vertex_color);
-    let is_colored = colors.iter().any(|c| *c != Vec3::ONE);
-    MeshData {
-        name,
-        positions: vectors(&mesh.positions).into_iter().map(|p| p * scale).collect(),
-        normals: vectors(&mesh.normals),
-        uvs: mesh.texcoords.as_chunks::<2>().0.iter().map(|[u, v]| Vec2::new(*u, 1.0 - v)).collect(),
-        colors: if is_colored { colors } else { Vec::new() },
-        triangles: mesh.indices.as_chunks::<3>().0.to_vec(),
+    for position in meshes.iter_mut().flat_map(|mesh| &mut mesh.positions) {
+        *position *= MAX_COORDINATE / largest;
     }
 }
 
@@ -204,7 +208,7 @@ struct Materials<'a> {
     libraries: &'a Libraries,
     tr_is_opacity: bool,
     known: HashMap<Name<'a>, MaterialId>,
-    textures: Textures,
+    textures: Textures<'a>,
 }
 
 /// What tells materials apart.

@@ -16,10 +16,15 @@ use glam::{DVec3, Vec3};
 
 use super::attributes::Attributes;
 use super::faces::{Corner, Faces, NONE, Smoothing};
+use super::vertices::Stopped;
 use crate::math::unit_or;
+use crate::scene::load::{Load, bytes_of};
 
 /// Largest angle between faces that are shaded as one surface.
 pub(super) const CREASE_DEGREES: f64 = 45.0;
+
+/// Number of vertices between reports of progress.
+const VERTICES_PER_REPORT: usize = 1 << 14;
 
 /// Faces around a vertex from which on nearly equal directions are put together.
 const CROWD: usize = 32;
@@ -29,12 +34,18 @@ const CROWD_DEGREES: f64 = 15.0;
 
 /// Gives a normal to every corner without one: adds them to `lists` and writes their numbers into `faces`. Returns whether
 /// the crease angle decided about an edge.
-pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces) -> bool {
+///
+/// # Errors
+/// The load is cancelled, or memory does not suffice.
+pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_>) -> Result<bool, Stopped> {
     let Attributes { positions, normals, .. } = lists;
     let Faces { triangles, smoothing, .. } = faces;
     if triangles.as_flattened().iter().all(|corner| corner.normal != NONE) {
-        return false;
+        return Ok(false);
     }
+    let given = normals.capacity();
+    let transient = bytes_of::<Vec3>(triangles.len()) + bytes_of::<u32>(positions.len() + 3 * triangles.len());
+    load.charge(transient)?;
     let mut uses_crease = false;
     let smoothing_of = |triangle: usize| {
         let later = smoothing.partition_point(|run| run.first <= triangle);
@@ -46,6 +57,9 @@ pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces) -> bool {
     }
     let incidence = Incidence::new(positions.len(), triangles.as_flattened());
     for vertex in 0..positions.len() {
+        if vertex.is_multiple_of(VERTICES_PER_REPORT) {
+            load.advance(vertex as f32 / positions.len() as f32)?;
+        }
         let corners = incidence.corners_at(vertex);
         if corners.iter().all(|c| triangles.as_flattened()[*c as usize].normal != NONE) {
             continue;
@@ -73,7 +87,9 @@ pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces) -> bool {
             }
         }
     }
-    uses_crease
+    load.release(transient);
+    load.charge(bytes_of::<Vec3>(normals.capacity() - given))?;
+    Ok(uses_crease)
 }
 
 /// Gives the corners without a normal of all triangles that are `chosen` the normal of their face. Triangles of one
@@ -219,6 +235,9 @@ impl Incidence {
 mod tests {
     use std::collections::HashSet;
 
+    use std::path::Path;
+
+    use super::super::attributes::tests::unlimited;
     use super::super::faces::SmoothingRun;
     use super::*;
 
@@ -236,7 +255,7 @@ mod tests {
             smoothing: runs.collect(),
             ..Faces::default()
         };
-        fill(&mut lists, &mut faces);
+        fill(&mut lists, &mut faces, &mut unlimited(Path::new("a.obj"))).unwrap();
         (faces.triangles, lists.normals)
     }
 
@@ -280,7 +299,7 @@ mod tests {
                 smoothing: vec![SmoothingRun { first: 0, smoothing }],
                 ..Faces::default()
             };
-            fill(&mut lists, &mut faces);
+            fill(&mut lists, &mut faces, &mut unlimited(Path::new("a.obj"))).unwrap();
             let normals = faces.triangles[0].map(|c| lists.normals[c.normal as usize]);
             assert_eq!(normals, [Vec3::X, Vec3::Z, Vec3::X], "{smoothing:?}");
         }

@@ -2,20 +2,31 @@
 //!
 //! In: the corners of one face, in order. Out: triples of corner numbers, turning as the face does. The face is laid
 //! flat along its normal by Newell's method (Sutherland, Sproull and Schumacker, 1974), which also suits corners that
-//! do not quite lie in a plane. A fan is taken where every triangle of it has positive area, which is linear and
-//! keeps corners in the middle of an edge; else ears are clipped (Meisters, 1975; Held, 2001, by the crate `earcut`),
-//! so that concave faces keep their outline. Triangles without area are left out: they cover nothing. A face so
-//! far from flat that its projection crosses itself becomes a plain fan, which at least leaves no hole.
-//! All in f64, where the products of f32 coordinates neither overflow nor vanish.
+//! do not quite lie in a plane. The first of these ways that suits the face is taken:
+//!
+//! - a fan, if every triangle of it has positive area: linear, and keeps corners in the middle of an edge;
+//! - clipping of ears (Meisters, 1975; Held, 2001, by the crate `earcut`), if there are few corners: cubic at worst;
+//! - monotone pieces (Garey et al., 1978, by the crate `i_triangle`), if the outline is simple: O(n log n);
+//! - regions by winding number ([`winding`]), which adds the points where the outline crosses itself;
+//! - a plain fan, if the face is far from flat and its projection crosses itself, or if it crosses itself too often.
+//!
+//! Triangles without area are left out: they cover nothing. Projection is in f64, where the products of f32 coordinates
+//! neither overflow nor vanish.
+
+mod grid;
+mod simple;
+mod winding;
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 
+pub(super) use self::winding::Crossing;
+
 /// Corners from which a fan is tried: one may lie on a straight edge, where its fan would have a triangle without area.
 const FAN_APEXES: usize = 4;
 
-/// Most corners of a face whose ears are clipped: for outlines that cross themselves the time grows faster than they do.
-const MAX_EAR_CORNERS: usize = 1 << 16;
+/// Largest number of corners of a face whose ears are clipped: 0.1 ms at worst.
+const MAX_EAR_CORNERS: usize = 64;
 
 /// Largest relative difference in area between a face and its triangles that counts as rounding.
 const AREA_TOLERANCE: f64 = 1e-6;
@@ -23,28 +34,48 @@ const AREA_TOLERANCE: f64 = 1e-6;
 /// Area relative to the face's, below which a triangle of it is rounding.
 const SLIVER: f64 = 1e-14;
 
-/// How well triangles stand for a face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Outcome {
-    /// They cover just what it covers.
-    Whole,
-    /// There are none: its corners lie on a line or a point, or it crosses itself such that its areas cancel.
-    NoArea,
-    /// It crosses itself; they cover roughly what it covers.
-    Crossing,
-    /// There are none: it has too many corners for a face that is no fan.
-    TooLarge,
-}
+/// Area of a face relative to that without cancellation, below which its normal is not Newell's: a bow tie has none.
+const CANCELLATION: f64 = 1e-4;
 
 /// Height of a corner above the plane, relative to the root of the area, from which on a face is not flat.
 const FLATNESS: f64 = 1e-4;
 
+/// How a face was cut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Outcome {
+    /// The triangles cover just what the face covers.
+    Whole,
+    /// No triangles: the corners lie on a line or a point, or the windings cancel everywhere.
+    NoArea,
+    /// The face crosses itself; the triangles cover its regions by winding number.
+    Crossing,
+    /// The face crosses itself too often; the triangles are a fan.
+    TooManyCrossings,
+}
+
 /// A face on its plane.
 struct Flat {
-    /// Twice its area; 0 if it has no normal.
+    /// Twice its area, clockwise regions subtracted; 0 if it has no normal.
     doubled_area: f64,
+    /// Twice the area that slivers and heights are compared with: `doubled_area`, or without subtraction if that cancels.
+    scale: f64,
     /// Largest distance of a corner from the plane through the first.
     height: f64,
+}
+
+impl Flat {
+    fn is_flat(&self) -> bool {
+        self.height <= FLATNESS * self.scale.sqrt()
+    }
+}
+
+/// Triangles of one polygon.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Triangulation {
+    /// Numbers of corners; numbers from the count of corners on mean crossings.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Points where the outline crosses itself.
+    pub(super) crossings: Vec<Crossing>,
 }
 
 /// Turns polygons into triangles and keeps its buffers between them.
@@ -56,34 +87,67 @@ pub(super) struct Triangulator {
 }
 
 impl Triangulator {
-    /// Replaces `triangles` by those of the polygon with these corners, given as numbers of corners.
-    pub(super) fn triangulate(&mut self, corners: &[Vec3], triangles: &mut Vec<[u32; 3]>) -> Outcome {
+    /// Replaces the content of `result` by the triangles of the polygon with these corners.
+    pub(super) fn triangulate(&mut self, corners: &[Vec3], result: &mut Triangulation) -> Outcome {
+        let Triangulation { triangles, crossings } = result;
         triangles.clear();
-        let Flat { doubled_area, height } = self.lay_flat(corners);
-        if doubled_area <= 0.0 {
+        crossings.clear();
+        let flat = self.lay_flat(corners);
+        if flat.scale <= 0.0 {
             return Outcome::NoArea;
         }
         let count = corners.len();
-        let least = SLIVER * doubled_area;
+        let least = SLIVER * flat.scale;
         if let Some(apex) = (0..count.min(FAN_APEXES)).find(|apex| self.is_fan(*apex, least)) {
             triangles.extend(fan(apex, count).map(|t| t.map(|corner| corner as u32)));
             return Outcome::Whole;
         }
-        if count > MAX_EAR_CORNERS {
-            return Outcome::TooLarge;
-        }
-        let outcome = self.clip_ears(doubled_area, least, triangles);
-        // What the ears leave out has no area on the plane, but may have one in space and leave a hole.
-        if triangles.len() < count - 2 && height > FLATNESS * doubled_area.sqrt() {
-            let has_area = |[a, b, c]: &[usize; 3]| {
-                let [a, b, c] = [a, b, c].map(|corner| corners[*corner].as_dvec3());
-                (b - a).cross(c - a) != DVec3::ZERO
-            };
-            triangles.clear();
-            triangles.extend(fan(0, count).filter(has_area).map(|t| t.map(|corner| corner as u32)));
+        let is_whole = self.cut(flat.doubled_area, least, triangles);
+        if is_whole && (triangles.len() == count - 2 || flat.is_flat()) {
             return Outcome::Whole;
         }
-        outcome
+        triangles.clear();
+        if !flat.is_flat() {
+            // What has no area on the plane may have one in space and leave a hole.
+            triangles.extend(solid_fan(corners));
+            return Outcome::Whole;
+        }
+        match winding::triangulate(&grid::to_grid(&self.flat), crossings) {
+            Some(regions) if regions.is_empty() => Outcome::NoArea,
+            Some(regions) => {
+                triangles.extend(regions);
+                let only_touches = crossings.is_empty() && {
+                    let area = |t: &[u32; 3]| self.doubled_area(t.map(|corner| corner as usize));
+                    let covered: f64 = triangles.iter().map(area).sum();
+                    let turns_alike = triangles.iter().all(|t| area(t) >= -least);
+                    turns_alike && (covered - flat.doubled_area).abs() <= AREA_TOLERANCE * flat.doubled_area
+                };
+                if only_touches { Outcome::Whole } else { Outcome::Crossing }
+            }
+            None => {
+                triangles.extend(solid_fan(corners));
+                Outcome::TooManyCrossings
+            }
+        }
+    }
+
+    /// Cuts the face if its outline does not cross itself. Returns whether the triangles cover just what the face covers.
+    fn cut(&mut self, doubled_area: f64, least: f64, triangles: &mut Vec<[u32; 3]>) -> bool {
+        let count = self.flat.len();
+        let simple = || Some(grid::to_grid(&self.flat)).filter(|corners| simple::is_simple(corners));
+        if count <= MAX_EAR_CORNERS {
+            self.earcut.earcut(self.flat.iter().map(DVec2::to_array), &[], &mut self.ears);
+            triangles.extend(self.ears.as_chunks::<3>().0);
+        } else if let Some(corners) = simple() {
+            triangles.extend(winding::simple(&corners));
+        }
+        let area = |triangle: &[u32; 3]| self.doubled_area(triangle.map(|corner| corner as usize));
+        let turns_alike = triangles.iter().all(|triangle| area(triangle) >= -least);
+        triangles.retain(|triangle| area(triangle) > least);
+        let covered: f64 = triangles.iter().map(area).sum();
+        // Areas of clipped ears add up to that of the outline, unless ears are missing: those may cancel.
+        let is_complete = triangles.len() == count - 2 || count > MAX_EAR_CORNERS || simple().is_some();
+        covered > 0.0 && turns_alike && is_complete && (covered - doubled_area).abs() <= AREA_TOLERANCE * doubled_area
     }
 
     /// Projects the corners along their normal, counter-clockwise.
@@ -92,15 +156,21 @@ impl Triangulator {
     fn lay_flat(&mut self, corners: &[Vec3]) -> Flat {
         let origin = corners.first().map_or(DVec3::ZERO, |c| c.as_dvec3());
         let relative = |i: usize| corners[i % corners.len()].as_dvec3() - origin;
-        let normal: DVec3 = (0..corners.len()).map(|i| relative(i).cross(relative(i + 1))).sum();
+        let areas = || (0..corners.len()).map(|i| relative(i).cross(relative(i + 1)));
+        let newell: DVec3 = areas().sum();
+        // All areas on the side of the largest one: does not cancel.
+        let largest = areas().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec3::ZERO);
+        let aligned: DVec3 = areas().map(|area| if area.dot(largest) < 0.0 { -area } else { area }).sum();
+        let is_cancelled = newell.length() < CANCELLATION * aligned.length();
+        let normal = if is_cancelled { aligned } else { newell };
         let Some(unit) = (normal / normal.abs().max_element()).try_normalize() else {
-            return Flat { doubled_area: 0.0, height: 0.0 };
+            return Flat { doubled_area: 0.0, scale: 0.0, height: 0.0 };
         };
         let (u, v) = unit.any_orthonormal_pair();
         self.flat.clear();
         self.flat.extend((0..corners.len()).map(|i| DVec2::new(relative(i).dot(u), relative(i).dot(v))));
         let height = (0..corners.len()).map(|i| relative(i).dot(unit).abs()).fold(0.0, f64::max);
-        Flat { doubled_area: normal.dot(unit), height }
+        Flat { doubled_area: newell.dot(unit), scale: normal.dot(unit), height }
     }
 
     fn doubled_area(&self, [a, b, c]: [usize; 3]) -> f64 {
@@ -111,27 +181,6 @@ impl Triangulator {
     fn is_fan(&self, apex: usize, least: f64) -> bool {
         fan(apex, self.flat.len()).all(|triangle| self.doubled_area(triangle) > least)
     }
-
-    fn clip_ears(&mut self, doubled_area: f64, least: f64, triangles: &mut Vec<[u32; 3]>) -> Outcome {
-        self.earcut.earcut(self.flat.iter().map(DVec2::to_array), &[], &mut self.ears);
-        let mut covered = 0.0;
-        for &[a, b, c] in self.ears.as_chunks::<3>().0 {
-            let area = self.doubled_area([a, b, c].map(|corner| corner as usize));
-            covered += area.abs();
-            if area > least {
-                triangles.push([a, b, c]);
-            } else if area < -least {
-                triangles.push([a, c, b]);
-            }
-        }
-        if triangles.is_empty() {
-            Outcome::NoArea
-        } else if (covered - doubled_area).abs() <= AREA_TOLERANCE * doubled_area {
-            Outcome::Whole
-        } else {
-            Outcome::Crossing
-        }
-    }
 }
 
 /// The triangles of a fan from corner `apex` of `count`.
@@ -139,14 +188,59 @@ fn fan(apex: usize, count: usize) -> impl Iterator<Item = [usize; 3]> {
     (1..count - 1).map(move |i| [apex, (apex + i) % count, (apex + i + 1) % count])
 }
 
+/// The triangles of the fan from the first corner that have an area in space.
+fn solid_fan(corners: &[Vec3]) -> impl Iterator<Item = [u32; 3]> {
+    let has_area = |[a, b, c]: &[usize; 3]| {
+        let [a, b, c] = [a, b, c].map(|corner| corners[*corner].as_dvec3());
+        (b - a).cross(c - a) != DVec3::ZERO
+    };
+    fan(0, corners.len()).filter(has_area).map(|triangle| triangle.map(|corner| corner as u32))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn triangulate(corners: &[Vec3]) -> (Vec<[u32; 3]>, Outcome) {
-        let mut triangles = Vec::new();
-        let outcome = Triangulator::default().triangulate(corners, &mut triangles);
-        (triangles, outcome)
+        let mut result = Triangulation::default();
+        let outcome = Triangulator::default().triangulate(corners, &mut result);
+        assert!(result.crossings.is_empty());
+        (result.triangles, outcome)
+    }
+
+    /// Triangles in space of a polygon, the points where it crosses itself included.
+    fn triangles_in_space(corners: &[Vec3]) -> (Vec<[Vec3; 3]>, Outcome) {
+        let mut result = Triangulation::default();
+        let outcome = Triangulator::default().triangulate(corners, &mut result);
+        let crossing = |crossing: &Crossing| {
+            let edge = crossing.edge as usize;
+            corners[edge].lerp(corners[(edge + 1) % corners.len()], crossing.place as f32)
+        };
+        let points: Vec<Vec3> = corners.iter().copied().chain(result.crossings.iter().map(crossing)).collect();
+        (result.triangles.iter().map(|triangle| triangle.map(|corner| points[corner as usize])).collect(), outcome)
+    }
+
+    /// Winding number of a polygon in the plane z = 0 around a point.
+    fn winding(corners: &[Vec3], point: Vec3) -> i32 {
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        let crossing = |(a, b): (&Vec3, &Vec3)| {
+            let side = (*b - *a).truncate().perp_dot((point - *a).truncate());
+            match (a.y <= point.y, b.y <= point.y) {
+                (true, false) if side > 0.0 => 1,
+                (false, true) if side < 0.0 => -1,
+                _ => 0,
+            }
+        };
+        edges.map(crossing).sum()
+    }
+
+    /// Whether triangles in the plane z = 0 that face up, and that face down, cover a point.
+    fn covered(triangles: &[[Vec3; 3]], point: Vec3) -> [bool; 2] {
+        let sides = |[a, b, c]: &[Vec3; 3]| {
+            [(a, b), (b, c), (c, a)].map(|(a, b)| (*b - *a).truncate().perp_dot((point - *a).truncate()))
+        };
+        let all = |sign: f32| triangles.iter().any(|triangle| sides(triangle).iter().all(|side| sign * side > 0.0));
+        [all(1.0), all(-1.0)]
     }
 
     fn area_vector(corners: &[Vec3], triangles: &[[u32; 3]]) -> Vec3 {
@@ -197,18 +291,144 @@ mod tests {
     }
 
     #[test]
-    fn a_star_that_crosses_itself_is_reported() {
+    fn a_bow_tie_is_two_triangles_that_face_apart() {
+        for points in
+            [[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]], [[0.0, 0.0], [4.0, 4.0], [4.0, 0.0], [0.0, 2.0]]]
+        {
+            for turn in 0..12 {
+                let rotation = glam::Quat::from_scaled_axis(Vec3::new(0.3, 0.5, 0.8) * turn as f32);
+                let corners: Vec<Vec3> = flat(&points).iter().map(|corner| rotation * *corner).collect();
+                let (triangles, outcome) = triangles_in_space(&corners);
+                assert_eq!((triangles.len(), outcome), (2, Outcome::Crossing), "{points:?} {turn}");
+                let [first, second] = [0, 1].map(|i| area_vector(&triangles[i], &[[0, 1, 2]]));
+                assert!(first.dot(second) < 0.0);
+                let newell: Vec3 = (0..4).map(|i| corners[i].cross(corners[(i + 1) % 4]) * 0.5).sum();
+                assert!((first + second - newell).length() < 1e-5, "{points:?} {turn}");
+            }
+        }
+    }
+
+    #[test]
+    fn regions_are_covered_by_the_sign_of_their_winding_number() {
+        let mut random = fastrand::Rng::with_seed(11);
+        let mut seen = std::collections::BTreeSet::new();
+        for round in 0..300 {
+            let count = [5, 8, 20, 90][round % 4];
+            // Lattice points of a small square meet, overlap and lie on edges of others.
+            let size = [4, 1000][round / 4 % 2];
+            let corners: Vec<Vec3> =
+                (0..count).map(|_| Vec3::new(random.i32(0..=size) as f32, random.i32(0..=size) as f32, 0.0)).collect();
+            let (triangles, outcome) = triangles_in_space(&corners);
+            if outcome == Outcome::TooManyCrossings {
+                continue;
+            }
+            // The polygon is laid flat so that its larger part faces up; this may be either side of z = 0.
+            let mut agree = [true; 2];
+            for _ in 0..200 {
+                let inside = |random: &mut fastrand::Rng| (random.f32() * size as f32 * 64.0).floor() / 64.0 + 0.007;
+                let point = Vec3::new(inside(&mut random), inside(&mut random) + 0.0013, 0.0);
+                let distance = |(a, b): (&Vec3, &Vec3)| {
+                    let along = (*b - *a).normalize_or_zero();
+                    let place = (point - *a).dot(along).clamp(0.0, (*b - *a).length());
+                    (*a + along * place - point).length()
+                };
+                let edges = || corners.iter().zip(corners.iter().cycle().skip(1));
+                let seams = || triangles.iter().flat_map(|[a, b, c]| [(a, b), (b, c), (c, a)]);
+                if edges().map(distance).chain(seams().map(distance)).any(|d| d < 1e-5 * size as f32) {
+                    continue;
+                }
+                let winding = winding(&corners, point);
+                seen.insert(winding.signum());
+                for (agree, sign) in agree.iter_mut().zip([1, -1]) {
+                    *agree &= covered(&triangles, point) == [sign * winding > 0, sign * winding < 0];
+                }
+            }
+            assert!(agree.contains(&true), "{corners:?}");
+        }
+        assert_eq!(seen.len(), 3);
+    }
+
+    #[test]
+    fn a_pentagram_is_covered_whole() {
         let star: Vec<_> = (0..5)
             .map(|i| (i as f32 * 2.0 * std::f32::consts::TAU / 5.0).sin_cos())
             .map(|(y, x)| Vec3::new(x, y, 0.0))
             .collect();
-        assert_eq!(triangulate(&star).1, Outcome::Crossing);
+        let (triangles, outcome) = triangles_in_space(&star);
+        assert_eq!(outcome, Outcome::Crossing);
+        assert_eq!(covered(&triangles, Vec3::new(0.01, 0.02, 0.0)), [true, false]);
+    }
+
+    /// Outlines of `count` corners, by their names.
+    fn large(count: usize) -> [(&'static str, Vec<[f32; 2]>); 6] {
+        let half = count / 2;
+        let there_and_back = |lower: &dyn Fn(usize) -> [f32; 2], upper: &dyn Fn(usize) -> [f32; 2]| {
+            (0..half).map(lower).chain((0..half).rev().map(upper)).collect::<Vec<_>>()
+        };
+        let around = |i: usize, radius: f32| {
+            let (y, x) = (f64::from(i as u32) / count as f64 * std::f64::consts::TAU).sin_cos();
+            [x as f32 * radius, y as f32 * radius]
+        };
+        let turned = |i: usize, radius: f32| {
+            let angle = i as f32 * 0.01;
+            [angle.cos() * (radius + angle), angle.sin() * (radius + angle)]
+        };
+        let mut random = fastrand::Rng::with_seed(5);
+        [
+            ("strip", there_and_back(&|i| [i as f32, 0.0], &|i| [i as f32, 0.01])),
+            ("zigzag", there_and_back(&|i| [i as f32, (i % 2) as f32], &|i| [i as f32, (i % 2) as f32 + 0.5])),
+            ("comb", there_and_back(&|i| [i as f32, 0.0], &|i| [i as f32, if i % 2 == 0 { 1.0 } else { 5000.0 }])),
+            ("gear", (0..count).map(|i| around(i, if i / 2 % 2 == 0 { 0.9 } else { 1.0 })).collect()),
+            ("star", (0..count).map(|i| around(i, 0.2 + 0.8 * random.f32())).collect()),
+            ("spiral", there_and_back(&|i| turned(i, 1.0), &|i| turned(i, 1.5)).into_iter().rev().collect()),
+        ]
     }
 
     #[test]
-    fn a_giant_polygon_that_is_no_fan_is_left_out_at_once() {
-        let zigzag = (0..200_000_u64).map(|i| [(i * 7919 % 10_007) as f32, (i * 104_729 % 10_009) as f32]);
-        assert_eq!(triangulate(&flat(&zigzag.collect::<Vec<_>>())), (vec![], Outcome::TooLarge));
+    fn large_outlines_are_cut_whole() {
+        for (name, points) in large(20_000) {
+            let corners = flat(&points);
+            let (triangles, outcome) = triangulate(&corners);
+            assert_eq!(outcome, Outcome::Whole, "{name}");
+            let newell: Vec3 = (0..corners.len())
+                .map(|i| (corners[i].cross(corners[(i + 1) % corners.len()]) * 0.5).as_dvec3())
+                .sum::<DVec3>()
+                .as_vec3();
+            let found: DVec3 =
+                triangles.iter().map(|t| area_vector(&corners, std::slice::from_ref(t)).as_dvec3()).sum();
+            assert!((found.as_vec3() - newell).length() < 1e-3 * newell.length(), "{name}: {found} {newell}");
+            let mut used = vec![false; corners.len()];
+            triangles.iter().flatten().for_each(|corner| used[*corner as usize] = true);
+            assert!(used.iter().filter(|used| !**used).count() < corners.len() / 100, "{name}");
+        }
+    }
+
+    #[test]
+    fn an_outline_that_runs_around_the_same_corners_again_and_again_ends() {
+        let around = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::new(1.0, 1.5, 0.0)];
+        let corners: Vec<Vec3> = (0..65_536).map(|i| around[i % 4]).collect();
+        let (triangles, outcome) = triangles_in_space(&corners);
+        assert_eq!((triangles.len(), outcome), (2, Outcome::Crossing));
+    }
+
+    #[test]
+    fn an_outline_that_crosses_itself_a_million_times_becomes_a_fan() {
+        let zigzag = (0..4_000_u64).map(|i| [(i * 7919 % 10_007) as f32, (i * 104_729 % 10_009) as f32]);
+        let (triangles, outcome) = triangulate(&flat(&zigzag.collect::<Vec<_>>()));
+        assert_eq!(outcome, Outcome::TooManyCrossings);
+        assert!(triangles.len() > 3_900);
+    }
+
+    #[test]
+    fn a_keyhole_only_touches_itself() {
+        let square = |size: f32| [[size, size], [-size, size], [-size, -size], [size, -size]];
+        let mut points = square(3.0).to_vec();
+        points.push(points[0]);
+        points.extend(square(1.0).iter().rev().cycle().skip(3).take(5));
+        let ring = flat(&points);
+        let (triangles, outcome) = triangulate(&ring);
+        assert_eq!(outcome, Outcome::Whole);
+        assert!((area(&ring, &triangles) - 32.0).abs() < 1e-4);
     }
 
     #[test]

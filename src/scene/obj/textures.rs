@@ -12,12 +12,13 @@ use super::file_names::{self, Difference};
 use super::mtl::{Channel, Picture};
 use super::warnings::Warnings;
 use crate::disk;
-use crate::image::{Image, Rgba8, file};
-use crate::scene::{Alpha, Library, Texture, TextureId};
+use crate::image::file::PictureFile;
+use crate::image::{Image, Rgba8};
+use crate::scene::load::Load;
+use crate::scene::{Alpha, Library, SceneError, Texture, TextureId};
 
-/// Most bytes that the textures of one model may take as codes, 4 for each texel. Drawing keeps copies besides: of another 4
-/// bytes for each texel where light is computed in codes, of 16 in linear light; with mip maps of some 7 and 25.
-const BUDGET_BYTES: usize = 512 << 20;
+/// Memory for each texel: 4 bytes as codes, and at most 28 for the copies in linear light and the mip levels that drawing makes.
+const BYTES_PER_TEXEL: u64 = 32;
 
 /// What a picture is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -33,11 +34,10 @@ pub(super) enum Use {
 }
 
 /// The textures of one model.
-#[derive(Default)]
-pub(super) struct Textures {
+pub(super) struct Textures<'a> {
     /// The result for each file and use.
     known: HashMap<(PathBuf, Use), Option<TextureId>>,
-    bytes: usize,
+    load: Load<'a>,
 }
 
 /// A model whose pictures are read, and the place for what is read.
@@ -47,7 +47,17 @@ pub(super) struct Reading<'a> {
     pub(super) warnings: &'a mut Warnings,
 }
 
-impl Textures {
+impl<'a> Textures<'a> {
+    /// No textures yet, in the memory that is left.
+    pub(super) fn new(load: Load<'a>) -> Self {
+        Self { known: HashMap::new(), load }
+    }
+
+    /// Returns an error if the load is cancelled.
+    pub(super) fn check(&self) -> Result<(), SceneError> {
+        self.load.advance(1.0)
+    }
+
     /// Returns the texture of a picture, read now or before. `None` with a warning where it cannot be read or used.
     pub(super) fn get(&mut self, picture: &Picture, purpose: Use, reading: &mut Reading<'_>) -> Option<TextureId> {
         let (path, difference) = locate(picture, reading.model);
@@ -61,7 +71,7 @@ impl Textures {
             Entry::Occupied(known) => return *known.get(),
             Entry::Vacant(place) => place,
         };
-        let texture = match read(&path, &mut self.bytes) {
+        let texture = match read(&path, &mut self.load) {
             Ok(image) => adapt(image, purpose, &path, &mut warn).and_then(|image| {
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 Some(reading.library.add_texture(Texture::new(name, image)?))
@@ -79,13 +89,19 @@ impl Textures {
     }
 }
 
-fn read(path: &Path, bytes: &mut usize) -> Result<Image<Rgba8>, String> {
-    let image = file::read(path).map_err(|e| e.to_string())?;
-    if *bytes + image.bytes() > BUDGET_BYTES {
-        return Err(format!("{}: more than {} MiB of textures", path.display(), BUDGET_BYTES >> 20));
+/// Decodes a picture if memory suffices for its size, which its header says.
+fn read(path: &Path, load: &mut Load<'_>) -> Result<Image<Rgba8>, String> {
+    if load.advance(1.0).is_err() {
+        return Err("loading was cancelled".to_owned());
     }
-    *bytes += image.bytes();
-    Ok(image)
+    let picture = PictureFile::read_header(path).map_err(|e| e.to_string())?;
+    let (width, height) = picture.size();
+    let bytes = u64::from(width) * u64::from(height) * BYTES_PER_TEXEL;
+    load.charge(bytes).map_err(|reason| format!("{}: {width} × {height} texels, {reason}", path.display()))?;
+    picture.decode().map_err(|e| {
+        load.release(bytes);
+        e.to_string()
+    })
 }
 
 /// Returns the picture as its use needs it; `None` if it is of no use.

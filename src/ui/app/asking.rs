@@ -1,6 +1,5 @@
 //! The talk with the renderer: what is asked when something changed, and what becomes of the answers.
 
-use std::sync::mpsc::TryRecvError;
 use std::time::Instant;
 
 use eframe::egui::Ui;
@@ -21,21 +20,7 @@ impl Workbench {
         }
         self.hear_tasks();
         self.hear_saving();
-        if let Some(loading) = &self.loading {
-            let source = loading.source.clone();
-            match loading.result.try_recv() {
-                Ok(result) => {
-                    self.loading = None;
-                    self.loaded(source, result);
-                }
-                Err(TryRecvError::Empty) => {}
-                Err(TryRecvError::Disconnected) => {
-                    self.loading = None;
-                    let text = format!("Loading {} stopped by an error of the program", source.title());
-                    self.session.report(Level::Error, text);
-                }
-            }
-        }
+        self.hear_loading();
     }
 
     pub(super) fn hear(&mut self, answer: Answer) {

@@ -1,7 +1,6 @@
 //! Opening scenes and cases: models are loaded on a thread of their own.
 
 use std::path::Path;
-use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 use eframe::egui::Ui;
@@ -10,9 +9,10 @@ use super::Workbench;
 use crate::case::Case;
 use crate::image::file::is_named_picture;
 use crate::scene::obj::Loaded;
-use crate::scene::{SceneError, SceneSource};
+use crate::scene::{LoadControl, SceneError, SceneSource};
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::Level;
+use crate::ui::task::{Listening, Task};
 use crate::ui::worker::Job;
 
 /// A model is called slow, and its progress shown, after this time.
@@ -20,9 +20,11 @@ pub(super) const SLOW_LOAD: Duration = Duration::from_millis(300);
 
 /// A model that is being loaded on a thread of its own.
 pub(super) struct Loading {
-    pub(super) source: SceneSource,
-    pub(super) result: Receiver<Result<Loaded, SceneError>>,
-    pub(super) since: Instant,
+    source: SceneSource,
+    /// Reports the completed share, from 0 to 1.
+    task: Task<f32, Result<Loaded, SceneError>>,
+    completed: Option<f32>,
+    since: Instant,
 }
 
 impl Workbench {
@@ -44,19 +46,36 @@ impl Workbench {
             return;
         }
         if self.waits {
-            let result = source.load();
+            let result = source.load_with(LoadControl::quiet(self.session.memory_limit));
             self.loaded(source, result);
             return;
         }
-        let (sender, result) = channel();
-        let (context, wanted) = (ui.ctx().clone(), source.clone());
-        std::thread::spawn(move || {
-            // Nobody listens any more if loading was cancelled.
-            drop(sender.send(wanted.load()));
-            context.request_repaint();
+        let (memory, wanted) = (self.session.memory_limit, source.clone());
+        let task = Task::start(ui.ctx().clone(), move |progress, cancel| {
+            Some(wanted.load_with(LoadControl { memory, progress, cancel }))
         });
-        self.loading = Some(Loading { source, result, since: Instant::now() });
+        self.loading = Some(Loading { source, task, completed: None, since: Instant::now() });
         ui.request_repaint_after(SLOW_LOAD);
+    }
+
+    /// Takes the model that is being loaded, once it is.
+    pub(super) fn hear_loading(&mut self) {
+        let Some(loading) = &mut self.loading else { return };
+        match loading.task.listen(&mut loading.completed) {
+            Listening::GoesOn => {}
+            Listening::Ended(result) => {
+                let source = loading.source.clone();
+                self.loading = None;
+                if let Some(result) = result {
+                    self.loaded(source, *result);
+                }
+            }
+            Listening::BrokeOff => {
+                let text = format!("Loading {} stopped by an error of the program", loading.source.title());
+                self.loading = None;
+                self.session.report(Level::Error, text);
+            }
+        }
     }
 
     pub(super) fn loaded(&mut self, source: SceneSource, result: Result<Loaded, SceneError>) {
@@ -94,10 +113,13 @@ impl Workbench {
         }
     }
 
-    pub(super) fn slow_load(&self) -> Option<&Path> {
+    /// The model that has been loading for a while, and its completed share from 0 to 1.
+    pub(super) fn slow_load(&self) -> Option<(&Path, f32)> {
         let loading = self.loading.as_ref()?;
         match &loading.source {
-            SceneSource::File(path, _) if loading.since.elapsed() >= SLOW_LOAD => Some(path),
+            SceneSource::File(path, _) if loading.since.elapsed() >= SLOW_LOAD => {
+                Some((path, loading.completed.unwrap_or(0.0)))
+            }
             _ => None,
         }
     }

@@ -18,19 +18,19 @@ const LAB_HINT: &str =
 /// How strongly an error colours the line.
 const ERROR_TINT: f32 = 0.25;
 
-/// Draws the line. `loading` is the model that has been loading for a while.
-pub fn ui(ui: &mut Ui, session: &Session, loading: Option<&Path>, commands: &mut Vec<Command>) {
+/// Draws the line. `loading` is the model that has been loading for a while, and its completed share from 0 to 1.
+pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         if let Some(error) = &session.error {
             let tint = tokens(ui).error.gamma_multiply(ERROR_TINT);
             ui.painter().rect_filled(ui.max_rect().expand2(theme::space::S * Vec2::X), theme::RADIUS, tint);
             line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::CloseError), commands);
-        } else if let Some(path) = loading {
+        } else if let Some((path, completed)) = loading {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
                 commands.push(Command::CancelLoading);
             }
-            ui.add(Label::new(format!("Loading {} …", path.display())).truncate());
+            ui.add(Label::new(format!("Loading {} … {:.0} %", path.display(), 100.0 * completed)).truncate());
         } else if session.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {

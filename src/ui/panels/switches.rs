@@ -76,6 +76,8 @@ fn assemble(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     for (label, number, help) in figures {
         value_row(ui, label, &bytes(number), help);
     }
+    let limit = format::bytes(session.memory_limit.bytes());
+    value_row(ui, "Memory limit", &limit, "Largest memory for meshes and textures of a model  (--memory)");
 }
 
 /// Draws the switches about what a model file leaves open.

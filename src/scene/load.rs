@@ -1,0 +1,189 @@
+//! Limits of a load, and its link to whoever waits for it.
+
+use std::fmt;
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::SceneError;
+
+/// Largest memory for the meshes and textures of a model, those parts included that exist only while it is loaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MemoryLimit {
+    mib: u32,
+}
+
+impl MemoryLimit {
+    /// Returns a limit in MiB.
+    pub const fn mib(mib: u32) -> Self {
+        Self { mib }
+    }
+
+    /// Returns the limit in bytes.
+    pub fn bytes(self) -> u64 {
+        u64::from(self.mib) << 20
+    }
+}
+
+impl Default for MemoryLimit {
+    /// 4 GiB: about 20 million triangles, or 128 million texels.
+    fn default() -> Self {
+        Self::mib(4096)
+    }
+}
+
+impl fmt::Display for MemoryLimit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} MiB", self.mib)
+    }
+}
+
+/// Settings of a load, and its link to whoever waits for it.
+#[derive(Clone, Copy)]
+pub struct LoadControl<'a> {
+    /// Largest memory.
+    pub memory: MemoryLimit,
+    /// Receives the completed share, from 0 to 1, several times a second.
+    pub progress: &'a (dyn Fn(f32) + Sync),
+    /// Ends the load with [`SceneError::Cancelled`] once it is `true`.
+    pub cancel: &'a AtomicBool,
+}
+
+impl LoadControl<'static> {
+    /// Returns a control that reports nothing and never cancels.
+    pub fn quiet(memory: MemoryLimit) -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { memory, progress: &|_| {}, cancel: &NEVER }
+    }
+}
+
+impl fmt::Debug for LoadControl<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("LoadControl").field("memory", &self.memory).finish_non_exhaustive()
+    }
+}
+
+/// Memory and progress of a load that is going on.
+#[derive(Debug)]
+pub(super) struct Load<'a> {
+    path: &'a Path,
+    control: LoadControl<'a>,
+    used_bytes: u64,
+    /// Completed share at the start of the current step, and the share of the step.
+    step: (f32, f32),
+}
+
+impl<'a> Load<'a> {
+    /// Begins a load of the file at `path`.
+    pub(super) fn new(path: &'a Path, control: LoadControl<'a>) -> Self {
+        Self { path, control, used_bytes: 0, step: (0.0, 0.0) }
+    }
+
+    /// The limit of memory.
+    pub(super) fn memory(&self) -> MemoryLimit {
+        self.control.memory
+    }
+
+    /// Begins the next step, which is this share of the whole load.
+    pub(super) fn begin(&mut self, share: f32) {
+        self.step = (self.step.0 + self.step.1, share);
+    }
+
+    /// Reports the completed share of the current step, from 0 to 1. To be called at least every 20 ms or so.
+    ///
+    /// # Errors
+    /// The load is cancelled.
+    pub(super) fn advance(&self, share: f32) -> Result<(), SceneError> {
+        if self.control.cancel.load(Ordering::Relaxed) {
+            return Err(SceneError::Cancelled { path: self.path.to_owned() });
+        }
+        (self.control.progress)((self.step.0 + share * self.step.1).min(1.0));
+        Ok(())
+    }
+
+    /// Takes memory before it is allocated.
+    ///
+    /// # Errors
+    /// One sentence, if less is left.
+    pub(super) fn charge(&mut self, bytes: u64) -> Result<(), String> {
+        let used_bytes = self.used_bytes.saturating_add(bytes);
+        if used_bytes > self.control.memory.bytes() {
+            let limit = self.control.memory;
+            return Err(format!("the model needs more than {limit} of memory, the limit; `--memory` raises it"));
+        }
+        self.used_bytes = used_bytes;
+        Ok(())
+    }
+
+    /// Gives memory back.
+    pub(super) fn release(&mut self, bytes: u64) {
+        self.used_bytes = self.used_bytes.saturating_sub(bytes);
+    }
+
+    /// Makes room for `additional` elements.
+    ///
+    /// # Errors
+    /// One sentence, if the limit or the system allows no more memory.
+    pub(super) fn reserve<T>(&mut self, list: &mut Vec<T>, additional: usize) -> Result<(), String> {
+        let room = list.capacity() - list.len();
+        if additional <= room {
+            return Ok(());
+        }
+        // Doubled, so that a list of n elements moves log n times.
+        let more = (additional - room).max(list.capacity()).max(64);
+        self.charge(bytes_of::<T>(more))?;
+        list.try_reserve_exact(room + more).map_err(|_| "the system has no more memory".to_owned())
+    }
+
+    /// Appends an element; see [`Load::reserve`] for errors.
+    #[inline]
+    pub(super) fn push<T>(&mut self, list: &mut Vec<T>, element: T) -> Result<(), String> {
+        if list.len() == list.capacity() {
+            self.reserve(list, 1)?;
+        }
+        list.push(element);
+        Ok(())
+    }
+
+    /// Drops a list that was filled by [`Load::push`] or [`Load::reserve`].
+    pub(super) fn free<T>(&mut self, list: Vec<T>) {
+        self.release(bytes_of::<T>(list.capacity()));
+        drop(list);
+    }
+}
+
+/// Bytes of `count` elements.
+pub(super) fn bytes_of<T>(count: usize) -> u64 {
+    (count as u64).saturating_mul(size_of::<T>() as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_grow_up_to_the_limit_and_give_back_what_they_took() {
+        let mut load = Load::new(Path::new("a.obj"), LoadControl::quiet(MemoryLimit::mib(1)));
+        let mut list = Vec::new();
+        let error = (0_u64..).find_map(|number| load.push(&mut list, number).err()).unwrap();
+        assert_eq!(error, "the model needs more than 1 MiB of memory, the limit; `--memory` raises it");
+        assert_eq!((list.len(), list.capacity()), (1 << 17, 1 << 17));
+        load.free(list);
+        assert_eq!(load.used_bytes, 0);
+        assert!(load.charge(u64::MAX).is_err());
+    }
+
+    #[test]
+    fn steps_add_up_and_a_cancelled_load_ends() {
+        let (heard, cancel) = (std::sync::Mutex::new(Vec::new()), AtomicBool::new(false));
+        let progress = |share| heard.lock().unwrap().push(share);
+        let control = LoadControl { memory: MemoryLimit::default(), progress: &progress, cancel: &cancel };
+        let mut load = Load::new(Path::new("a.obj"), control);
+        for share in [0.25, 0.75] {
+            load.begin(share);
+            load.advance(0.5).unwrap();
+        }
+        assert_eq!(*heard.lock().unwrap(), [0.125, 0.625]);
+        cancel.store(true, Ordering::Relaxed);
+        assert_eq!(load.advance(1.0).unwrap_err().to_string(), "a.obj: loading was cancelled");
+    }
+}

@@ -1,0 +1,172 @@
+//! Triangles of a polygon that crosses itself, by its winding numbers.
+//!
+//! Regions that the outline goes around counter-clockwise face as the polygon does, clockwise ones face away; where the
+//! windings cancel there is nothing. The crate `i_overlay` finds the regions and `i_triangle` cuts them. Its time grows
+//! with the number of crossings, which are therefore counted before, up to a limit.
+
+use std::collections::HashMap;
+
+use i_triangle::i_overlay::core::fill_rule::FillRule;
+use i_triangle::i_overlay::core::overlay::IntOverlayOptions;
+use i_triangle::int::triangulation::IntTriangulation;
+use i_triangle::int::triangulator::IntTriangulator;
+use i_triangle::int::validation::Validation;
+
+use super::grid::{GridPoint, crosses, dot, orientation};
+
+/// Largest number of crossings for each corner, besides [`FREE_CROSSINGS`].
+const CROSSINGS_PER_CORNER: usize = 8;
+
+/// Number of crossings that any polygon may have.
+const FREE_CROSSINGS: usize = 1000;
+
+/// Largest number of pairs of edges with overlapping columns that are compared: about 0.1 s.
+const MAX_PAIRS: usize = 10_000_000;
+
+/// A point where the outline crosses itself, on the edge from corner `edge` to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::scene::obj) struct Crossing {
+    /// Number of the corner that the edge starts from.
+    pub(in crate::scene::obj) edge: u32,
+    /// Place on the edge, from 0 at its start to 1 at its end.
+    pub(in crate::scene::obj) place: f64,
+}
+
+/// Returns the triangulation of a polygon without self-intersections. Triangles have numbers of corners.
+///
+/// The polygon must be simple ([`super::simple::is_simple`]).
+pub(super) fn simple(corners: &[GridPoint]) -> Vec<[u32; 3]> {
+    let numbers: HashMap<GridPoint, u32> = (0..).zip(corners).map(|(number, corner)| (*corner, number)).collect();
+    let IntTriangulation { points, indices } = cutter(corners.len()).uncheck_triangulate_contour(&corners.to_vec());
+    indices.as_chunks::<3>().0.iter().map(|triangle| triangle.map(|index| numbers[&points[index as usize]])).collect()
+}
+
+/// Returns the triangles of the regions by winding number and appends the points that they need to `crossings`: numbers from
+/// `corners.len()` on mean these. `None` if the outline crosses itself too often.
+pub(super) fn triangulate(corners: &[GridPoint], crossings: &mut Vec<Crossing>) -> Option<Vec<[u32; 3]>> {
+    let outline = Outline::new(corners)?;
+    let mut numbers: HashMap<GridPoint, u32> = HashMap::with_capacity(corners.len());
+    for (number, corner) in (0..).zip(corners) {
+        numbers.entry(*corner).or_insert(number);
+    }
+    let mut triangles = Vec::new();
+    for rule in [FillRule::Positive, FillRule::Negative] {
+        let mut cutter = cutter(corners.len());
+        cutter.fill_rule = rule;
+        let IntTriangulation { points, indices } = cutter.triangulate_contour(&corners.to_vec());
+        for triangle in indices.as_chunks::<3>().0 {
+            let [a, b, c] = triangle.map(|index| {
+                let point = points[index as usize];
+                *numbers.entry(point).or_insert_with(|| {
+                    crossings.push(outline.crossing_at(point));
+                    (corners.len() + crossings.len() - 1) as u32
+                })
+            });
+            // The crate turns all triangles counter-clockwise.
+            triangles.push(if rule == FillRule::Positive { [a, b, c] } else { [a, c, b] });
+        }
+    }
+    Some(triangles)
+}
+
+fn cutter(corners: usize) -> IntTriangulator<i32, u32> {
+    // Corners in the middle of an edge may belong to a neighbouring face, too.
+    let validation = Validation { options: IntOverlayOptions::keep_all_points(), ..Validation::default() };
+    IntTriangulator::new(corners, validation, Default::default())
+}
+
+/// Grid steps between the true crossing of two edges and the point that the crate rounds it to, at most, as a power of two.
+const CELL_BITS: u32 = 4;
+
+/// The edges of a polygon and where they cross.
+struct Outline<'a> {
+    corners: &'a [GridPoint],
+    /// Numbers of edges that cross another one, by the cell of the crossing.
+    cells: HashMap<[i32; 2], Vec<u32>>,
+}
+
+impl<'a> Outline<'a> {
+    /// Finds all crossings; `None` if there are too many.
+    fn new(corners: &'a [GridPoint]) -> Option<Self> {
+        let mut this = Self { corners, cells: HashMap::new() };
+        // An outline that runs along an edge repeatedly crosses others there only once.
+        let mut known = HashMap::with_capacity(corners.len());
+        let mut edges: Vec<_> = (0..corners.len() as u32)
+            .map(|number| (this.edge(number), number))
+            .filter(|([a, b], number)| {
+                a != b && *known.entry([a.min(b), a.max(b)].map(|p| *p)).or_insert(*number) == *number
+            })
+            .map(|([a, b], number)| ([a.min(b), a.max(b)], number))
+            .collect();
+        edges.sort_unstable();
+        let (mut pairs, mut found) = (0, 0);
+        let limit = FREE_CROSSINGS + CROSSINGS_PER_CORNER * corners.len();
+        let mut active: Vec<([GridPoint; 2], u32)> = Vec::new();
+        for (edge, number) in edges {
+            pairs += active.len();
+            if pairs > MAX_PAIRS {
+                return None;
+            }
+            active.retain(|(other, _)| other[1].x >= edge[0].x);
+            for (other, other_number) in &active {
+                let is_joint = other.contains(&edge[0]) || other.contains(&edge[1]);
+                if !is_joint && crosses(edge, *other) {
+                    found += 1;
+                    if found > limit {
+                        return None;
+                    }
+                    let cell = intersection(edge, *other).map(|x| x >> CELL_BITS);
+                    this.cells.entry(cell).or_default().extend([number.min(*other_number)]);
+                }
+            }
+            active.push((edge, number));
+        }
+        Some(this)
+    }
+
+    fn edge(&self, number: u32) -> [GridPoint; 2] {
+        let number = number as usize;
+        [self.corners[number], self.corners[(number + 1) % self.corners.len()]]
+    }
+
+    /// The crossing that `point` is: on the nearest edge among those that cross another one nearby, else among all.
+    fn crossing_at(&self, point: GridPoint) -> Crossing {
+        let [x, y] = [point.x >> CELL_BITS, point.y >> CELL_BITS];
+        let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| [x + dx, y + dy]));
+        let nearby = around.filter_map(|cell| self.cells.get(&cell)).flatten().copied();
+        let nearest = |edges: &mut dyn Iterator<Item = u32>| {
+            edges.min_by(|a, b| self.distance(*a, point).total_cmp(&self.distance(*b, point)))
+        };
+        let found = nearest(&mut nearby.into_iter()).or_else(|| nearest(&mut (0..self.corners.len() as u32)));
+        let edge = found.unwrap_or(0);
+        Crossing { edge, place: self.place(edge, point) }
+    }
+
+    /// Place of the point of an edge that is nearest to `point`, from 0 to 1.
+    fn place(&self, edge: u32, point: GridPoint) -> f64 {
+        let [start, end] = self.edge(edge);
+        let length = dot(end, start, end);
+        if length == 0 { 0.0 } else { (dot(end, start, point) as f64 / length as f64).clamp(0.0, 1.0) }
+    }
+
+    /// Distance of `point` from an edge in grid steps.
+    fn distance(&self, edge: u32, point: GridPoint) -> f64 {
+        let [start, end] = self.edge(edge);
+        let place = self.place(edge, point);
+        let offset =
+            |from: i32, to: i32, at: i32| f64::from(from) + (f64::from(to) - f64::from(from)) * place - f64::from(at);
+        offset(start.x, end.x, point.x).hypot(offset(start.y, end.y, point.y))
+    }
+}
+
+/// Returns the point where two segments that cross do so, rounded; of parallel ones an end that both have.
+fn intersection([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> [i32; 2] {
+    let (from, to) = (orientation(c, d, a) as f64, orientation(c, d, b) as f64);
+    if from == to {
+        let end = a.max(c);
+        return [end.x, end.y];
+    }
+    let place = from / (from - to);
+    [(a.x, b.x), (a.y, b.y)]
+        .map(|(from, to)| (f64::from(from) + (f64::from(to) - f64::from(from)) * place).round() as i32)
+}

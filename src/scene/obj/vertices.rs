@@ -1,0 +1,259 @@
+//! From corners that refer to three lists to meshes with one number for each vertex.
+//!
+//! OBJ numbers positions, texture coordinates and normals apart; a mesh has one array index for all. Corners of one part
+//! that agree in all three numbers become one vertex, numbered in the order of first use, as by the crate `tobj`, which
+//! the tests compare with.
+
+use std::collections::HashMap;
+
+use glam::{Vec2, Vec3};
+
+use super::attributes::Attributes;
+use super::faces::{Corner, Faces, NONE, Part};
+use crate::scene::load::{Load, bytes_of};
+use crate::scene::{MeshData, SceneError};
+
+/// Number of triangles between reports of progress.
+const TRIANGLES_PER_REPORT: usize = 1 << 14;
+
+/// Number of vertices at one position from which on they are found by hash: each is compared with all before otherwise.
+const CROWD: usize = 16;
+
+/// A mesh of each part, in their order. Names are left empty.
+///
+/// # Errors
+/// The load is cancelled, or memory does not suffice: the latter in one sentence.
+pub(super) fn meshes(lists: &Attributes, faces: &Faces, load: &mut Load<'_>) -> Result<Vec<MeshData>, Stopped> {
+    let mut numbering = Numbering::default();
+    load.reserve(&mut numbering.newest, lists.positions.len())?;
+    numbering.newest.resize(lists.positions.len(), NONE);
+    let mut meshes = Vec::new();
+    let mut done = 0;
+    for part in &faces.parts {
+        let mesh = numbering.mesh(lists, faces, part, &mut done, load)?;
+        load.push(&mut meshes, mesh)?;
+        numbering.clear();
+    }
+    load.free(numbering.newest);
+    load.free(numbering.vertices);
+    Ok(meshes)
+}
+
+/// Why there are no meshes.
+#[derive(Debug)]
+pub(super) enum Stopped {
+    /// Memory does not suffice, in one sentence.
+    Memory(String),
+    /// The load was cancelled.
+    Cancelled(SceneError),
+}
+
+impl From<String> for Stopped {
+    fn from(reason: String) -> Self {
+        Self::Memory(reason)
+    }
+}
+
+impl From<SceneError> for Stopped {
+    fn from(error: SceneError) -> Self {
+        Self::Cancelled(error)
+    }
+}
+
+/// The vertices of one part.
+#[derive(Default)]
+struct Numbering {
+    /// For each position the vertex made last there; [`NONE`] if there is none.
+    newest: Vec<u32>,
+    vertices: Vec<Vertex>,
+    /// Vertices at crowded positions.
+    crowded: HashMap<Corner, u32>,
+}
+
+#[derive(Clone, Copy)]
+struct Vertex {
+    corner: Corner,
+    /// The vertex made before at the same position.
+    older: u32,
+}
+
+impl Numbering {
+    fn mesh(
+        &mut self,
+        lists: &Attributes,
+        faces: &Faces,
+        part: &Part,
+        done: &mut usize,
+        load: &mut Load<'_>,
+    ) -> Result<MeshData, Stopped> {
+        let mut triangles = Vec::new();
+        let count = part.runs.iter().map(ExactSizeIterator::len).sum();
+        load.reserve(&mut triangles, count)?;
+        for triangle in part.runs.iter().flat_map(|run| &faces.triangles[run.clone()]) {
+            if done.is_multiple_of(TRIANGLES_PER_REPORT) {
+                load.advance(*done as f32 / faces.triangles.len() as f32)?;
+            }
+            *done += 1;
+            let mut numbers = [0; 3];
+            for (number, corner) in numbers.iter_mut().zip(triangle) {
+                *number = self.number(*corner, load)?;
+            }
+            triangles.push(numbers);
+        }
+        let corners = || self.vertices.iter().map(|vertex| vertex.corner);
+        let has_uvs = corners().next().is_some_and(|corner| corner.uv != NONE);
+        let has_colors = corners().any(|c| lists.colors.get(c.position as usize).is_some_and(|c| *c != Vec3::ONE));
+        let attributes_bytes = size_of::<Vec3>() * 2
+            + if has_uvs { size_of::<Vec2>() } else { 0 }
+            + if has_colors { size_of::<Vec3>() } else { 0 };
+        load.charge(bytes_of::<u8>(attributes_bytes * self.vertices.len()))?;
+        Ok(MeshData {
+            name: String::new(),
+            positions: corners().map(|corner| lists.positions[corner.position as usize]).collect(),
+            normals: corners().map(|corner| lists.normals[corner.normal as usize]).collect(),
+            // v runs up in the file.
+            uvs: if has_uvs {
+                corners().map(|corner| lists.uvs[corner.uv as usize]).map(|uv| Vec2::new(uv.x, 1.0 - uv.y)).collect()
+            } else {
+                Vec::new()
+            },
+            colors: if has_colors {
+                corners().map(|corner| lists.colors[corner.position as usize]).collect()
+            } else {
+                Vec::new()
+            },
+            triangles,
+        })
+    }
+
+    /// The number of the vertex with this corner's attributes, which is made if it is new.
+    fn number(&mut self, corner: Corner, load: &mut Load<'_>) -> Result<u32, String> {
+        let newest = self.newest[corner.position as usize];
+        let (mut older, mut compared) = (newest, 0);
+        while older != NONE && compared < CROWD {
+            let vertex = &self.vertices[older as usize];
+            if vertex.corner == corner {
+                return Ok(older);
+            }
+            older = vertex.older;
+            compared += 1;
+        }
+        let new = self.vertices.len() as u32;
+        if compared == CROWD {
+            if older == NONE {
+                self.note_crowd(newest);
+            }
+            if let Some(known) = self.crowded.get(&corner) {
+                return Ok(*known);
+            }
+            load.charge(bytes_of::<(Corner, u32)>(2))?;
+            self.crowded.insert(corner, new);
+        }
+        load.push(&mut self.vertices, Vertex { corner, older: newest })?;
+        self.newest[corner.position as usize] = new;
+        Ok(new)
+    }
+
+    /// Notes the vertices at the position of `newest`, which has just become crowded.
+    fn note_crowd(&mut self, newest: u32) {
+        let mut number = newest;
+        while number != NONE {
+            let Vertex { corner, older } = self.vertices[number as usize];
+            self.crowded.insert(corner, number);
+            number = older;
+        }
+    }
+
+    /// Forgets all vertices.
+    fn clear(&mut self) {
+        for vertex in &self.vertices {
+            self.newest[vertex.corner.position as usize] = NONE;
+        }
+        self.vertices.clear();
+        self.crowded.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fmt::Write as _;
+    use std::path::Path;
+
+    use super::super::attributes::tests::unlimited;
+    use super::super::{attributes, faces, warnings::Warnings};
+    use super::*;
+
+    /// Meshes of a file by this module and by tobj.
+    fn both(text: &str) -> (Vec<MeshData>, Vec<tobj::Mesh>) {
+        let path = Path::new("a.obj");
+        let (mut warnings, mut load) = (Warnings::default(), unlimited(path));
+        let mut lists = attributes::read(path, text, &mut warnings, &mut load).unwrap();
+        let faces = faces::read(path, text, &mut lists, &mut warnings, &mut load).unwrap();
+        let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
+        let (models, _) =
+            tobj::load_obj_buf(&mut text.as_bytes(), &options, |_| tobj::MTLLoadResult::Ok(Default::default()))
+                .unwrap();
+        (meshes(&lists, &faces, &mut load).unwrap(), models.into_iter().map(|model| model.mesh).collect())
+    }
+
+    #[test]
+    fn vertices_are_those_of_tobj() {
+        let mut random = fastrand::Rng::with_seed(3);
+        // Few positions and many normals make crowds, many positions and few faces make none.
+        for (positions, others, triangles) in [(3, 2, 50), (5, 60, 3000), (500, 3, 400), (40, 40, 2000)] {
+            let mut text = String::new();
+            for i in 0..positions {
+                let height = random.i32(-50..50);
+                writeln!(text, "v {i} {} {height} 0.5 {} 1", i * i, f32::from(random.bool())).unwrap();
+            }
+            for i in 0..others {
+                writeln!(text, "vt 0.{i} 0.25\nvn {} 0 0", if i % 2 == 0 { 1 } else { -1 }).unwrap();
+            }
+            for object in 0..3 {
+                writeln!(text, "o {object}").unwrap();
+                for _ in 0..triangles {
+                    let first = random.usize(0..positions - 2);
+                    text.push('f');
+                    for corner in first..first + 3 {
+                        write!(text, " {}/{}/{}", corner + 1, random.usize(0..others) + 1, random.usize(0..others) + 1)
+                            .unwrap();
+                    }
+                    text.push('\n');
+                }
+            }
+            let (own, expected) = both(&text);
+            assert_eq!(own.len(), 3);
+            for (own, expected) in own.iter().zip(&expected) {
+                assert_eq!(own.triangles.as_flattened(), expected.indices);
+                let positions: Vec<f32> = own.positions.iter().flat_map(Vec3::to_array).collect();
+                assert_eq!(positions, expected.positions);
+                let normals: Vec<f32> = own.normals.iter().flat_map(Vec3::to_array).collect();
+                assert_eq!(normals, expected.normals);
+                let uvs: Vec<f32> = own.uvs.iter().flat_map(|uv| [uv.x, 1.0 - uv.y]).collect();
+                assert_eq!(
+                    uvs,
+                    expected
+                        .texcoords
+                        .as_chunks::<2>()
+                        .0
+                        .iter()
+                        .flat_map(|[u, v]| [*u, 1.0 - (1.0 - v)])
+                        .collect::<Vec<_>>()
+                );
+                let colors: Vec<f32> = own.colors.iter().flat_map(Vec3::to_array).collect();
+                assert_eq!(colors, expected.vertex_color);
+            }
+        }
+    }
+
+    #[test]
+    fn a_position_with_a_hundred_thousand_normals_takes_no_quadratic_time() {
+        let count = 100_000;
+        let mut text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n".to_owned();
+        for i in 1..=count {
+            writeln!(text, "vn 0 0 1\nf 1//{i} 2//{i} 3//{i}").unwrap();
+        }
+        let (own, _) = both(&text);
+        assert_eq!(own[0].positions.len(), 3 * count);
+    }
+}
