@@ -32,6 +32,15 @@ static INPUTS: Mutex<Option<BTreeSet<PathBuf>>> = Mutex::new(None);
 /// The file is unreadable, not a regular file, or larger than `max_bytes`.
 pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     note_input(path);
+    read_own(path, max_bytes)
+}
+
+/// Reads a file that the program keeps for itself and may replace, such as its preferences: like [`read`], but the file does
+/// not count as an input.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(refused("it is a folder".to_owned()));
@@ -50,6 +59,11 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     bytes.try_reserve_exact(metadata.len() as usize).map_err(|_| ErrorKind::OutOfMemory)?;
     File::open(path)?.take(max_bytes + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > max_bytes { Err(too_large()) } else { Ok(bytes) }
+}
+
+/// Returns the length of the file at `path` in bytes; 0 if it is unknown.
+pub fn length(path: &Path) -> u64 {
+    std::fs::metadata(path).map_or(0, |metadata| metadata.len())
 }
 
 /// Whether the regular file at `path` starts with these bytes; `false` if it cannot be read.

@@ -91,6 +91,21 @@ fn outputs_never_replace_an_input() {
 
 #[cfg(unix)]
 #[test]
+fn files_of_the_program_itself_are_read_and_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let [own, input] = ["own", "input"].map(|name| folder.path().join(name));
+    disk::protect_inputs();
+    for path in [&own, &input] {
+        fs::write(path, "old").unwrap();
+    }
+    assert_eq!(disk::read_own(&own, 10).unwrap(), b"old");
+    disk::write(&own, b"new").unwrap();
+    assert_eq!(disk::read(&input, 10).unwrap(), b"old");
+    assert!(disk::write(&input, b"new").unwrap_err().to_string().contains("input"));
+    assert_eq!([&own, &input].map(|path| fs::read(path).unwrap()), [b"new", b"old"]);
+}
+
+#[test]
 fn devices_and_redirected_output_are_written_to() {
     let folder = tempfile::tempdir().unwrap();
     let picture = ["render", "triangle", "--size", "16x16", "-o"];

@@ -56,7 +56,7 @@ pub(super) fn read(folder: &Path) -> Option<Found> {
 
 /// Reads the file; keeps a backup of it where some of it cannot be read, and says so.
 fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<String>)> {
-    let bytes = disk::read(path, MAX_BYTES)?;
+    let bytes = disk::read_own(path, MAX_BYTES)?;
     let (preferences, is_complete) = Preferences::read_checked(&String::from_utf8_lossy(&bytes));
     if is_complete {
         return Ok((preferences, None));
