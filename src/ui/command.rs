@@ -141,6 +141,10 @@ pub enum Command {
     Undo,
     /// Make it again.
     Redo,
+    /// Open the picture of a file in the 2D lab.
+    OpenInLab(PathBuf),
+    /// Close the offer to open a picture in the 2D lab.
+    CloseOffer,
     /// Close the error bar.
     CloseError,
     /// Close the first hint.

@@ -132,6 +132,8 @@ pub struct Session {
     pub watch: Watch,
     /// The error to show until it is read.
     pub error: Option<String>,
+    /// Picture file that was opened as a scene: the message bar offers to open it in the 2D lab.
+    pub offered_picture: Option<PathBuf>,
     /// All messages.
     pub log: VecDeque<LogLine>,
     /// Files opened, newest first.
@@ -204,6 +206,7 @@ impl Session {
             what_if: WhatIf::default(),
             watch: Watch::default(),
             error: None,
+            offered_picture: None,
             log: VecDeque::new(),
             recent: Vec::new(),
             folder: std::env::current_dir().unwrap_or_default(),
@@ -267,6 +270,7 @@ impl Session {
         }
         self.report(Level::Info, format!("Opened {}: {} triangles", scene.name, scene.triangle_count()));
         self.state.camera = scene.home;
+        self.offered_picture = None;
         self.close_case();
         self.scene = Arc::new(scene);
         self.source = source;
@@ -383,6 +387,8 @@ impl Session {
             Command::Fates(change) => self.fates.apply(change, &mut self.selection),
             Command::Select(selection) => self.fates.give_way(selection, &mut self.selection),
             Command::ShowStability(view) => self.stability.view = view,
+            Command::OpenInLab(path) => self.open_in_lab(&path),
+            Command::CloseOffer => self.offered_picture = None,
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
             Command::ShowTimings(view) => self.timings.view = view,
@@ -417,15 +423,13 @@ impl Session {
     }
 
     /// Opens the picture of a file in the lab. The scene stays, and is there again when the lab is closed.
-    pub fn open_in_lab(&mut self, path: &Path) {
+    fn open_in_lab(&mut self, path: &Path) {
+        self.offered_picture = None;
         match file::read(path) {
             Ok(picture) => {
                 self.lab.apply(lab::Change::Open(true));
                 self.lab.show_picture(&picture);
-                self.report(
-                    Level::Info,
-                    format!("Opened {} in the 2D lab: it is a picture, not a model", path.display()),
-                );
+                self.report(Level::Info, format!("Opened {} in the 2D lab", path.display()));
             }
             Err(error) => self.report(Level::Error, error.to_string()),
         }

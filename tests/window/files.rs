@@ -45,7 +45,7 @@ fn a_dropped_model_replaces_the_scene_and_is_remembered() {
 }
 
 #[test]
-fn a_dropped_picture_opens_in_the_lab_and_the_scene_stays() {
+fn a_dropped_picture_is_offered_to_the_lab_and_the_scene_stays() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("picture.png");
     let picture = rasterscope::image::Image::from_pixels(3, 2, vec![[9, 8, 7, 255]; 6]);
@@ -53,7 +53,12 @@ fn a_dropped_picture_opens_in_the_lab_and_the_scene_stays() {
     let mut bench = Bench::small("triangle");
     let scene = bench.session().scene.clone();
     bench.drop_file(&path);
-    assert_eq!(bench.session().error, None);
+    assert!(bench.says("picture.png is a picture, not a scene") && !bench.session().lab.open);
+    bench.click("Close this message");
+    assert_eq!(bench.session().offered_picture, None);
+    bench.drop_file(&path);
+    bench.click("Open in the 2D lab");
+    assert_eq!((&bench.session().error, &bench.session().offered_picture), (&None, &None));
     assert!(bench.session().lab.open && Arc::ptr_eq(&bench.session().scene, &scene));
 }
 

@@ -42,7 +42,7 @@ impl Workbench {
             && is_named_picture(path)
         {
             // A picture is no scene; the lab fills in and samples pictures.
-            self.session.open_in_lab(path);
+            self.session.offered_picture = Some(path.clone());
             return;
         }
         if self.waits {

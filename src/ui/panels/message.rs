@@ -5,6 +5,7 @@ use std::path::Path;
 
 use eframe::egui::{Align, Color32, Label, Layout, Rect, RichText, Sense, Ui, Vec2};
 
+use crate::text;
 use crate::ui::command::Command;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, tokens};
@@ -25,6 +26,13 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, command
             let tint = tokens(ui).error.gamma_multiply(ERROR_TINT);
             ui.painter().rect_filled(ui.max_rect().expand2(theme::space::S * Vec2::X), theme::RADIUS, tint);
             line(ui, Icon::OctagonAlert, tokens(ui).error, error, Some(Command::CloseError), commands);
+        } else if let Some(path) = &session.offered_picture {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if ui.button("Open in the 2D lab").on_hover_text("The lab fills and samples pictures").clicked() {
+                commands.push(Command::OpenInLab(path.clone()));
+            }
+            let text = format!("{} is a picture, not a scene", text::clean(&name));
+            line(ui, Icon::Image, tokens(ui).accent, &text, Some(Command::CloseOffer), commands);
         } else if let Some((path, completed)) = loading {
             ui.spinner();
             if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
