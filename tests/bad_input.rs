@@ -424,6 +424,25 @@ fn textures_beyond_the_memory_limit_are_not_decoded() {
 }
 
 #[test]
+fn textures_that_are_not_rendered_take_no_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let heights = Image::from_pixels(1024, 1024, vec![[7, 7, 7, 255]; 1 << 20]);
+    let color = Image::from_pixels(1024, 1024, vec![[7, 8, 9, 255]; 1 << 20]);
+    let mut materials = String::new();
+    for i in 0..4 {
+        file::write_png(&folder.path().join(format!("heights{i}.png")), &heights).unwrap();
+        materials += &format!("newmtl m{i}\nmap_Bump heights{i}.png\n");
+    }
+    file::write_png(&folder.path().join("color.png"), &color).unwrap();
+    std::fs::write(folder.path().join("a.mtl"), materials + "newmtl m\nmap_Kd color.png\n").unwrap();
+    let path = folder.path().join("a.obj");
+    let faces: String = ["m0", "m1", "m2", "m3", "m"].map(|name| format!("usemtl {name}\nf 1/1 2/1 3/1\n")).concat();
+    std::fs::write(&path, format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n{faces}")).unwrap();
+    let loaded = obj::load_with(&path, TrMeaning::Auto, LoadControl::quiet(MemoryLimit::mib(40))).unwrap();
+    assert_eq!(loaded.scene.library.textures().len(), 1, "{:?}", loaded.warnings);
+}
+
+#[test]
 fn attributes_are_interpolated_where_a_face_crosses_itself() {
     let text = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 1 1 0 1 1 1\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n\
                 f 1/1 2/2 3/3 4/4\n";

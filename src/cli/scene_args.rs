@@ -73,12 +73,16 @@ impl MemoryArgs {
             let now = (100.0 * completed) as u32;
             let is_news = percent.swap(now, Ordering::Relaxed) != now;
             if shown && is_news && begun.elapsed() > SLOW_LOAD {
-                // Where it cannot be written nobody misses it.
-                let _ = write!(stderr(), "\rloading: {now} %{}", if now < 100 { "" } else { "\n" });
+                // Progress is dispensable: a failed write is ignored.
+                let _ = write!(stderr(), "\rloading: {now} %");
             }
         };
         let control = LoadControl { progress: &progress, ..LoadControl::quiet(self.limit()) };
-        Ok(source.load_with(control)?)
+        let loaded = source.load_with(control);
+        if shown && begun.elapsed() > SLOW_LOAD {
+            let _ = writeln!(stderr());
+        }
+        Ok(loaded?)
     }
 
     /// The limit.

@@ -1,4 +1,4 @@
-//! Limits of a load, and its link to whoever waits for it.
+//! Limits of a load, its progress and its cancellation.
 
 use std::fmt;
 use std::path::Path;
@@ -37,7 +37,7 @@ impl fmt::Display for MemoryLimit {
     }
 }
 
-/// Settings of a load, and its link to whoever waits for it.
+/// Settings of a load, and how it is followed and cancelled.
 #[derive(Clone, Copy)]
 pub struct LoadControl<'a> {
     /// Largest memory.
@@ -62,12 +62,17 @@ impl fmt::Debug for LoadControl<'_> {
     }
 }
 
+/// Lines of text between reports of progress: some milliseconds.
+const LINES_PER_REPORT: usize = 1 << 14;
+
 /// Memory and progress of a load that is going on.
 #[derive(Debug)]
 pub(super) struct Load<'a> {
     path: &'a Path,
     control: LoadControl<'a>,
     used_bytes: u64,
+    /// Work since the last report, in lines of text or what takes as long.
+    unreported: usize,
     /// Completed share at the start of the current step, and the share of the step.
     step: (f32, f32),
 }
@@ -75,7 +80,7 @@ pub(super) struct Load<'a> {
 impl<'a> Load<'a> {
     /// Begins a load of the file at `path`.
     pub(super) fn new(path: &'a Path, control: LoadControl<'a>) -> Self {
-        Self { path, control, used_bytes: 0, step: (0.0, 0.0) }
+        Self { path, control, used_bytes: 0, unreported: 0, step: (0.0, 0.0) }
     }
 
     /// The limit of memory.
@@ -93,11 +98,31 @@ impl<'a> Load<'a> {
     /// # Errors
     /// The load is cancelled.
     pub(super) fn advance(&self, share: f32) -> Result<(), SceneError> {
-        if self.control.cancel.load(Ordering::Relaxed) {
+        (self.control.progress)((self.step.0 + share * self.step.1).min(1.0));
+        if self.is_cancelled() {
             return Err(SceneError::Cancelled { path: self.path.to_owned() });
         }
-        (self.control.progress)((self.step.0 + share * self.step.1).min(1.0));
         Ok(())
+    }
+
+    /// Counts work, in lines of text or what takes as long, and reports progress after enough of it. `completed` is the share
+    /// of the current step, from 0 to 1.
+    ///
+    /// # Errors
+    /// The load is cancelled.
+    #[inline]
+    pub(super) fn work(&mut self, lines: usize, completed: impl FnOnce() -> f32) -> Result<(), SceneError> {
+        self.unreported += lines;
+        if self.unreported < LINES_PER_REPORT {
+            return Ok(());
+        }
+        self.unreported = 0;
+        self.advance(completed())
+    }
+
+    /// Whether the load is cancelled.
+    pub(super) fn is_cancelled(&self) -> bool {
+        self.control.cancel.load(Ordering::Relaxed)
     }
 
     /// Takes memory before it is allocated.

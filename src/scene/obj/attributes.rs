@@ -17,9 +17,6 @@ use crate::scene::load::Load;
 /// Largest number of entries of one list: numbers have 32 bits, one of which stands for none.
 const MAX_ENTRIES: usize = u32::MAX as usize;
 
-/// Number of lines between reports of progress.
-pub(super) const LINES_PER_REPORT: usize = 1 << 14;
-
 /// The lists, in file order.
 #[derive(Debug, Default)]
 pub(super) struct Attributes {
@@ -43,9 +40,7 @@ pub(super) fn read(
     let mut lists = Attributes::default();
     let mut statements = joined_lines(text);
     while let Some((line, statement)) = statements.next() {
-        if line % LINES_PER_REPORT == 0 {
-            load.advance(statements.completed())?;
-        }
+        load.work(1, || statements.completed())?;
         let mut words = statement.split_whitespace();
         let remark = match words.next() {
             Some("v" | "V") => lists.vertex(words, load),

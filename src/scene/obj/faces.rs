@@ -10,7 +10,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::attributes::{Attributes, LINES_PER_REPORT, quoted};
+use super::attributes::{Attributes, quoted};
 use super::decode::joined_lines;
 use super::polygon::{Crossing, Outcome, Triangulation, Triangulator};
 use super::statements::{self, Format, Treatment};
@@ -22,11 +22,17 @@ use crate::scene::load::Load;
 /// Stands for "no texture coordinate" and "no normal" in a [`Corner`].
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Largest number of triangles of a scene, whose numbers have 32 bits, one of which stands for none.
-const MAX_TRIANGLES: usize = u32::MAX as usize;
+/// Largest number of triangles of a scene: the numbers of their corners have 32 bits.
+const MAX_TRIANGLES: usize = u32::MAX as usize / 3;
 
 /// Bytes of a part, which becomes a mesh and an instance, besides its triangles.
 const PART_BYTES: u64 = 1024;
+
+/// Number of copies of the names of a part.
+const NAME_COPIES: u64 = 4;
+
+/// How many times as long a face that crosses itself takes to cut, at least.
+const WORK_OF_CROSSING: usize = 100;
 
 /// Bytes for each corner of a face while it is cut into triangles.
 const CUTTING_BYTES: u64 = 256;
@@ -95,16 +101,16 @@ pub(super) fn read(
     let mut reader = Reader::new(lists, load);
     let mut statements = joined_lines(text);
     while let Some((line, statement)) = statements.next() {
-        if line % LINES_PER_REPORT == 0 {
-            reader.load.advance(statements.completed())?;
-        }
+        reader.load.work(1 + std::mem::take(&mut reader.cut_corners), || statements.completed())?;
         match reader.statement(line, statement.trim()) {
             Ok(None) => {}
             Ok(Some(remark)) => warnings.add(path, Some(line), remark),
             Err(reason) => return Err(SceneError::Line { path: path.to_owned(), line, reason }),
         }
     }
-    Ok(reader.faces)
+    let Reader { corners, faces, load, .. } = reader;
+    load.free(corners);
+    Ok(faces)
 }
 
 /// What a statement gives: nothing more, a warning, or an error.
@@ -128,6 +134,8 @@ struct Reader<'a, 'l> {
     outline: Vec<Vec3>,
     local: Triangulation,
     triangulator: Triangulator,
+    /// Corners of the last face, more if it took longer to cut: work that is still to be counted.
+    cut_corners: usize,
     /// Whether all positions are finite.
     all_finite: bool,
 }
@@ -150,6 +158,7 @@ impl<'a, 'l> Reader<'a, 'l> {
             outline: Vec::new(),
             local: Triangulation::default(),
             triangulator: Triangulator::default(),
+            cut_corners: 0,
         }
     }
 
@@ -229,6 +238,9 @@ impl<'a, 'l> Reader<'a, 'l> {
             _ if is_broken => Some("face with a corner that is not finite; not drawn".to_owned()),
             Outcome::NoArea => Some("face without area; left out".to_owned()),
             Outcome::Crossing => Some("face that crosses itself; drawn by its winding numbers".to_owned()),
+            Outcome::NotFlat => {
+                Some("face that is not flat and crosses itself in its plane; drawn as a fan".to_owned())
+            }
             Outcome::TooManyCrossings => Some("face that crosses itself too often; drawn as a fan".to_owned()),
             Outcome::Whole if with_uv > 0 && !has_uvs => {
                 Some("face with texture coordinates at some corners only; drawn without them".to_owned())
@@ -253,8 +265,11 @@ impl<'a, 'l> Reader<'a, 'l> {
         self.load.charge(bytes)?;
         self.outline.clear();
         self.outline.extend(self.corners.iter().map(|c| self.lists.positions[c.position as usize]));
-        let outcome = self.triangulator.triangulate(&self.outline, &mut self.local);
+        let load = &*self.load;
+        let outcome = self.triangulator.triangulate(&self.outline, &mut self.local, &|| load.is_cancelled());
         self.load.release(bytes);
+        let crosses = matches!(outcome, Outcome::Crossing | Outcome::TooManyCrossings);
+        self.cut_corners = self.corners.len() * if crosses { WORK_OF_CROSSING } else { 1 };
         Ok(outcome)
     }
 
@@ -310,7 +325,7 @@ impl<'a, 'l> Reader<'a, 'l> {
         let runs = &mut self.faces.parts[part].runs;
         match runs.last_mut() {
             Some(run) if run.end == start => run.end = end,
-            _ => runs.push(start..end),
+            _ => self.load.push(runs, start..end)?,
         }
         Ok(())
     }
@@ -323,7 +338,8 @@ impl<'a, 'l> Reader<'a, 'l> {
         let new = self.faces.parts.len();
         let part = *self.known.entry((self.name.clone(), self.material.clone(), has_uvs)).or_insert(new);
         if part == new {
-            self.load.charge(PART_BYTES)?;
+            let names = self.name.len() + self.material.as_ref().map_or(0, String::len);
+            self.load.charge(PART_BYTES + NAME_COPIES * names as u64)?;
             let (name, material) = (self.name.clone(), self.material.clone());
             self.faces.parts.push(Part { name, material, material_line: self.material_line, runs: Vec::new() });
         }

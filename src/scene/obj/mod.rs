@@ -47,7 +47,7 @@ use super::{
 use crate::disk;
 
 /// Shares of the steps of a load in its time, for the percentage: of a file of 10 million triangles without normals.
-const SHARES: [f32; 4] = [0.3, 0.35, 0.2, 0.15];
+const SHARES: [f32; 5] = [0.25, 0.35, 0.15, 0.15, 0.1];
 
 /// Largest coordinate that is kept: a product of three such numbers, as in a determinant, is still finite in f32.
 const MAX_COORDINATE: f32 = 1e12;
@@ -76,7 +76,7 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
 
 /// Loads a model like [`load`], with the given meaning of `Tr` and under the given control.
 pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result<Loaded, SceneError> {
-    let [share_of_lists, share_of_faces, share_of_normals, share_of_vertices] = SHARES;
+    let [share_of_lists, share_of_faces, share_of_normals, share_of_vertices, share_of_textures] = SHARES;
     let mut load = Load::new(path, control);
     let mut warnings = Warnings::default();
     load.begin(share_of_lists);
@@ -107,6 +107,7 @@ pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result
     load.free(std::mem::take(&mut faces.triangles));
     lists.free(&mut load);
 
+    load.begin(share_of_textures);
     let libraries = libraries::read(path, &faces.libraries, &mut warnings);
     let tr_is_opacity = libraries.tr_is_opacity(tr, &faces.parts, &mut warnings);
     libraries.warn_if_unused(path, &faces, &mut warnings);
@@ -127,10 +128,14 @@ pub fn load_with(path: &Path, tr: TrMeaning, control: LoadControl<'_>) -> Result
 }
 
 fn read_text(path: &Path, warnings: &mut Warnings, load: &mut Load<'_>) -> Result<String, SceneError> {
+    let unusable = |reason| SceneError::Unusable { path: path.to_owned(), reason };
+    // Latin-1 text takes up to twice its length besides.
+    let transient = 3 * disk::length(path);
+    load.charge(transient).map_err(unusable)?;
     let bytes = disk::read(path, load.memory().bytes())
         .map_err(|source| SceneError::Unreadable { path: path.to_owned(), source })?;
-    let unusable = |reason| SceneError::Unusable { path: path.to_owned(), reason };
     let decoded = decode::decode(bytes).map_err(unusable)?;
+    load.release(transient);
     load.charge(decoded.text.capacity() as u64).map_err(unusable)?;
     if decoded.padded {
         let line = decode::lines(&decoded.text).count() + usize::from(decoded.text.ends_with(['\n', '\r']));
@@ -162,8 +167,9 @@ fn assemble<'a>(
     scale_down(path, &mut meshes, warnings);
     let mut library = Library::default();
     let mut instances = Vec::with_capacity(faces.parts.len());
-    for (part, mut data) in faces.parts.iter().zip(meshes) {
-        materials.textures.check()?;
+    let count = faces.parts.len() + materials.libraries.descriptions.len();
+    for (done, (part, mut data)) in faces.parts.iter().zip(meshes).enumerate() {
+        materials.textures.advance(done as f32 / count as f32)?;
         let part_name = if part.name.is_empty() { name.clone() } else { part.name.clone() };
         data.name.clone_from(&part_name);
         let material = materials.of(part, !data.colors.is_empty(), &mut library, warnings);
@@ -178,9 +184,11 @@ fn assemble<'a>(
         });
     }
     // Materials that no face uses come last: they can be looked at, and must not take memory from those that are used.
-    for name in materials.libraries.descriptions.keys() {
+    for (done, name) in (faces.parts.len()..).zip(materials.libraries.descriptions.keys()) {
+        materials.textures.advance(done as f32 / count as f32)?;
         materials.get(Name::Described(name), &mut library, warnings);
     }
+    materials.textures.advance(1.0)?;
     let home = Camera::look_at(Vec3::Z, Vec3::ZERO);
     let mut scene = Scene { name, library, instances, background: BACKGROUND, home };
     scene.home = scene.first_view(UpAxis::guess(scene.bounds()));

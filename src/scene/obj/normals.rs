@@ -45,7 +45,8 @@ pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_
     }
     let given = normals.capacity();
     let transient = bytes_of::<Vec3>(triangles.len()) + bytes_of::<u32>(positions.len() + 3 * triangles.len());
-    load.charge(transient)?;
+    let most = bytes_of::<Vec3>(3 * triangles.len());
+    load.charge(transient.saturating_add(most))?;
     let mut uses_crease = false;
     let smoothing_of = |triangle: usize| {
         let later = smoothing.partition_point(|run| run.first <= triangle);
@@ -87,7 +88,7 @@ pub(super) fn fill(lists: &mut Attributes, faces: &mut Faces, load: &mut Load<'_
             }
         }
     }
-    load.release(transient);
+    load.release(transient + most);
     load.charge(bytes_of::<Vec3>(normals.capacity() - given))?;
     Ok(uses_crease)
 }

@@ -6,7 +6,7 @@
 //!
 //! - a fan, if every triangle of it has positive area: linear, and keeps corners in the middle of an edge;
 //! - clipping of ears (Meisters, 1975; Held, 2001, by the crate `earcut`), if there are few corners: cubic at worst;
-//! - monotone pieces (Garey et al., 1978, by the crate `i_triangle`), if the outline is simple: O(n log n);
+//! - a sweep ([`sweep`]), if the outline does not touch itself: O(n log n);
 //! - regions by winding number ([`winding`]), which adds the points where the outline crosses itself;
 //! - a plain fan, if the face is far from flat and its projection crosses itself, or if it crosses itself too often.
 //!
@@ -14,7 +14,7 @@
 //! neither overflow nor vanish.
 
 mod grid;
-mod simple;
+mod sweep;
 mod winding;
 
 use earcut::Earcut;
@@ -49,6 +49,8 @@ pub(super) enum Outcome {
     NoArea,
     /// The face crosses itself; the triangles cover its regions by winding number.
     Crossing,
+    /// The face is far from flat and its outline crosses itself in projection; the triangles are a fan.
+    NotFlat,
     /// The face crosses itself too often; the triangles are a fan.
     TooManyCrossings,
 }
@@ -87,8 +89,14 @@ pub(super) struct Triangulator {
 }
 
 impl Triangulator {
-    /// Replaces the content of `result` by the triangles of the polygon with these corners.
-    pub(super) fn triangulate(&mut self, corners: &[Vec3], result: &mut Triangulation) -> Outcome {
+    /// Replaces the content of `result` by the triangles of the polygon with these corners. Once it is cancelled, they are a
+    /// fan.
+    pub(super) fn triangulate(
+        &mut self,
+        corners: &[Vec3],
+        result: &mut Triangulation,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> Outcome {
         let Triangulation { triangles, crossings } = result;
         triangles.clear();
         crossings.clear();
@@ -102,7 +110,7 @@ impl Triangulator {
             triangles.extend(fan(apex, count).map(|t| t.map(|corner| corner as u32)));
             return Outcome::Whole;
         }
-        let is_whole = self.cut(flat.doubled_area, least, triangles);
+        let is_whole = self.cut(flat.doubled_area, least, triangles, is_cancelled);
         if is_whole && (triangles.len() == count - 2 || flat.is_flat()) {
             return Outcome::Whole;
         }
@@ -110,9 +118,9 @@ impl Triangulator {
         if !flat.is_flat() {
             // What has no area on the plane may have one in space and leave a hole.
             triangles.extend(solid_fan(corners));
-            return Outcome::Whole;
+            return if is_whole { Outcome::Whole } else { Outcome::NotFlat };
         }
-        match winding::triangulate(&grid::to_grid(&self.flat), crossings) {
+        match winding::triangulate(&grid::to_grid(&self.flat), crossings, is_cancelled) {
             Some(regions) if regions.is_empty() => Outcome::NoArea,
             Some(regions) => {
                 triangles.extend(regions);
@@ -132,21 +140,27 @@ impl Triangulator {
     }
 
     /// Cuts the face if its outline does not cross itself. Returns whether the triangles cover just what the face covers.
-    fn cut(&mut self, doubled_area: f64, least: f64, triangles: &mut Vec<[u32; 3]>) -> bool {
+    fn cut(
+        &mut self,
+        doubled_area: f64,
+        least: f64,
+        triangles: &mut Vec<[u32; 3]>,
+        is_cancelled: &dyn Fn() -> bool,
+    ) -> bool {
         let count = self.flat.len();
-        let simple = || Some(grid::to_grid(&self.flat)).filter(|corners| simple::is_simple(corners));
+        let swept = || sweep::triangulate(&grid::to_grid(&self.flat), is_cancelled);
         if count <= MAX_EAR_CORNERS {
             self.earcut.earcut(self.flat.iter().map(DVec2::to_array), &[], &mut self.ears);
             triangles.extend(self.ears.as_chunks::<3>().0);
-        } else if let Some(corners) = simple() {
-            triangles.extend(winding::simple(&corners));
+        } else if let Some(swept) = swept() {
+            triangles.extend(swept);
         }
         let area = |triangle: &[u32; 3]| self.doubled_area(triangle.map(|corner| corner as usize));
         let turns_alike = triangles.iter().all(|triangle| area(triangle) >= -least);
         triangles.retain(|triangle| area(triangle) > least);
         let covered: f64 = triangles.iter().map(area).sum();
         // Areas of clipped ears add up to that of the outline, unless ears are missing: those may cancel.
-        let is_complete = triangles.len() == count - 2 || count > MAX_EAR_CORNERS || simple().is_some();
+        let is_complete = triangles.len() == count - 2 || count > MAX_EAR_CORNERS || swept().is_some();
         covered > 0.0 && turns_alike && is_complete && (covered - doubled_area).abs() <= AREA_TOLERANCE * doubled_area
     }
 
@@ -162,7 +176,11 @@ impl Triangulator {
         let largest = areas().max_by(|a, b| a.length_squared().total_cmp(&b.length_squared())).unwrap_or(DVec3::ZERO);
         let aligned: DVec3 = areas().map(|area| if area.dot(largest) < 0.0 { -area } else { area }).sum();
         let is_cancelled = newell.length() < CANCELLATION * aligned.length();
-        let normal = if is_cancelled { aligned } else { newell };
+        let normal = match is_cancelled {
+            true if newell.dot(aligned) < 0.0 => -aligned,
+            true => aligned,
+            false => newell,
+        };
         let Some(unit) = (normal / normal.abs().max_element()).try_normalize() else {
             return Flat { doubled_area: 0.0, scale: 0.0, height: 0.0 };
         };
@@ -203,7 +221,7 @@ mod tests {
 
     fn triangulate(corners: &[Vec3]) -> (Vec<[u32; 3]>, Outcome) {
         let mut result = Triangulation::default();
-        let outcome = Triangulator::default().triangulate(corners, &mut result);
+        let outcome = Triangulator::default().triangulate(corners, &mut result, &|| false);
         assert!(result.crossings.is_empty());
         (result.triangles, outcome)
     }
@@ -211,7 +229,7 @@ mod tests {
     /// Triangles in space of a polygon, the points where it crosses itself included.
     fn triangles_in_space(corners: &[Vec3]) -> (Vec<[Vec3; 3]>, Outcome) {
         let mut result = Triangulation::default();
-        let outcome = Triangulator::default().triangulate(corners, &mut result);
+        let outcome = Triangulator::default().triangulate(corners, &mut result, &|| false);
         let crossing = |crossing: &Crossing| {
             let edge = crossing.edge as usize;
             corners[edge].lerp(corners[(edge + 1) % corners.len()], crossing.place as f32)
@@ -417,6 +435,29 @@ mod tests {
         let (triangles, outcome) = triangulate(&flat(&zigzag.collect::<Vec<_>>()));
         assert_eq!(outcome, Outcome::TooManyCrossings);
         assert!(triangles.len() > 3_900);
+    }
+
+    #[test]
+    fn a_hairline_frame_is_cut_whichever_side_its_largest_triangle_is_on() {
+        let wall = 1e-5;
+        for steps in [1, 23] {
+            let along = |from: [f32; 2], to: [f32; 2]| {
+                (0..steps).map(move |i| [0, 1].map(|k| from[k] + (to[k] - from[k]) * i as f32 / steps as f32))
+            };
+            let outer = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+            let mut points: Vec<[f32; 2]> = (0..3).flat_map(|i| along(outer[i], outer[i + 1])).collect();
+            points.extend([outer[3], [0.0, 1.0 - wall], [1.0 - wall, 1.0 - wall], [1.0 - wall, wall], [0.0, wall]]);
+            let corners = flat(&points);
+            let (triangles, outcome) = triangulate(&corners);
+            assert_eq!((triangles.len(), outcome), (corners.len() - 2, Outcome::Whole));
+            assert!(area_vector(&corners, &triangles).z > 0.0);
+        }
+    }
+
+    #[test]
+    fn a_bent_outline_that_crosses_itself_is_a_fan_and_said_to_be() {
+        let corners = [[0.0, 0.0, 0.0], [4.0, 4.0, 0.0], [4.0, 0.0, 0.5], [0.0, 2.0, 0.0]].map(Vec3::from_array);
+        assert_eq!(triangulate(&corners).1, Outcome::NotFlat);
     }
 
     #[test]

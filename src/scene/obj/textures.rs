@@ -53,9 +53,12 @@ impl<'a> Textures<'a> {
         Self { known: HashMap::new(), load }
     }
 
-    /// Returns an error if the load is cancelled.
-    pub(super) fn check(&self) -> Result<(), SceneError> {
-        self.load.advance(1.0)
+    /// Reports the completed share of all materials, from 0 to 1.
+    ///
+    /// # Errors
+    /// The load is cancelled.
+    pub(super) fn advance(&self, completed: f32) -> Result<(), SceneError> {
+        self.load.advance(completed)
     }
 
     /// Returns the texture of a picture, read now or before. `None` with a warning where it cannot be read or used.
@@ -72,10 +75,17 @@ impl<'a> Textures<'a> {
             Entry::Vacant(place) => place,
         };
         let texture = match read(&path, &mut self.load) {
-            Ok(image) => adapt(image, purpose, &path, &mut warn).and_then(|image| {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                Some(reading.library.add_texture(Texture::new(name, image)?))
-            }),
+            Ok(image) => {
+                let bytes = bytes_of_texels(image.size());
+                let texture = adapt(image, purpose, &path, &mut warn).and_then(|image| {
+                    let name = path.file_name().unwrap_or_default().to_string_lossy();
+                    Some(reading.library.add_texture(Texture::new(name, image)?))
+                });
+                if texture.is_none() {
+                    self.load.release(bytes);
+                }
+                texture
+            }
             Err(reason) if purpose == Use::Color => {
                 warn(format!("texture left out, the plain colour is used: {reason}"));
                 None
@@ -89,14 +99,18 @@ impl<'a> Textures<'a> {
     }
 }
 
+fn bytes_of_texels((width, height): (u32, u32)) -> u64 {
+    u64::from(width) * u64::from(height) * BYTES_PER_TEXEL
+}
+
 /// Decodes a picture if memory suffices for its size, which its header says.
 fn read(path: &Path, load: &mut Load<'_>) -> Result<Image<Rgba8>, String> {
-    if load.advance(1.0).is_err() {
+    if load.is_cancelled() {
         return Err("loading was cancelled".to_owned());
     }
     let picture = PictureFile::read_header(path).map_err(|e| e.to_string())?;
     let (width, height) = picture.size();
-    let bytes = u64::from(width) * u64::from(height) * BYTES_PER_TEXEL;
+    let bytes = bytes_of_texels((width, height));
     load.charge(bytes).map_err(|reason| format!("{}: {width} × {height} texels, {reason}", path.display()))?;
     picture.decode().map_err(|e| {
         load.release(bytes);

@@ -19,7 +19,7 @@ const TRIANGLES_PER_REPORT: usize = 1 << 14;
 /// Number of vertices at one position from which on they are found by hash: each is compared with all before otherwise.
 const CROWD: usize = 16;
 
-/// A mesh of each part, in their order. Names are left empty.
+/// Returns the meshes of all parts, in their order. Names are left empty.
 ///
 /// # Errors
 /// The load is cancelled, or memory does not suffice: the latter in one sentence.
@@ -36,10 +36,11 @@ pub(super) fn meshes(lists: &Attributes, faces: &Faces, load: &mut Load<'_>) -> 
     }
     load.free(numbering.newest);
     load.free(numbering.vertices);
+    load.release(numbering.crowded_bytes);
     Ok(meshes)
 }
 
-/// Why there are no meshes.
+/// Reason why a step of the load stopped.
 #[derive(Debug)]
 pub(super) enum Stopped {
     /// Memory does not suffice, in one sentence.
@@ -68,6 +69,7 @@ struct Numbering {
     vertices: Vec<Vertex>,
     /// Vertices at crowded positions.
     crowded: HashMap<Corner, u32>,
+    crowded_bytes: u64,
 }
 
 #[derive(Clone, Copy)]
@@ -126,7 +128,7 @@ impl Numbering {
         })
     }
 
-    /// The number of the vertex with this corner's attributes, which is made if it is new.
+    /// Returns the number of the vertex with this corner's attributes, which is made if it is new.
     fn number(&mut self, corner: Corner, load: &mut Load<'_>) -> Result<u32, String> {
         let newest = self.newest[corner.position as usize];
         let (mut older, mut compared) = (newest, 0);
@@ -146,7 +148,9 @@ impl Numbering {
             if let Some(known) = self.crowded.get(&corner) {
                 return Ok(*known);
             }
-            load.charge(bytes_of::<(Corner, u32)>(2))?;
+            let bytes = bytes_of::<(Corner, u32)>(2);
+            load.charge(bytes)?;
+            self.crowded_bytes += bytes;
             self.crowded.insert(corner, new);
         }
         load.push(&mut self.vertices, Vertex { corner, older: newest })?;

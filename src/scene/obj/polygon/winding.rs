@@ -20,8 +20,11 @@ const CROSSINGS_PER_CORNER: usize = 8;
 /// Number of crossings that any polygon may have.
 const FREE_CROSSINGS: usize = 1000;
 
-/// Largest number of pairs of edges with overlapping columns that are compared: about 0.1 s.
-const MAX_PAIRS: usize = 10_000_000;
+/// Largest number of crossings of any polygon: about 100 MB while it is cut.
+const MAX_CROSSINGS: usize = 200_000;
+
+/// Largest number of pairs of edges that are compared because the sweep line meets both: about 0.2 s.
+const MAX_PAIRS: usize = 100_000_000;
 
 /// A point where the outline crosses itself, on the edge from corner `edge` to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,19 +35,14 @@ pub(in crate::scene::obj) struct Crossing {
     pub(in crate::scene::obj) place: f64,
 }
 
-/// Returns the triangulation of a polygon without self-intersections. Triangles have numbers of corners.
-///
-/// The polygon must be simple ([`super::simple::is_simple`]).
-pub(super) fn simple(corners: &[GridPoint]) -> Vec<[u32; 3]> {
-    let numbers: HashMap<GridPoint, u32> = (0..).zip(corners).map(|(number, corner)| (*corner, number)).collect();
-    let IntTriangulation { points, indices } = cutter(corners.len()).uncheck_triangulate_contour(&corners.to_vec());
-    indices.as_chunks::<3>().0.iter().map(|triangle| triangle.map(|index| numbers[&points[index as usize]])).collect()
-}
-
 /// Returns the triangles of the regions by winding number and appends the points that they need to `crossings`: numbers from
-/// `corners.len()` on mean these. `None` if the outline crosses itself too often.
-pub(super) fn triangulate(corners: &[GridPoint], crossings: &mut Vec<Crossing>) -> Option<Vec<[u32; 3]>> {
-    let outline = Outline::new(corners)?;
+/// `corners.len()` on mean these. `None` if the outline crosses itself too often, or once it is cancelled.
+pub(super) fn triangulate(
+    corners: &[GridPoint],
+    crossings: &mut Vec<Crossing>,
+    is_cancelled: &dyn Fn() -> bool,
+) -> Option<Vec<[u32; 3]>> {
+    let outline = Outline::new(corners, is_cancelled)?;
     let mut numbers: HashMap<GridPoint, u32> = HashMap::with_capacity(corners.len());
     for (number, corner) in (0..).zip(corners) {
         numbers.entry(*corner).or_insert(number);
@@ -75,6 +73,9 @@ fn cutter(corners: usize) -> IntTriangulator<i32, u32> {
     IntTriangulator::new(corners, validation, Default::default())
 }
 
+/// Number of edges between tests of cancellation.
+const EDGES_PER_TEST: usize = 1 << 10;
+
 /// Grid steps between the true crossing of two edges and the point that the crate rounds it to, at most, as a power of two.
 const CELL_BITS: u32 = 4;
 
@@ -86,8 +87,8 @@ struct Outline<'a> {
 }
 
 impl<'a> Outline<'a> {
-    /// Finds all crossings; `None` if there are too many.
-    fn new(corners: &'a [GridPoint]) -> Option<Self> {
+    /// Finds all crossings; `None` if there are too many, or once it is cancelled.
+    fn new(corners: &'a [GridPoint], is_cancelled: &dyn Fn() -> bool) -> Option<Self> {
         let mut this = Self { corners, cells: HashMap::new() };
         // An outline that runs along an edge repeatedly crosses others there only once.
         let mut known = HashMap::with_capacity(corners.len());
@@ -96,28 +97,39 @@ impl<'a> Outline<'a> {
             .filter(|([a, b], number)| {
                 a != b && *known.entry([a.min(b), a.max(b)].map(|p| *p)).or_insert(*number) == *number
             })
-            .map(|([a, b], number)| ([a.min(b), a.max(b)], number))
             .collect();
-        edges.sort_unstable();
+        // The sweep line meets fewest edges at once if it moves along the shorter sides of their boxes.
+        let extent = |pick: fn(GridPoint) -> i32| -> u64 {
+            edges.iter().map(|([a, b], _)| u64::from(pick(*a).abs_diff(pick(*b)))).sum()
+        };
+        let by_x = extent(|point| point.x) <= extent(|point| point.y);
+        let range = |[a, b]: [GridPoint; 2], x: bool| {
+            let [a, b] = [a, b].map(|point| if x { point.x } else { point.y });
+            [a.min(b), a.max(b)]
+        };
+        edges.sort_unstable_by_key(|(edge, number)| (range(*edge, by_x)[0], *number));
         let (mut pairs, mut found) = (0, 0);
-        let limit = FREE_CROSSINGS + CROSSINGS_PER_CORNER * corners.len();
+        let limit = (FREE_CROSSINGS + CROSSINGS_PER_CORNER * corners.len()).min(MAX_CROSSINGS);
         let mut active: Vec<([GridPoint; 2], u32)> = Vec::new();
-        for (edge, number) in edges {
+        for (done, (edge, number)) in edges.into_iter().enumerate() {
             pairs += active.len();
-            if pairs > MAX_PAIRS {
+            if pairs > MAX_PAIRS || (done % EDGES_PER_TEST == 0 && is_cancelled()) {
                 return None;
             }
-            active.retain(|(other, _)| other[1].x >= edge[0].x);
+            let ([start, _], across) = (range(edge, by_x), range(edge, !by_x));
+            active.retain(|(other, _)| range(*other, by_x)[1] >= start);
             for (other, other_number) in &active {
-                let is_joint = other.contains(&edge[0]) || other.contains(&edge[1]);
-                if !is_joint && crosses(edge, *other) {
-                    found += 1;
-                    if found > limit {
-                        return None;
-                    }
-                    let cell = intersection(edge, *other).map(|x| x >> CELL_BITS);
-                    this.cells.entry(cell).or_default().extend([number.min(*other_number)]);
+                let other_across = range(*other, !by_x);
+                let is_apart = other_across[0] > across[1] || other_across[1] < across[0];
+                if is_apart || !crosses_inside(edge, *other) {
+                    continue;
                 }
+                found += 1;
+                if found > limit {
+                    return None;
+                }
+                let cell = intersection(edge, *other).map(|x| x >> CELL_BITS);
+                this.cells.entry(cell).or_default().push(number.min(*other_number));
             }
             active.push((edge, number));
         }
@@ -156,6 +168,20 @@ impl<'a> Outline<'a> {
         let offset =
             |from: i32, to: i32, at: i32| f64::from(from) + (f64::from(to) - f64::from(from)) * place - f64::from(at);
         offset(start.x, end.x, point.x).hypot(offset(start.y, end.y, point.y))
+    }
+}
+
+/// Returns whether two segments have more in common than an end.
+fn crosses_inside([a, b]: [GridPoint; 2], [c, d]: [GridPoint; 2]) -> bool {
+    let runs_back = |joint: GridPoint, end: GridPoint, other: GridPoint| {
+        orientation(joint, end, other) == 0 && dot(end, joint, other) > 0
+    };
+    match (a, b) {
+        _ if a == c => runs_back(a, b, d),
+        _ if a == d => runs_back(a, b, c),
+        _ if b == c => runs_back(b, a, d),
+        _ if b == d => runs_back(b, a, c),
+        _ => crosses([a, b], [c, d]),
     }
 }
 
