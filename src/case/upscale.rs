@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::texture::codes;
 use super::{Check, Real, Refusal, check_picture, json};
 use crate::image::{Image, Rgba8};
+use crate::text;
 use crate::upscale::{Anchor, Drawn, Scale, Upscaling};
 
 /// The case.
@@ -63,9 +64,10 @@ impl Upscale {
         let Self { kernel, phase, scale, .. } = self;
         let id = METHOD_OF_KERNEL.iter().find(|(known, _)| known == kernel).map(|(_, id)| *id);
         let how = id.and_then(|id| Upscaling::new(id, scale.0));
-        let how = how.ok_or_else(|| Refusal(format!("no upscaler has the kernel `{kernel}`")))?;
+        let how = how.ok_or_else(|| Refusal(format!("no upscaler has the kernel `{}`", text::message(kernel))))?;
         let anchor = ANCHOR_OF_PHASE.iter().find(|(known, _)| known == phase).map(|(_, anchor)| *anchor);
-        let anchor = anchor.ok_or_else(|| Refusal(format!("no upscaler works in the phase `{phase}`")))?;
+        let anchor =
+            anchor.ok_or_else(|| Refusal(format!("no upscaler works in the phase `{}`", text::message(phase))))?;
         if how.scale().value() != scale.0 {
             let scales: Vec<_> = how.upscaler().offers().scales.iter().map(Scale::to_string).collect();
             let scales = scales.join(", ");
@@ -164,6 +166,14 @@ mod tests {
         for scale in ["2.5", "0.5", "-3", "5", "1.4999", "1e30"] {
             let refusal = enlarged("[0,30]", scale, "bilinear", "corner").unwrap_err();
             assert!(refusal.starts_with("the upscaler `bilinear` does not enlarge by "), "{refusal}");
+        }
+    }
+
+    #[test]
+    fn a_refusal_quotes_no_control_characters() {
+        for (kernel, phase) in [(r"a\u001b[2Jb", "corner"), ("bilinear", r"a\u001b[2Jb")] {
+            let refusal = enlarged("[0,30]", "2", kernel, phase).unwrap_err();
+            assert!(refusal.ends_with("`a\u{fffd}[2Jb`"), "{refusal}");
         }
     }
 }
