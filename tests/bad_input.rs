@@ -4,6 +4,7 @@
 #![expect(clippy::print_stderr, reason = "a test that had nothing to read says so, and the table prints its count")]
 
 mod samples;
+mod sound;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -17,7 +18,8 @@ use rasterscope::inspect::inspect;
 use rasterscope::pipeline::settings::{Culling, Settings};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::{self, Loaded, TrMeaning};
-use rasterscope::scene::{DepthMapping, LoadControl, MemoryLimit, Mesh, SceneError};
+use rasterscope::scene::{LoadControl, MemoryLimit, Mesh, SceneError};
+use sound::sound;
 
 const LONGEST: Duration = Duration::from_secs(10);
 
@@ -116,25 +118,6 @@ fn check(row: &Row, bad: &Path) -> Result<&'static str, String> {
         return Err(format!("a message is not one clear line: {messages:?}"));
     }
     outcome.map_or(Ok(()), |loaded| sound(&loaded)).map(|()| code)
-}
-
-/// Everything in the scene is finite, normals have unit length, and there is something to draw.
-fn sound(loaded: &Loaded) -> Result<(), String> {
-    let scene = &loaded.scene;
-    if scene.triangle_count() == 0 {
-        return Err("an empty scene".to_owned());
-    }
-    for mesh in scene.library.meshes() {
-        if !mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4) {
-            return Err("a normal is no unit vector".to_owned());
-        }
-        let bounds = mesh.bounds();
-        if !((bounds.max - bounds.min).length_squared().is_finite() && mesh.uvs.iter().all(|t| t.is_finite())) {
-            return Err("extent or texture coordinates are not finite".to_owned());
-        }
-    }
-    let matrix = scene.home.clip_from_world(1.5, DepthMapping::Standard);
-    if matrix.is_finite() { Ok(()) } else { Err("the first view is not finite".to_owned()) }
 }
 
 fn areas(mesh: &Mesh) -> f32 {

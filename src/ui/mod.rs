@@ -82,8 +82,8 @@ pub mod app;
 
 mod start;
 
-mod store;
+pub mod store;
 
 pub mod window_time;
 
-pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, run_window, screenshot};
+pub use start::{ScreenshotRequest, Seen, Theme, WindowStart, resumed, run_window, screenshot, workbench};

@@ -205,9 +205,9 @@ fn close_on_signals(context: egui::Context) {
     drop(ctrlc::set_handler(close));
 }
 
-/// The start with what was left last time, as far as it is still there and makes sense: a stored file may be of an older
-/// program, or damaged.
-fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
+/// Returns the start with scene, recipe and view of the last time, as far as they still exist and are sound: stored preferences may
+/// be of an older program, or damaged.
+pub fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
     let Some(source) = preferences.source.clone().map(SceneSource::named) else { return start };
@@ -227,8 +227,8 @@ fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
     }
 }
 
-/// The application, as it starts, with these preferences.
-pub(super) fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
+/// Returns the application as it starts, with these preferences.
+pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -> Workbench {
     let mut session = Session::new(start.scene, start.source, start.recipe, start.camera);
     session.recent = preferences.recent;
     session.hint_closed = preferences.hint_closed;

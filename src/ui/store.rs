@@ -26,23 +26,25 @@ const PAUSE: Duration = Duration::from_millis(200);
 const RETRY: Duration = Duration::from_secs(2);
 
 /// The preferences of a window, kept on disk. Dropping it writes what is still unwritten.
-pub(super) struct Store {
+#[derive(Debug)]
+pub struct Store {
     changes: Option<Sender<Preferences>>,
     thread: Option<JoinHandle<()>>,
     failures: Receiver<String>,
     known: Preferences,
 }
 
-/// What was found on disk.
-pub(super) struct Found {
+/// Preferences found on disk.
+#[derive(Clone, Debug)]
+pub struct Found {
     /// The preferences, or the defaults.
-    pub(super) preferences: Preferences,
+    pub preferences: Preferences,
     /// What could not be read, and where its backup is.
-    pub(super) warning: Option<String>,
+    pub warning: Option<String>,
 }
 
 /// Returns the preferences in `folder`; `None` if there is no file yet.
-pub(super) fn read(folder: &Path) -> Option<Found> {
+pub fn read(folder: &Path) -> Option<Found> {
     let path = folder.join(FILE);
     if !path.exists() {
         return None;
@@ -69,7 +71,7 @@ fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<String>)> {
 
 impl Store {
     /// Keeps preferences in `folder`; `found` is what the window started with.
-    pub(super) fn new(folder: PathBuf, found: Preferences) -> Self {
+    pub fn new(folder: PathBuf, found: Preferences) -> Self {
         let (changes, heard) = channel();
         let (report, failures) = channel();
         let writer = Writer { folder, base: found.clone(), report, has_failed: false };
@@ -78,7 +80,7 @@ impl Store {
     }
 
     /// Writes `now` if it is not what was written last. Returns at once.
-    pub(super) fn keep(&mut self, now: Preferences) {
+    pub fn keep(&mut self, now: Preferences) {
         if let Some(changes) = self.changes.as_ref().filter(|_| now != self.known) {
             // The thread ends only with this.
             drop(changes.send(now.clone()));
@@ -87,7 +89,7 @@ impl Store {
     }
 
     /// Returns failures since the last call.
-    pub(super) fn failures(&self) -> impl Iterator<Item = String> {
+    pub fn failures(&self) -> impl Iterator<Item = String> {
         self.failures.try_iter()
     }
 }

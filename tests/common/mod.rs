@@ -4,7 +4,7 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 #[path = "../samples/mod.rs"]
-mod samples;
+pub(crate) mod samples;
 
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;

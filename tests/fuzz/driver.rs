@@ -1,0 +1,395 @@
+//! Executes a target on one random input after another until the time is over, and saves every input that fails.
+//!
+//! An execution fails if it panics, even where the program catches that, if the target finds a wrong result, if it takes
+//! longer than the target allows, or if the resident memory of the process grows by more than 1 GiB. A failing input
+//! is executed again to confirm it, minimised, and saved below `target/fuzz-findings` with the command that reproduces
+//! it. Files are written before each execution: if an execution ends the whole process, its input is still there, and is
+//! executed first the next time.
+//!
+//! Environment variables: `RASTERSCOPE_FUZZ_SECONDS` (time for each target), `RASTERSCOPE_FUZZ_SEED`,
+//! `RASTERSCOPE_FUZZ_FIRST` (number of the first iteration), and `RASTERSCOPE_FUZZ_INPUT` (folder of a saved input, which
+//! is executed once instead).
+
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant};
+
+use fastrand::Rng;
+
+use crate::input::{Input, NOTES, minimise};
+use crate::{panics, process};
+
+/// Time for each target unless `RASTERSCOPE_FUZZ_SECONDS` is set.
+const SECONDS: f64 = 3.0;
+
+/// Longest execution. Inputs are small: what takes longer has no bound, or one that is too high.
+pub(crate) const LIMIT: Duration = Duration::from_secs(2);
+
+/// An execution that takes so many times the limit, with the time that it waits for a processor, is given up.
+const GIVE_UP: u32 = 30;
+
+/// Largest growth of the resident memory in one execution, bytes.
+const MOST_GROWTH: u64 = 1 << 30;
+
+/// Stack of threads that execute and draw: that of a main thread, as unoptimised kernels for many kinds of lanes are large.
+pub(crate) const STACK_BYTES: usize = 8 << 20;
+
+/// Further executions that a failure of time or memory must survive: another process may have been the reason.
+const CONFIRMATIONS: usize = 2;
+
+/// Time for minimising one input.
+const MINIMISING: Duration = Duration::from_secs(10);
+
+/// Different failures after which a target stops.
+const MOST_FINDINGS: usize = 8;
+
+/// A part of the program that is fed with random inputs.
+pub(crate) trait Target: Send + Sync + 'static {
+    /// Name of the target and of its test.
+    fn name(&self) -> &'static str;
+
+    /// Returns a random input.
+    fn generate(&self, rng: &mut Rng) -> Input;
+
+    /// Executes the input whose files are in `folder`.
+    fn run(&self, folder: &Path) -> Result<(), Failure>;
+
+    /// Longest execution.
+    fn limit(&self) -> Duration {
+        LIMIT
+    }
+
+    /// Largest growth of the resident memory in one execution, bytes.
+    fn most_growth(&self) -> u64 {
+        MOST_GROWTH
+    }
+
+    /// Features that the target needs beside the default ones, for the command that reproduces a failure.
+    fn features(&self) -> &'static str {
+        ""
+    }
+}
+
+/// Reason why an execution failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Failure {
+    /// A panic: place and message.
+    Panic(String),
+    /// A wrong result.
+    Wrong(String),
+    /// Too much time.
+    Slow(Duration),
+    /// Too much memory: bytes that the resident memory grew by.
+    Memory(u64),
+    /// No end within the time after which an execution is given up.
+    Hang(Duration),
+}
+
+impl Failure {
+    /// Returns what failures of the same cause have in common.
+    fn class(&self) -> String {
+        match self {
+            // The place; messages contain values.
+            Self::Panic(text) => format!("panic {}", text.split(": ").next().unwrap_or_default()),
+            Self::Wrong(text) => {
+                let words = text.split(':').next().unwrap_or_default();
+                format!("wrong {}", words.chars().filter(|c| !c.is_ascii_digit()).collect::<String>())
+            }
+            Self::Slow(_) => "slow".to_owned(),
+            Self::Memory(_) => "memory".to_owned(),
+            Self::Hang(_) => "hang".to_owned(),
+        }
+    }
+
+    /// Whether other processes on the machine may be the reason.
+    fn depends_on_load(&self) -> bool {
+        matches!(self, Self::Slow(_) | Self::Memory(_))
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Panic(text) => write!(f, "panicked at {text}"),
+            Self::Wrong(text) => f.write_str(text),
+            Self::Slow(time) => write!(f, "took {:.1} s", time.as_secs_f64()),
+            Self::Memory(bytes) => write!(f, "resident memory grew by {} MiB", bytes >> 20),
+            Self::Hang(time) => write!(f, "did not end within {:.0} s", time.as_secs_f64()),
+        }
+    }
+}
+
+/// What to execute, and where to save what fails.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    /// Time until no further execution is begun.
+    pub(crate) time: Duration,
+    /// Seed of all iterations.
+    pub(crate) seed: u64,
+    /// Number of the first iteration.
+    pub(crate) first: u64,
+    /// Folder of a saved input, which is executed once instead.
+    pub(crate) saved: Option<PathBuf>,
+    /// Folder for findings.
+    pub(crate) findings: PathBuf,
+    /// Folder for the files of the present execution of each target.
+    pub(crate) running: PathBuf,
+}
+
+impl Plan {
+    /// Returns the plan that the environment variables describe.
+    fn from_environment() -> Self {
+        fn variable<T: std::str::FromStr>(name: &str) -> Option<T> {
+            let text = std::env::var(name).ok()?;
+            Some(text.parse().unwrap_or_else(|_| panic!("{name}={text} is not a number")))
+        }
+        let build = Path::new(env!("CARGO_TARGET_TMPDIR"));
+        let findings = build.parent().unwrap_or(build).join("fuzz-findings");
+        // Creating a file in memory takes 0.03 ms, and on a busy disk 2 ms.
+        let memory = Path::new("/dev/shm");
+        let running = if memory.is_dir() {
+            memory.join(format!("rasterscope-fuzz-{:08x}", hash(&findings.to_string_lossy())))
+        } else {
+            findings.join("running")
+        };
+        Self {
+            time: Duration::from_secs_f64(variable("RASTERSCOPE_FUZZ_SECONDS").unwrap_or(SECONDS)),
+            seed: variable("RASTERSCOPE_FUZZ_SEED").unwrap_or(1),
+            first: variable("RASTERSCOPE_FUZZ_FIRST").unwrap_or(0),
+            saved: std::env::var_os("RASTERSCOPE_FUZZ_INPUT").map(PathBuf::from),
+            findings,
+            running,
+        }
+    }
+}
+
+/// The result of a run.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    /// Inputs that were executed.
+    pub(crate) executions: u64,
+    /// Folders of saved inputs with the reason of the failure, one for each class of failures.
+    pub(crate) findings: BTreeMap<PathBuf, Failure>,
+    /// Failures of time or memory that could not be confirmed.
+    pub(crate) unconfirmed: u64,
+    /// Longest execution and its iteration.
+    pub(crate) slowest: (Duration, u64),
+    /// Largest resident memory of the process, bytes.
+    pub(crate) peak: u64,
+    /// Time in all.
+    pub(crate) time: Duration,
+}
+
+/// Runs a target as the environment variables say. Panics if anything is found.
+#[expect(clippy::print_stderr, reason = "the counts of a run are its result")]
+pub(crate) fn fuzz(target: impl Target) {
+    let (target, plan) = (Arc::new(target), Plan::from_environment());
+    let name = target.name();
+    let report = run(&target, &plan);
+    let Report { executions, findings, unconfirmed, slowest: (slowest, iteration), peak, time } = report;
+    let unconfirmed = if unconfirmed > 0 { format!(" ({unconfirmed} more not confirmed)") } else { String::new() };
+    eprintln!(
+        "fuzz {name}: {executions} executions in {:.1} s, {} findings{unconfirmed}, slowest {:.1} ms (seed {}, iteration \
+         {iteration}), peak memory {} MiB",
+        time.as_secs_f64(),
+        findings.len(),
+        slowest.as_secs_f64() * 1e3,
+        plan.seed,
+        peak >> 20,
+    );
+    let listed = findings.iter().map(|(folder, failure)| format!("\n  {}: {failure}", folder.display()));
+    assert!(findings.is_empty(), "fuzz {name}: see {NOTES} in{}", listed.collect::<String>());
+}
+
+/// Runs a target as planned.
+pub(crate) fn run<T: Target>(target: &Arc<T>, plan: &Plan) -> Report {
+    panics::record();
+    let begun = Instant::now();
+    let mut fuzzer = Fuzzer {
+        target: Arc::clone(target),
+        plan,
+        executor: Executor::new(target),
+        running: plan.running.join(target.name()),
+        report: Report::default(),
+    };
+    fuzzer.execute_all(begun);
+    // Nothing is left to be executed first next time; a folder that cannot be removed does no harm.
+    drop(fs::remove_dir_all(&fuzzer.running));
+    Report { time: begun.elapsed(), ..fuzzer.report }
+}
+
+/// A run in progress.
+struct Fuzzer<'a, T> {
+    target: Arc<T>,
+    plan: &'a Plan,
+    executor: Executor,
+    /// Folder with the files of the present execution.
+    running: PathBuf,
+    report: Report,
+}
+
+impl<T: Target> Fuzzer<'_, T> {
+    fn execute_all(&mut self, begun: Instant) {
+        if let Some(saved) = &self.plan.saved {
+            let input = Input::read(saved).expect("a readable folder");
+            if let Err(failure) = self.execute(&input, None) {
+                self.report.findings.insert(saved.clone(), failure);
+            }
+            return;
+        }
+        if let Ok(left) = Input::read(&self.running) {
+            self.check(&left, None);
+        }
+        let mut iteration = self.plan.first;
+        loop {
+            // A generator of its own for each iteration: any of them can be repeated alone.
+            let mut rng = Rng::with_seed(self.plan.seed.rotate_left(32) ^ iteration);
+            let input = self.target.generate(&mut rng);
+            self.check(&input, Some(iteration));
+            let is_over = begun.elapsed() >= self.plan.time || self.report.findings.len() >= MOST_FINDINGS;
+            if is_over || self.executor.is_stuck {
+                return;
+            }
+            iteration += 1;
+        }
+    }
+
+    /// Executes an input. If it fails in a new way, confirms, minimises and saves it.
+    fn check(&mut self, input: &Input, iteration: Option<u64>) {
+        let Err(failure) = self.execute(input, iteration) else { return };
+        let class = failure.class();
+        if self.report.findings.values().any(|known| known.class() == class) {
+            return;
+        }
+        let fails_again = |fuzzer: &mut Self, input: &Input| {
+            fuzzer.execute(input, None).is_err_and(|failure| failure.class() == class)
+        };
+        let again = !self.executor.is_stuck && (0..CONFIRMATIONS).all(|_| fails_again(self, input));
+        if failure.depends_on_load() && !again {
+            self.report.unconfirmed += 1;
+            return;
+        }
+        let deadline = Instant::now() + MINIMISING;
+        let least = if again {
+            minimise(input.clone(), deadline, |candidate| !self.executor.is_stuck && fails_again(self, candidate))
+        } else {
+            input.clone()
+        };
+        let folder = self.save(&least, input.size(), &failure, iteration);
+        self.report.findings.insert(folder, failure);
+    }
+
+    fn execute(&mut self, input: &Input, iteration: Option<u64>) -> Result<(), Failure> {
+        input.write(&self.running).expect("a folder that can be written to");
+        let limit = self.target.limit();
+        let outcome = self.executor.execute(&self.running, limit * GIVE_UP);
+        self.report.executions += 1;
+        self.report.peak = self.report.peak.max(outcome.peak);
+        if let Some(iteration) = iteration.filter(|_| outcome.time > self.report.slowest.0) {
+            self.report.slowest = (outcome.time, iteration);
+        }
+        match outcome.result {
+            Ok(()) if outcome.time > limit => Err(Failure::Slow(outcome.time)),
+            Ok(()) if outcome.growth > self.target.most_growth() => Err(Failure::Memory(outcome.growth)),
+            result => result,
+        }
+    }
+
+    /// Saves a failing input; returns its folder, whose name stands for the class of the failure.
+    fn save(&self, input: &Input, size: usize, failure: &Failure, iteration: Option<u64>) -> PathBuf {
+        let name = self.target.name();
+        let folder = self.plan.findings.join(format!("{name}-{:08x}", hash(&failure.class())));
+        input.write(&folder).expect("a folder that can be written to");
+        let features = match self.target.features() {
+            "" => String::new(),
+            features => format!("--features {features} "),
+        };
+        let command = format!("cargo test {features}--test fuzz -- --exact {name} --nocapture");
+        let seed = self.plan.seed;
+        let found = iteration.map_or_else(
+            || "found in an input that an earlier process left".to_owned(),
+            |n| format!("found by RASTERSCOPE_FUZZ_SEED={seed} RASTERSCOPE_FUZZ_FIRST={n} RASTERSCOPE_FUZZ_SECONDS=0 {command}"),
+        );
+        let notes = format!(
+            "{failure}\n\nRASTERSCOPE_FUZZ_INPUT={} {command}\n\n{found}\n{} bytes, {size} before minimising\n",
+            folder.display(),
+            input.size(),
+        );
+        fs::write(folder.join(NOTES), notes).expect("a folder that can be written to");
+        folder
+    }
+}
+
+/// FNV-1a: equal on every platform.
+fn hash(text: &str) -> u32 {
+    text.bytes().fold(0x811C_9DC5, |hash, byte| (hash ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+}
+
+/// A thread that executes inputs, so that one that never ends can be given up.
+struct Executor {
+    folders: Sender<PathBuf>,
+    outcomes: Receiver<Outcome>,
+    /// Whether an execution was given up: nothing more can be executed.
+    is_stuck: bool,
+}
+
+/// The course of one execution.
+struct Outcome {
+    result: Result<(), Failure>,
+    time: Duration,
+    /// Growth of the resident memory, bytes.
+    growth: u64,
+    /// Largest resident memory of the process, bytes.
+    peak: u64,
+}
+
+impl Executor {
+    fn new<T: Target>(target: &Arc<T>) -> Self {
+        let ((folders, inbox), (outbox, outcomes)) = (channel::<PathBuf>(), channel());
+        let target = Arc::clone(target);
+        std::thread::Builder::new()
+            .name(format!("{}{}", panics::THREADS, target.name()))
+            .stack_size(STACK_BYTES)
+            .spawn(move || {
+                for folder in inbox {
+                    // Nobody waits for an execution that was given up.
+                    drop(outbox.send(outcome(&*target, &folder)));
+                }
+            })
+            .expect("a thread");
+        Self { folders, outcomes, is_stuck: false }
+    }
+
+    fn execute(&mut self, folder: &Path, longest: Duration) -> Outcome {
+        self.folders.send(folder.to_owned()).expect("the thread catches panics");
+        match self.outcomes.recv_timeout(longest) {
+            Ok(outcome) => outcome,
+            Err(RecvTimeoutError::Timeout) => {
+                self.is_stuck = true;
+                Outcome { result: Err(Failure::Hang(longest)), time: longest, growth: 0, peak: 0 }
+            }
+            Err(RecvTimeoutError::Disconnected) => unreachable!("the thread catches panics"),
+        }
+    }
+}
+
+/// Executes a target, on the thread that is made for it.
+fn outcome<T: Target>(target: &T, folder: &Path) -> Outcome {
+    let meter = process::PeakMeter::start();
+    let begun = process::Stopwatch::start();
+    let result = catch_unwind(AssertUnwindSafe(|| target.run(folder)));
+    let time = begun.elapsed();
+    let (peak, growth) = meter.finish();
+    let result = match (panics::take_own(), result) {
+        (Some(panic), _) => Err(Failure::Panic(panic)),
+        (None, Ok(result)) => result,
+        // Raised again here by a pool of threads, one of which panicked.
+        (None, Err(_)) => Err(Failure::Panic(panics::take_elsewhere().unwrap_or_default())),
+    };
+    Outcome { result, time, growth, peak }
+}

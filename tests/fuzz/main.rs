@@ -1,0 +1,45 @@
+//! Fuzzing: random inputs for every part of the program that reads what others wrote, and for the window.
+//!
+//! [`driver`] describes the environment variables and what is saved of inputs that fail. A new target is one file that
+//! implements [`driver::Target`], and one line here.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../sound/mod.rs"]
+mod sound;
+
+mod cases;
+mod driver;
+mod equal;
+mod images;
+mod input;
+mod mutate;
+mod obj;
+mod panics;
+#[cfg(feature = "ui")]
+mod preferences;
+mod process;
+mod recipes;
+mod seeds;
+mod self_test;
+mod strings;
+#[cfg(feature = "window-tests")]
+mod window;
+
+macro_rules! targets {
+    ($($(#[$condition:meta])* $test:ident: $target:expr;)+) => {
+        $(#[test] $(#[$condition])* fn $test() {
+            driver::fuzz($target);
+        })+
+    };
+}
+
+targets! {
+    obj: obj::Obj;
+    images: images::Images;
+    cases: cases::Cases;
+    strings: strings::Strings;
+    recipes: recipes::Recipes;
+    #[cfg(feature = "ui")] preferences: preferences::StoredPreferences;
+    #[cfg(feature = "window-tests")] window: window::Window;
+}

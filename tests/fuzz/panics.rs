@@ -1,0 +1,55 @@
+//! Panics during executions: recorded with their place instead of printed.
+//!
+//! A panic that the program itself catches and reports is recorded as well: it is an error of the program either way.
+
+use std::cell::RefCell;
+use std::panic::PanicHookInfo;
+use std::sync::{Mutex, Once, PoisonError};
+use std::thread;
+
+/// Start of the names of the threads that execute targets.
+pub(crate) const THREADS: &str = "fuzz ";
+
+/// Name of the renderer's thread of the window.
+const RENDERER: &str = "renderer";
+
+thread_local! {
+    /// Panics of this thread since they were last taken.
+    static OWN: RefCell<Vec<String>> = const { RefCell::new(Vec::new()) };
+}
+
+/// The last panic of a thread that a target started.
+static ELSEWHERE: Mutex<Option<String>> = Mutex::new(None);
+
+/// Starts recording. Panics of other threads, such as failed assertions of tests, are still printed.
+pub(crate) fn record() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let print = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |info| match thread::current().name() {
+            Some(name) if name.starts_with(THREADS) => OWN.with_borrow_mut(|own| own.push(described(info))),
+            // Threads of pools and tasks have no name.
+            None | Some(RENDERER) => {
+                *ELSEWHERE.lock().unwrap_or_else(PoisonError::into_inner) = Some(described(info));
+            }
+            Some(_) => print(info),
+        }));
+    });
+}
+
+/// Takes the first panic of this thread since the last call.
+pub(crate) fn take_own() -> Option<String> {
+    OWN.take().into_iter().next()
+}
+
+/// Takes the last panic of a thread that a target started.
+pub(crate) fn take_elsewhere() -> Option<String> {
+    ELSEWHERE.lock().unwrap_or_else(PoisonError::into_inner).take()
+}
+
+/// Returns `src/file.rs:12: message`.
+fn described(info: &PanicHookInfo<'_>) -> String {
+    let place = info.location().map_or_else(String::new, |place| format!("{}:{}: ", place.file(), place.line()));
+    let message = info.payload_as_str().unwrap_or("no message");
+    format!("{place}{message}")
+}

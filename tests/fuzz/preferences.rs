@@ -1,0 +1,147 @@
+//! Target: stored preferences, changed at any place, that a window starts with.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use eframe::egui::{Theme, Vec2};
+use fastrand::Rng;
+use rasterscope::chain::Recipe;
+use rasterscope::scene::{MemoryLimit, SceneSource};
+use rasterscope::ui::app::Workbench;
+use rasterscope::ui::command::Command;
+use rasterscope::ui::headless::Headless;
+use rasterscope::ui::place::{self, Bookmark};
+use rasterscope::ui::session::{PictureSize, Preferences, Session};
+use rasterscope::ui::worker::Worker;
+use rasterscope::ui::{Seen, WindowStart, resumed, store, workbench};
+use serde_json::Value;
+
+use crate::driver::{Failure, Target};
+use crate::images::check_message;
+use crate::input::Input;
+use crate::{mutate, strings};
+
+/// Name of the file, as the program calls it.
+const FILE: &str = "preferences.json";
+
+/// Bookmarks that are gone to.
+const MOST_BOOKMARKS: usize = 3;
+
+/// Size of the window, points: small pictures are drawn faster.
+const WINDOW: Vec2 = Vec2::new(900.0, 560.0);
+
+/// Preferences.
+pub(crate) struct StoredPreferences;
+
+impl Target for StoredPreferences {
+    fn name(&self) -> &'static str {
+        "preferences"
+    }
+
+    fn generate(&self, rng: &mut Rng) -> Input {
+        let mut tree: Value = serde_json::from_str(&preferences(rng).write()).expect("sound");
+        if rng.u8(..16) > 0 {
+            mutate::json(rng, &mut tree);
+        }
+        mutate::shrink_sizes(&mut tree);
+        let mut text = format!("{tree:#}").into_bytes();
+        if rng.u8(..8) == 0 {
+            mutate::bytes(rng, &mut text);
+        }
+        Input::file(FILE, text)
+    }
+
+    fn run(&self, folder: &Path) -> Result<(), Failure> {
+        // Backups are written beside the file.
+        let copy = tempfile::tempdir_in(folder).map_err(|error| Failure::Wrong(error.to_string()))?;
+        let Ok(bytes) = std::fs::read(folder.join(FILE)) else { return Ok(()) };
+        std::fs::write(copy.path().join(FILE), &bytes).map_err(|error| Failure::Wrong(error.to_string()))?;
+        let found = store::read(copy.path()).ok_or_else(|| Failure::Wrong("no preferences found".to_owned()))?;
+        check_backup(copy.path(), &bytes, found.warning.as_deref())?;
+        check_written(&found.preferences)?;
+        start(found.preferences)
+    }
+}
+
+/// Returns sound preferences.
+fn preferences(rng: &mut Rng) -> Preferences {
+    let source = SceneSource::named("triangle".into());
+    let scene = source.load().expect("built in").scene;
+    let mut recipe = Recipe::default();
+    for _ in 0..rng.u8(..4) {
+        let setting = strings::sound_setting(rng);
+        // Filters and samples are another target's: the picture is as large as the canvas here, and they take long.
+        if !setting.starts_with("post.") && !setting.starts_with("antialias.") {
+            // Settings that are refused change nothing.
+            let _ = recipe.set(&setting);
+        }
+    }
+    let camera = scene.home;
+    let mut session = Session::new(Arc::new(scene), source, recipe, camera);
+    session.pick = rng.bool().then_some((20, 10));
+    session.state.size = *mutate::pick(rng, &[PictureSize::Canvas, PictureSize::Fixed(96, 64)]);
+    let bookmark = |session: &Session| Bookmark { name: "kept".to_owned(), place: session.place() };
+    session.places.bookmarks = (0..rng.usize(..3)).map(|_| bookmark(&session)).collect();
+    session.watch.pixels = (0..rng.u32(..4)).map(|n| (n * 7, n)).collect();
+    session.recent = (0..rng.usize(..3)).map(|n| format!("/models/{n}.obj").into()).collect();
+    session.preferences(rng.bool(), *mutate::pick(rng, &[0.0, 1.0, 1.5]))
+}
+
+/// Checks that a warning comes with a backup of the whole file, and that there is none without.
+fn check_backup(folder: &Path, bytes: &[u8], warning: Option<&str>) -> Result<(), Failure> {
+    let backup = std::fs::read(folder.join("preferences-backup.json")).ok();
+    match (warning, backup) {
+        (None, None) => Ok(()),
+        (Some(warning), Some(backup)) if backup == bytes => check_message(warning, FILE),
+        (warning, backup) => {
+            let kept = backup.map_or(0, |backup| backup.len());
+            Err(Failure::Wrong(format!("backup of {kept} bytes after the warning {warning:?}")))
+        }
+    }
+}
+
+/// Checks that preferences are read back as they are written.
+fn check_written(preferences: &Preferences) -> Result<(), Failure> {
+    let text = preferences.write();
+    match Preferences::read_checked(&text) {
+        (read, true) if read == *preferences => Ok(()),
+        (_, is_complete) => {
+            Err(Failure::Wrong(format!("preferences are not read back: complete: {is_complete}, {text}")))
+        }
+    }
+}
+
+/// Starts a window with preferences, goes to its bookmarks, and checks what would be stored in the end.
+fn start(preferences: Preferences) -> Result<(), Failure> {
+    let source = SceneSource::named("triangle".into());
+    let scene = source.load().expect("built in").scene;
+    let camera = scene.home;
+    let start = WindowStart {
+        source,
+        camera,
+        scene: Arc::new(scene),
+        warnings: Vec::new(),
+        recipe: Recipe::default(),
+        mirrored: false,
+        resume: true,
+        seen: Seen::default(),
+        memory_limit: MemoryLimit::default(),
+    };
+    let bookmarks = preferences.bookmarks.len().min(MOST_BOOKMARKS);
+    let scale = if preferences.scale > 0.0 { preferences.scale.clamp(0.5, 3.0) } else { 1.0 };
+    let mut headless = Headless::new(WINDOW, scale, Theme::Dark);
+    let mut app = workbench(resumed(start, &preferences), preferences, Worker::inline());
+    pass(&mut headless, &mut app);
+    for bookmark in 0..bookmarks {
+        app.ask_for(vec![Command::Place(place::Change::Jump(bookmark))]);
+        pass(&mut headless, &mut app);
+        pass(&mut headless, &mut app);
+    }
+    check_written(&app.session().preferences(false, scale))?;
+    let broken = app.session().log.iter().find(|line| line.text.contains("error of the program"));
+    broken.map_or(Ok(()), |line| Err(Failure::Wrong(line.text.clone())))
+}
+
+fn pass(headless: &mut Headless, app: &mut Workbench) {
+    headless.pass(Vec::new(), |ui| app.show(ui));
+}

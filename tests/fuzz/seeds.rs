@@ -1,0 +1,50 @@
+//! Files to start from that are not part of the repository, where there are any.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use crate::common::samples;
+
+/// Largest file that is mutated, bytes.
+const MOST_BYTES: u64 = 16 << 10;
+
+/// A file: its name and its bytes.
+pub(crate) type File = (String, Vec<u8>);
+
+/// Returns the sample files up to 16 KiB that `is_wanted` selects by their suffix, sorted by path; read once for each `kind`.
+pub(crate) fn files(kind: &'static str, is_wanted: fn(&str) -> bool) -> &'static [File] {
+    static KNOWN: Mutex<BTreeMap<&'static str, &'static [File]>> = Mutex::new(BTreeMap::new());
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    known.entry(kind).or_insert_with(|| {
+        let mut paths = Vec::new();
+        collect(&samples::folder(), is_wanted, &mut paths);
+        paths.sort_unstable();
+        let read = |path: &PathBuf| {
+            let name = path.file_name()?.to_str()?.to_owned();
+            Some((name, fs::read(path).ok()?))
+        };
+        // A handful of files, kept until the process ends.
+        Box::leak(paths.iter().filter_map(read).collect())
+    })
+}
+
+/// Whether a suffix is one of pictures.
+pub(crate) fn is_picture(suffix: &str) -> bool {
+    ["png", "jpg", "jpeg", "bmp", "tga", "gif", "tif", "tiff"].contains(&suffix)
+}
+
+fn collect(folder: &Path, is_wanted: fn(&str) -> bool, paths: &mut Vec<PathBuf>) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        let is_small = entry.metadata().is_ok_and(|metadata| metadata.is_file() && metadata.len() <= MOST_BYTES);
+        let suffix = path.extension().and_then(|suffix| suffix.to_str()).unwrap_or_default();
+        if path.is_dir() {
+            collect(&path, is_wanted, paths);
+        } else if is_small && is_wanted(suffix) {
+            paths.push(path);
+        }
+    }
+}

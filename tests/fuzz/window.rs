@@ -1,0 +1,282 @@
+//! Target: pointer, keys, text, files and sizes, in any order, on a whole window.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui::epaint::ClippedShape;
+use eframe::egui::{
+    Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Role, Shape, TouchPhase, Vec2,
+};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use fastrand::Rng;
+use rasterscope::chain::Recipe;
+use rasterscope::scene::SceneSource;
+use rasterscope::ui::app::Workbench;
+use rasterscope::ui::command::Command;
+use rasterscope::ui::session::{PictureSize, Session};
+use rasterscope::ui::theme;
+use rasterscope::ui::worker::Worker;
+
+use crate::cases::Cases;
+use crate::driver::{Failure, LIMIT, Target};
+use crate::images::Images;
+use crate::input::Input;
+use crate::mutate::{pick, word};
+use crate::obj::Obj;
+use crate::panics;
+use crate::process::Stopwatch;
+
+/// Name of the file with the events, one a line.
+const FILE: &str = "events.txt";
+
+/// Built-in scenes that a window starts with: those of few triangles.
+const SCENES: [&str; 4] = ["triangle", "near-plane", "stained-glass", "z-fighting"];
+
+/// Size of the window at first, points.
+const WINDOW: Vec2 = Vec2::new(1280.0, 800.0);
+
+/// Time that the renderer gets after each event; what takes longer goes on while the next events come.
+const RENDERING: Duration = Duration::from_millis(20);
+
+/// Button that opens a dialog of the system, which no test can close.
+const SYSTEM_DIALOG: &str = "Browse …";
+
+/// Widgets that a click does something to.
+const CLICKED: [Role; 8] = [
+    Role::Button,
+    Role::CheckBox,
+    Role::RadioButton,
+    Role::ComboBox,
+    Role::Slider,
+    Role::TextInput,
+    Role::Tab,
+    Role::Link,
+];
+
+/// Windows.
+pub(crate) struct Window;
+
+impl Target for Window {
+    fn name(&self) -> &'static str {
+        "window"
+    }
+
+    fn features(&self) -> &'static str {
+        "window-tests"
+    }
+
+    /// Of all events together; the time of each is limited by [`LIMIT`].
+    fn limit(&self) -> Duration {
+        LIMIT * 30
+    }
+
+    fn generate(&self, rng: &mut Rng) -> Input {
+        let mut input = match rng.u8(..8) {
+            0 => Obj.generate(rng),
+            1 => Cases.generate(rng),
+            2 => Images.generate(rng),
+            _ => Input::default(),
+        };
+        let files: Vec<_> = input.0.keys().cloned().collect();
+        let mut lines = vec![format!("scene {}", word(rng, &SCENES))];
+        for _ in 0..rng.usize(5..40) {
+            lines.push(event(rng));
+        }
+        for file in files {
+            let at = rng.usize(1..=lines.len());
+            lines.insert(at, format!("drop {file}"));
+        }
+        input = input.with(FILE, lines.join("\n") + "\n");
+        input
+    }
+
+    fn run(&self, folder: &Path) -> Result<(), Failure> {
+        let text = std::fs::read_to_string(folder.join(FILE)).unwrap_or_default();
+        let scene = text.lines().find_map(|line| line.strip_prefix("scene ")).unwrap_or(SCENES[0]);
+        let output = tempfile::tempdir_in(folder).map_err(|error| Failure::Wrong(error.to_string()))?;
+        let mut window = window(scene, output.path());
+        for line in text.lines() {
+            let begun = Stopwatch::start();
+            act(&mut window, line, folder);
+            window.step();
+            let taken = begun.elapsed();
+            if taken > LIMIT {
+                return Err(Failure::Slow(taken));
+            }
+            check(&window)?;
+            stop_measurements(&mut window);
+            let begun = Instant::now();
+            while begun.elapsed() < RENDERING && is_behind(window.state().session()) {
+                std::thread::sleep(Duration::from_millis(2));
+                // The window takes what the renderer has sent.
+                window.step();
+            }
+        }
+        window.step();
+        check(&window)
+    }
+}
+
+/// Opens a window on a built-in scene, with a renderer of its own. It saves files in `output`.
+fn window(scene: &str, output: &Path) -> Harness<'static, Workbench> {
+    let source = SceneSource::named(scene.into());
+    let loaded = source.load().map_or_else(|_| SceneSource::default().load().expect("built in").scene, |l| l.scene);
+    let camera = loaded.home;
+    let mut session = Session::new(Arc::new(loaded), source, Recipe::default(), camera);
+    session.state.size = PictureSize::Fixed(96, 54);
+    session.folder = output.to_owned();
+    Harness::builder().with_size(WINDOW).with_step_dt(0.1).build_eframe(|cc| {
+        theme::install(&cc.egui_ctx);
+        Workbench::new(session, Worker::spawn(|| ()))
+    })
+}
+
+/// Whether the frame on screen is not the one that is wanted.
+fn is_behind(session: &Session) -> bool {
+    session.view.as_ref().is_none_or(|view| !view.request.same_view(&session.request()))
+}
+
+/// Cancels measurements, which take long and leave no time for anything else.
+fn stop_measurements(window: &mut Harness<'_, Workbench>) {
+    let app = window.state_mut();
+    let session = app.session();
+    let mut commands = Vec::new();
+    commands.extend(session.stability.progress.is_some().then_some(Command::CancelStability));
+    commands.extend(session.savings.progress.is_some().then_some(Command::CancelPlan));
+    commands.extend(session.growth.progress.is_some().then_some(Command::CancelGrowth));
+    commands.extend(session.measuring.is_some().then_some(Command::CancelMeasure));
+    app.ask_for(commands);
+}
+
+/// Checks that the program reports no error of its own, and that everything is drawn somewhere.
+fn check(window: &Harness<'_, Workbench>) -> Result<(), Failure> {
+    let session = window.state().session();
+    if let Some(line) = session.log.iter().find(|line| line.text.contains("error of the program")) {
+        let panic = panics::take_elsewhere().unwrap_or_default();
+        return Err(Failure::Panic(format!("{panic} ({})", line.text)));
+    }
+    let is_lost = |shape: &ClippedShape| shape.clip_rect.any_nan() || is_nowhere(&shape.shape);
+    match window.output().shapes.iter().find(|shape| is_lost(shape)) {
+        None => Ok(()),
+        Some(shape) => Err(Failure::Wrong(format!("shape at a place that is not a number: {shape:?}"))),
+    }
+}
+
+/// Whether a part of a shape lies at a place that is not a number.
+fn is_nowhere(shape: &Shape) -> bool {
+    match shape {
+        Shape::Vec(parts) => parts.iter().any(is_nowhere),
+        // Text without letters has no bounds.
+        Shape::Text(text) => text.pos.any_nan(),
+        shape => shape.visual_bounding_rect().any_nan(),
+    }
+}
+
+/// Returns a random event as a line. Positions are in thousandths of the window's size.
+fn event(rng: &mut Rng) -> String {
+    let place = |rng: &mut Rng| format!("{} {}", rng.i32(-20..1020), rng.i32(-20..1020));
+    // Over the picture in half of the cases.
+    let place = |rng: &mut Rng| {
+        if rng.bool() { format!("{} {}", rng.i32(250..740), rng.i32(150..700)) } else { place(rng) }
+    };
+    let mods = word(rng, &["-", "-", "-", "-", "c", "s", "cs", "a"]);
+    match rng.u8(..24) {
+        0..=2 => format!("move {}", place(rng)),
+        3..=6 => format!("press {} {mods} {}", word(rng, &["primary", "primary", "secondary", "middle"]), place(rng)),
+        7..=8 => format!("release {} {mods} {}", word(rng, &["primary", "primary", "secondary", "middle"]), place(rng)),
+        9 => format!("wheel {mods} {} {}", pick(rng, &[0.0, 30.0]), pick(rng, &[-1e4, -50.0, 50.0, 400.0, 1e9])),
+        10..=14 => format!("key {mods} {}", pick(rng, Key::ALL).name()),
+        15 => format!(
+            "text {}",
+            word(rng, &["1", "12,5", "tri 0", "-1e39", "800% 3,3", "nan", "shading", "é\u{202e}", "/dev/null"])
+        ),
+        16 => {
+            format!("resize {} {}", pick(rng, &[1, 40, 300, 900, 1280, 2600]), pick(rng, &[1, 40, 300, 560, 800, 1500]))
+        }
+        17 => word(rng, &["wait", "leave", "blur", "focus", "scale 0.5", "scale 2.5", "zoom 0.1", "zoom 8"]).to_owned(),
+        _ => format!("click {}", rng.u16(..400)),
+    }
+}
+
+/// Sends the event of a line. Lines that cannot be read, as happens when an input is minimised, are left out.
+fn act(window: &mut Harness<'_, Workbench>, line: &str, folder: &Path) {
+    let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+    let words: Vec<_> = rest.split(' ').collect();
+    let size = window.input().screen_rect.map_or(WINDOW, |rect| rect.size());
+    let number = |index: usize| words.get(index).and_then(|word| word.parse::<f32>().ok()).unwrap_or(0.0);
+    let place = |index: usize| Pos2::ZERO + size * Vec2::new(number(index), number(index + 1)) / 1000.0;
+    match word {
+        "move" => window.event(Event::PointerMoved(place(0))),
+        "press" | "release" => {
+            let pos = place(2);
+            let is_system_dialog =
+                |node: &egui_kittest::Node<'_>| node.rect().contains(pos) && !node.rect().is_negative();
+            if window.query_all_by_label(SYSTEM_DIALOG).any(|node| is_system_dialog(&node)) {
+                return;
+            }
+            let button = match words[0] {
+                "secondary" => PointerButton::Secondary,
+                "middle" => PointerButton::Middle,
+                _ => PointerButton::Primary,
+            };
+            let modifiers = modifiers(words.get(1));
+            window.event(Event::PointerMoved(pos));
+            window
+                .event_modifiers(Event::PointerButton { pos, button, pressed: word == "press", modifiers }, modifiers);
+        }
+        "wheel" => {
+            let modifiers = modifiers(words.first());
+            let (unit, source, phase) = (MouseWheelUnit::Point, MouseWheelSource::Wheel, TouchPhase::Move);
+            let delta = Vec2::new(number(1), number(2));
+            window.event_modifiers(Event::MouseWheel { unit, delta, source, phase, modifiers }, modifiers);
+        }
+        "key" => {
+            if let Some(key) = words.get(1).and_then(|name| Key::from_name(name)) {
+                window.key_press_modifiers(modifiers(words.first()), key);
+            }
+        }
+        "text" => window.event(Event::Text(rest.to_owned())),
+        "resize" => drop(window.set_size(Vec2::new(number(0), number(1)))),
+        "leave" => window.event(Event::PointerGone),
+        "blur" | "focus" => window.event(Event::WindowFocused(word == "focus")),
+        "scale" => window.ctx.set_zoom_factor(number(0)),
+        "zoom" => window.event(Event::Zoom(number(0))),
+        "click" => click(window, number(0) as usize),
+        "drop" => window.input_mut().dropped_files.push(Arc::new(Dropped(folder.join(rest)))),
+        _ => {}
+    }
+}
+
+/// Clicks one of the widgets that are there, counted around.
+fn click(window: &Harness<'_, Workbench>, number: usize) {
+    let is_clicked = |node: &egui_kittest::Node<'_>| {
+        let node = node.accesskit_node();
+        CLICKED.contains(&node.role()) && node.label().is_none_or(|label| label != SYSTEM_DIALOG)
+    };
+    let nodes: Vec<_> = window.root().children_recursive().filter(is_clicked).collect();
+    if let Some(node) = number.checked_rem(nodes.len()).map(|index| &nodes[index]) {
+        node.scroll_to_me();
+        node.click();
+    }
+}
+
+fn modifiers(word: Option<&&str>) -> Modifiers {
+    let has = |letter: char| word.is_some_and(|word| word.contains(letter));
+    Modifiers { alt: has('a'), ctrl: has('c'), shift: has('s'), mac_cmd: false, command: has('c') }
+}
+
+/// A file that was dropped on the window.
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl eframe::egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
