@@ -96,23 +96,31 @@ fn lock_inputs() -> std::sync::MutexGuard<'static, Option<BTreeSet<PathBuf>>> {
 /// # Errors
 /// The file cannot be written, or it is a protected input. An existing file is then unchanged.
 pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_by(path, |file| file.write_all(bytes))
+}
+
+/// Writes what `produce` writes to `path`, as [`write`] does, piece by piece: for outputs that are not kept in memory.
+///
+/// # Errors
+/// Those of [`write`] and of `produce`. An existing file is then unchanged.
+pub fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => {
             let mut file = OpenOptions::new().write(true).open(path)?;
-            file.write_all(bytes)?;
+            produce(&mut file)?;
             file.flush()
         }
         Target::Replaced(path) => {
             // Fails for a file without write permission, which a rename would replace.
             let permissions = OpenOptions::new().write(true).open(&path)?.metadata()?.permissions();
-            let file = written(folder_of(&path), bytes)?;
+            let file = produced(folder_of(&path), produce)?;
             file.as_file().set_permissions(permissions)?;
             file.persist(&path).map_err(|error| error.error)?;
             sync_folder(folder_of(&path));
             Ok(())
         }
         Target::New(path) => {
-            written(folder_of(&path), bytes)?.persist(&path).map_err(|error| error.error)?;
+            produced(folder_of(&path), produce)?.persist(&path).map_err(|error| error.error)?;
             sync_folder(folder_of(&path));
             Ok(())
         }
@@ -220,6 +228,11 @@ impl Target {
 
 /// A temporary file in `folder` with `bytes`, flushed to the disk. Deleted when dropped.
 fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
+    produced(folder, |file| file.write_all(bytes))
+}
+
+/// A temporary file in `folder` with what `produce` writes, flushed to the disk. Deleted when dropped.
+fn produced(folder: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<NamedTempFile> {
     let mut builder = Builder::new();
     builder.prefix(".rasterscope-").suffix(".tmp");
     #[cfg(unix)]
@@ -229,8 +242,8 @@ fn written(folder: &Path, bytes: &[u8]) -> io::Result<NamedTempFile> {
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
     let mut file = builder.tempfile_in(folder).map_err(|error| plain(&error))?;
-    file.write_all(bytes).map_err(|error| plain(&error))?;
-    if !bytes.is_empty() {
+    produce(&mut file).map_err(|error| plain(&error))?;
+    if file.as_file().metadata()?.len() > 0 {
         file.as_file().sync_all()?;
     }
     Ok(file)

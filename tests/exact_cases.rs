@@ -6,7 +6,7 @@ mod cases;
 use std::collections::HashSet;
 
 use cases::Sample;
-use rasterscope::case::{Answer, Case, Options, Outcome, solve};
+use rasterscope::case::{Answer, Case, Control, Options, Outcome, solve};
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -21,7 +21,7 @@ fn answer(sample: &Sample, options: Options) -> Answer {
 
 fn outcome(sample: &Sample, options: Options) -> Outcome {
     let case = Case::read(&sample.path).unwrap_or_else(|error| panic!("{error}"));
-    let result = solve(&case, options);
+    let result = solve(&case, options, &Control::default()).expect("nothing cancels it");
     assert_eq!(sample.case["id"], result.id);
     result.outcome
 }

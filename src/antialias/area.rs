@@ -51,6 +51,19 @@ impl TriangleArea {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
 
+    /// Number of pixels that are yet to be looked at; an upper bound within a row.
+    pub fn probes_left(&self) -> u64 {
+        self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
+    }
+
+    /// Looks at one pixel. Returns it with its covered area if that is not zero; the outer `None` is the end.
+    pub fn step(&mut self) -> Option<Option<(u32, u32, f64)>> {
+        let (x, y) = self.probe()?;
+        self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
+        let area = self.area(x, y);
+        Some((area > 0.0).then_some((x, y, area)))
+    }
+
     /// Area covered of a pixel.
     fn area(&self, x: u32, y: u32) -> f64 {
         let sides = self.edges.each_ref().map(|edge| edge.side_of_pixel(x, y));
@@ -71,11 +84,8 @@ impl Iterator for TriangleArea {
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
-            let (x, y) = self.probe()?;
-            self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
-            let area = self.area(x, y);
-            if area > 0.0 {
-                return Some((x, y, area));
+            if let Some(pixel) = self.step()? {
+                return Some(pixel);
             }
         }
     }

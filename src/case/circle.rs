@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Refusal, check_length};
+use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::circle::midpoint_circle;
 
 /// The case.
@@ -17,11 +17,13 @@ pub struct Circle {
 impl Check for Circle {}
 
 impl Circle {
-    pub(super) fn answer(&self) -> Result<CircleAnswer, Refusal> {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<CircleAnswer, Unanswered> {
         // Each octant has r / √2 pixels.
-        check_length("circle", u64::from(self.r) * 8 * 5 / 7)?;
+        let count = u64::from(self.r) * 8 * 5 / 7;
+        check_length::<(i64, i64)>("pixels of the circle", count)?;
         let Exactly([x, y]) = self.c;
-        Ok(CircleAnswer { pixels: midpoint_circle((x, y), self.r).collect() })
+        let pixels = midpoint_circle((x, y), self.r).map(Some);
+        Ok(CircleAnswer { pixels: control.collect("pixels of the circle", (0, count), pixels)? })
     }
 }
 

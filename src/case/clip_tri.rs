@@ -2,11 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Covered, Exactly, Float, Options, check_picture};
+use super::{Check, Control, Covered, Exactly, Float, Options, Unanswered, check_length, check_picture};
 use crate::pipeline::depth::depth_at;
 use crate::pipeline::from_clip_space;
 use crate::pipeline::interpolate::{Attributes, interpolate};
-use crate::pipeline::raster::{AnyTriangle, Span, cover};
+use crate::pipeline::raster::{AnyTriangle, Span, cover_in_bands};
 use crate::pipeline::settings::{FillRule, Interpolation};
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
@@ -35,35 +35,63 @@ impl ClipTri {
         Some(corners.map(|Exactly(position)| position.map(|number| number.0)))
     }
 
-    /// Clips, projects, covers and interpolates, as the pipeline does with what its vertex stage gives.
-    pub(super) fn answer(&self, options: Options) -> ClipTriAnswer {
-        let mut answer = ClipTriAnswer { triangles: Vec::new(), attr: Vec::new() };
-        for (number, corners) in (0..self.triangles.len()).filter_map(|n| Some((n, self.corners(n)?))) {
-            let vertices = corners.map(|position| ClipVertex::at(position.into()));
-            let mut spans = Vec::new();
-            for piece in from_clip_space(&vertices, &[[0, 1, 2]], options.arithmetic, self.viewport(), &mut ()) {
-                let covered = self.cover(&piece, options);
-                let edges = AnyTriangle::new(options.arithmetic, piece.corners_px(), FillRule::TopLeft);
-                let samples =
-                    covered.iter().flat_map(|span| pixels(*span)).filter_map(|pixel| Some(edges?.sample(pixel)));
-                answer.attr.extend(samples.map(|sample| {
-                    let p = interpolate(&piece, sample, Attributes::all(Interpolation::Perspective)).source_weights;
-                    let z = depth_at(&piece, &sample);
-                    (number, sample.x, sample.y, p.x.into(), p.y.into(), p.z.into(), z.into())
-                }));
-                spans.extend(covered);
-            }
-            answer.triangles.push(Covered::new(&spans));
-        }
-        answer
-    }
-
-    fn cover(&self, piece: &ScreenTriangle, options: Options) -> Vec<Span> {
-        cover(options.rasterizer, options.arithmetic, piece.corners_px(), FillRule::TopLeft, self.viewport())
-    }
-
-    fn viewport(&self) -> Viewport {
+    /// Size of the picture, px.
+    pub fn viewport(&self) -> Viewport {
         Viewport { width: self.width, height: self.height }
+    }
+
+    /// Clips and projects one of the triangles, as the pipeline does with what its vertex stage gives.
+    fn pieces(&self, triangle: usize, options: Options) -> Vec<ScreenTriangle> {
+        let Some(corners) = self.corners(triangle) else { return Vec::new() };
+        let vertices = corners.map(|position| ClipVertex::at(position.into()));
+        from_clip_space(&vertices, &[[0, 1, 2]], options.arithmetic, self.viewport(), &mut ())
+    }
+
+    /// Covers one of the triangles. `take` gets the spans of each of its pieces, in bands of rows from the top.
+    pub(crate) fn cover(
+        &self,
+        triangle: usize,
+        options: Options,
+        mut take: impl FnMut(&ScreenTriangle, &[Span]) -> Result<(), Unanswered>,
+    ) -> Result<(), Unanswered> {
+        let how = (options.rasterizer, options.arithmetic, FillRule::TopLeft);
+        self.pieces(triangle, options).iter().try_for_each(|piece| {
+            cover_in_bands(how, piece.corners_px(), self.viewport(), |spans, _| take(piece, spans))
+        })
+    }
+
+    /// Clips, projects, covers and interpolates, as the pipeline does with what its vertex stage gives.
+    pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<ClipTriAnswer, Unanswered> {
+        let count = self.triangles.len();
+        let mut answer = ClipTriAnswer { triangles: Vec::with_capacity(count), attr: Vec::new() };
+        let mut listed = 0;
+        for number in 0..count {
+            // Everything is counted before anything of the triangle is listed.
+            self.cover(number, options, |_, spans| {
+                listed += spans.iter().map(|span| u64::from(span.right - span.left)).sum::<u64>();
+                check_length::<ClipSample>("samples", listed)?;
+                control.check()
+            })?;
+            let before = answer.attr.len() as f64;
+            let of = (listed as f64 - before).max(1.0);
+            let mut covered = Covered::default();
+            self.cover(number, options, |piece, spans| {
+                let edges = AnyTriangle::new(options.arithmetic, piece.corners_px(), FillRule::TopLeft);
+                for span in spans {
+                    let samples = pixels(*span).filter_map(|pixel| Some(edges?.sample(pixel)));
+                    answer.attr.extend(samples.map(|sample| {
+                        let p = interpolate(piece, sample, Attributes::all(Interpolation::Perspective)).source_weights;
+                        let z = depth_at(piece, &sample);
+                        (number, sample.x, sample.y, p.x.into(), p.y.into(), p.z.into(), z.into())
+                    }));
+                    control.step((number as f64 + (answer.attr.len() as f64 - before) / of) / count as f64)?;
+                }
+                covered.add(spans);
+                Ok(())
+            })?;
+            answer.triangles.push(covered);
+        }
+        Ok(answer)
     }
 }
 
@@ -71,12 +99,14 @@ fn pixels(span: Span) -> impl Iterator<Item = (u32, u32)> {
     (span.left..span.right).map(move |x| (x, span.row))
 }
 
+/// Number of the triangle; column and row; perspective-correct weights p0, p1, p2 of the triangle's own corners; and depth.
+pub type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
+
 /// The answer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClipTriAnswer {
     /// One for each triangle.
     pub triangles: Vec<Covered>,
-    /// For each covered pixel the number of the triangle; column and row; perspective-correct weights p0, p1, p2 of the
-    /// triangle's own corners; and depth.
-    pub attr: Vec<(usize, u32, u32, f64, f64, f64, f64)>,
+    /// One for each covered pixel.
+    pub attr: Vec<ClipSample>,
 }

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Refusal, SampleAttributes, TriAttr, Vertex};
+use super::tri_attr::{TriangleSamples, check_pixels, check_vertices};
+use super::{Check, Control, Exactly, SampleAttributes, Unanswered, Vertex, check_length};
 use crate::pipeline::settings::Arithmetic;
 
 /// The case.
@@ -18,19 +19,26 @@ pub struct CoplanarPair {
 
 impl Check for CoplanarPair {
     fn check(&self) -> Result<(), String> {
-        self.halves().iter().try_for_each(Check::check)
+        check_vertices(&self.first)?;
+        check_vertices(&self.second)?;
+        check_pixels(&self.eval)
     }
 }
 
 impl CoplanarPair {
-    fn halves(&self) -> [TriAttr; 2] {
-        [&self.first, &self.second].map(|vertices| TriAttr { vertices: *vertices, eval: self.eval.clone() })
-    }
-
     /// What the pipeline interpolates in each.
-    pub(super) fn answer(&self, arithmetic: Arithmetic) -> Result<CoplanarPairAnswer, Refusal> {
-        let [first, second] = self.halves().map(|half| half.answer(arithmetic));
-        Ok(CoplanarPairAnswer { first: first?.pixels, second: second?.pixels })
+    pub(super) fn answer(
+        &self,
+        arithmetic: Arithmetic,
+        control: &Control<'_>,
+    ) -> Result<CoplanarPairAnswer, Unanswered> {
+        let count = self.eval.len() as u64;
+        check_length::<SampleAttributes>("pixels", 2 * count)?;
+        let sampled = |vertices, done: u64| {
+            let samples = TriangleSamples::new(vertices, arithmetic)?;
+            control.collect("pixels", (done, 2 * count), self.eval.iter().map(|pixel| samples.at(*pixel)))
+        };
+        Ok(CoplanarPairAnswer { first: sampled(&self.first, 0)?, second: sampled(&self.second, count)? })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Real, Refusal};
+use super::{Check, Control, Real, Refusal, Unanswered};
 use crate::pipeline::depth::{DepthEncoding, DepthScale};
 use crate::scene::DepthMapping;
 
@@ -68,16 +68,15 @@ impl Check for Depth {
 
 impl Depth {
     /// What the depth buffer stores for vertices at these distances.
-    pub(super) fn answer(&self) -> Result<DepthAnswer, Refusal> {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<DepthAnswer, Unanswered> {
         let mapping = match self.mapping {
             Mapping::Standard => DepthMapping::Standard,
             Mapping::Reversed => DepthMapping::Reversed,
             Mapping::ReversedInf => DepthMapping::ReversedInfinite,
             Mapping::Linear => DepthMapping::Linear,
             Mapping::StandardInf => {
-                return Err(Refusal(
-                    "there is no depth format whose far plane is infinitely far and stored as 1".to_owned(),
-                ));
+                let reason = "there is no depth format whose far plane is infinitely far and stored as 1";
+                return Err(Refusal(reason.to_owned()).into());
             }
         };
         let encoding = match self.format {
@@ -92,7 +91,8 @@ impl Depth {
             Some((code, largest)) => f64::from(code) / f64::from(largest),
             None => stored.into(),
         };
-        Ok(DepthAnswer { depth: self.z.iter().map(|z| value(scale.stored(z.0 as f32))).collect() })
+        let depth = self.z.iter().map(|z| Some(value(scale.stored(z.0 as f32))));
+        Ok(DepthAnswer { depth: control.collect("values", (0, self.z.len() as u64), depth)? })
     }
 }
 

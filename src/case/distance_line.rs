@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Point, check_picture};
+use super::{Check, Control, Point, Unanswered, check_picture};
 use crate::flat2d::distance_line::distance_line;
 
 /// The case.
@@ -25,8 +25,11 @@ impl Check for DistanceLine {
 }
 
 impl DistanceLine {
-    pub(super) fn answer(&self) -> DistanceLineAnswer {
-        DistanceLineAnswer { pixels: distance_line(self.p0.0, self.p1.0, self.width, self.height).collect() }
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<DistanceLineAnswer, Unanswered> {
+        let mut line = distance_line(self.p0.0, self.p1.0, self.width, self.height);
+        let probes = line.probes_left();
+        let steps = std::iter::from_fn(|| line.step());
+        Ok(DistanceLineAnswer { pixels: control.collect("pixels of the line", (0, probes), steps)? })
     }
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Refusal, check_length};
+use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::ellipse::midpoint_ellipse;
 
 /// The case.
@@ -19,11 +19,13 @@ pub struct Ellipse {
 impl Check for Ellipse {}
 
 impl Ellipse {
-    pub(super) fn answer(&self) -> Result<EllipseAnswer, Refusal> {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<EllipseAnswer, Unanswered> {
         // A quadrant has a² / √(a² + b²) pixels where it is flatter than 45° and b² / √(a² + b²) where it is steeper.
-        check_length("ellipse", (4.0 * f64::from(self.a).hypot(f64::from(self.b))) as u64)?;
+        let count = (4.0 * f64::from(self.a).hypot(f64::from(self.b))) as u64;
+        check_length::<(i64, i64)>("pixels of the ellipse", count)?;
         let Exactly([x, y]) = self.c;
-        Ok(EllipseAnswer { pixels: midpoint_ellipse((x, y), self.a, self.b).collect() })
+        let pixels = midpoint_ellipse((x, y), self.a, self.b).map(Some);
+        Ok(EllipseAnswer { pixels: control.collect("pixels of the ellipse", (0, count), pixels)? })
     }
 }
 
@@ -42,7 +44,7 @@ mod tests {
     use crate::case::Circle;
 
     fn pixels(a: u32, b: u32) -> HashSet<(i64, i64)> {
-        let list = Ellipse { c: Exactly([3, -5]), a, b }.answer().unwrap().pixels;
+        let list = Ellipse { c: Exactly([3, -5]), a, b }.answer(&Control::default()).unwrap().pixels;
         let set: HashSet<_> = list.iter().map(|(x, y)| (x - 3, y + 5)).collect();
         assert_eq!(set.len(), list.len(), "{a} {b}: a pixel comes twice");
         set
@@ -51,7 +53,7 @@ mod tests {
     #[test]
     fn equal_axes_give_the_circle() {
         for r in 0..60 {
-            let circle = Circle { c: Exactly([0, 0]), r }.answer().unwrap();
+            let circle = Circle { c: Exactly([0, 0]), r }.answer(&Control::default()).unwrap();
             assert_eq!(pixels(r, r), circle.pixels.into_iter().collect(), "{r}");
         }
     }
@@ -76,7 +78,8 @@ mod tests {
 
     #[test]
     fn too_long_an_ellipse_is_refused() {
-        let refusal = Ellipse { c: Exactly([0, 0]), a: u32::MAX, b: 1 }.answer().unwrap_err().to_string();
-        assert!(refusal.starts_with("the ellipse has about 17179869180 pixels"), "{refusal}");
+        let ellipse = Ellipse { c: Exactly([0, 0]), a: u32::MAX, b: 1 };
+        let refusal = ellipse.answer(&Control::default()).unwrap_err().to_string();
+        assert!(refusal.contains(" pixels of the ellipse, the most that are listed"), "{refusal}");
     }
 }

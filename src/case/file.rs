@@ -8,8 +8,8 @@ use thiserror::Error;
 use super::{Case, Check as _, Task};
 use crate::{disk, text};
 
-/// Largest file that is read, bytes.
-const MAX_BYTES: u64 = 64 << 20;
+/// Largest file that is read, bytes: what it takes in memory, up to thirteen times as much, stays below 256 MB.
+const MAX_BYTES: u64 = 16 << 20;
 
 /// Longest name of a case, bytes: with a suffix it still names a file everywhere.
 const MAX_ID_BYTES: usize = 200;
@@ -152,6 +152,6 @@ mod tests {
         let path = folder.path().join("large.json");
         std::fs::File::create(&path).unwrap().set_len(MAX_BYTES + 1).unwrap();
         let message = read(&path).unwrap_err().to_string();
-        assert!(message.ends_with("it is larger than 64 MiB, the most that is read"), "{message}");
+        assert!(message.ends_with("it is larger than 16 MiB, the most that is read"), "{message}");
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Refusal, check_length};
+use super::{Check, Control, Exactly, Unanswered, check_length};
 use crate::flat2d::line::midpoint_line;
 
 /// The case.
@@ -19,12 +19,13 @@ pub struct Line {
 impl Check for Line {}
 
 impl Line {
-    pub(super) fn answer(&self) -> Result<LineAnswer, Refusal> {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<LineAnswer, Unanswered> {
         let (Exactly([x0, y0]), Exactly([x1, y1])) = (self.p0, self.p1);
         let steps = x0.abs_diff(x1).max(y0.abs_diff(y1));
-        check_length("line", steps)?;
+        check_length::<(i64, i64)>("pixels of the line", steps)?;
         let count = steps as usize + usize::from(self.last_pixel);
-        Ok(LineAnswer { pixels: midpoint_line((x0, y0), (x1, y1)).take(count).collect() })
+        let pixels = midpoint_line((x0, y0), (x1, y1)).take(count).map(Some);
+        Ok(LineAnswer { pixels: control.collect("pixels of the line", (0, steps), pixels)? })
     }
 }
 

@@ -77,7 +77,7 @@ impl MinimalCase {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::{Answer, Case, Options, answer};
+    use crate::case::{Answer, Case, Control, Options, answer};
     use crate::chain::{Recipe, run};
     use crate::pipeline::settings::Culling;
     use crate::scene::builtin;
@@ -97,7 +97,8 @@ mod tests {
             let triangle = &frame.geometry.triangles[visible.submission];
             let minimal = MinimalCase::new(triangle, (x, y), viewport, &recipe.pipeline, &scene.name);
             let case = Case::parse(minimal.to_json().as_bytes(), "minimal.json".as_ref()).unwrap();
-            let Ok(Answer::TriCoverage(answer)) = answer(&case, Options::default()) else { panic!("{}", minimal.id) };
+            let answer = answer(&case, Options::default(), &Control::default());
+            let Ok(Answer::TriCoverage(answer)) = answer else { panic!("{}", minimal.id) };
             let [column, row] = minimal.pixel;
             let hit = answer.triangles[0].spans.iter().any(|[y, l, r]| *y == row && (*l..*r).contains(&column));
             assert!(hit, "{}", minimal.to_json());

@@ -6,6 +6,7 @@
 
 mod circle;
 mod clip_tri;
+mod control;
 mod coplanar_pair;
 mod depth;
 mod distance_line;
@@ -25,7 +26,8 @@ mod tri_coverage;
 mod upscale;
 
 pub use circle::{Circle, CircleAnswer};
-pub use clip_tri::{ClipTri, ClipTriAnswer};
+pub use clip_tri::{ClipSample, ClipTri, ClipTriAnswer};
+pub use control::{Control, MAX_ANSWER_BYTES};
 pub use coplanar_pair::{CoplanarPair, CoplanarPairAnswer};
 pub use depth::{Depth, DepthAnswer, DepthFormat, Mapping};
 pub use distance_line::{DistanceLine, DistanceLineAnswer};
@@ -48,10 +50,11 @@ use std::path::Path;
 use serde::Serialize;
 use thiserror::Error;
 
-use crate::flat2d::Span;
+use control::check_length;
+
 use crate::math::fixed::SUBPIXEL_BITS;
 use crate::pipeline::settings::{Arithmetic, Rasterizer};
-use crate::pipeline::viewport::{MAX_PIXELS, Viewport};
+use crate::pipeline::viewport::Viewport;
 
 /// A case as read from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +66,7 @@ pub struct Case {
 }
 
 impl Case {
-    /// Reads a case. Errors: not a regular file of at most 64 MiB, not JSON, no known kind, or not what the kind needs.
+    /// Reads a case. Errors: not a regular file of at most 16 MiB, not JSON, no known kind, or not what the kind needs.
     pub fn read(path: &Path) -> Result<Self, CaseError> {
         file::read(path)
     }
@@ -106,6 +109,17 @@ impl Default for Options {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct Refusal(pub(crate) String);
+
+/// Why a case has no answer.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum Unanswered {
+    /// The program does not do what the case asks.
+    #[error(transparent)]
+    Refused(#[from] Refusal),
+    /// It was cancelled.
+    #[error("cancelled")]
+    Cancelled,
+}
 
 /// What is wrong with the values of a case of the right form.
 trait Check {
@@ -188,23 +202,23 @@ pub enum Answer {
 }
 
 /// Answers a case.
-pub fn answer(case: &Case, options: Options) -> Result<Answer, Refusal> {
+pub fn answer(case: &Case, options: Options, control: &Control<'_>) -> Result<Answer, Unanswered> {
     Ok(match &case.task {
-        Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options)),
-        Task::TriAttr(task) => Answer::TriAttr(task.answer(options.arithmetic)?),
-        Task::CoplanarPair(task) => Answer::CoplanarPair(task.answer(options.arithmetic)?),
-        Task::ClipTri(task) => Answer::ClipTri(task.answer(options)),
-        Task::Depth(task) => Answer::Depth(task.answer()?),
-        Task::PolyFill(task) => Answer::PolyFill(task.answer(options)),
-        Task::TriArea(task) => Answer::TriArea(task.answer()),
-        Task::Line(task) => Answer::Line(task.answer()?),
-        Task::RealLine(task) => Answer::RealLine(task.answer()?),
-        Task::DistanceLine(task) => Answer::DistanceLine(task.answer()),
-        Task::Circle(task) => Answer::Circle(task.answer()?),
-        Task::Ellipse(task) => Answer::Ellipse(task.answer()?),
-        Task::RegionFill(task) => Answer::RegionFill(task.answer()),
-        Task::Texture(task) => Answer::Texture(task.answer()?),
-        Task::Upscale(task) => Answer::Upscale(task.answer()?),
+        Task::TriCoverage(task) => Answer::TriCoverage(task.answer(options, control)?),
+        Task::TriAttr(task) => Answer::TriAttr(task.answer(options.arithmetic, control)?),
+        Task::CoplanarPair(task) => Answer::CoplanarPair(task.answer(options.arithmetic, control)?),
+        Task::ClipTri(task) => Answer::ClipTri(task.answer(options, control)?),
+        Task::Depth(task) => Answer::Depth(task.answer(control)?),
+        Task::PolyFill(task) => Answer::PolyFill(task.answer(options, control)?),
+        Task::TriArea(task) => Answer::TriArea(task.answer(control)?),
+        Task::Line(task) => Answer::Line(task.answer(control)?),
+        Task::RealLine(task) => Answer::RealLine(task.answer(control)?),
+        Task::DistanceLine(task) => Answer::DistanceLine(task.answer(control)?),
+        Task::Circle(task) => Answer::Circle(task.answer(control)?),
+        Task::Ellipse(task) => Answer::Ellipse(task.answer(control)?),
+        Task::RegionFill(task) => Answer::RegionFill(task.answer(control)?),
+        Task::Texture(task) => Answer::Texture(task.answer(control)?),
+        Task::Upscale(task) => Answer::Upscale(task.answer(control)?),
     })
 }
 
@@ -231,29 +245,17 @@ pub enum Outcome {
     },
 }
 
-/// Answers a case, or says in the result why not.
-pub fn solve(case: &Case, options: Options) -> CaseResult {
-    let outcome = match answer(case, options) {
+/// Answers a case, or says in the result why not; `None` if it was cancelled.
+pub fn solve(case: &Case, options: Options, control: &Control<'_>) -> Option<CaseResult> {
+    let outcome = match answer(case, options, control) {
         Ok(answer) => Outcome::Answered(answer),
-        Err(refusal) => Outcome::Refused { error: refusal.to_string() },
+        Err(Unanswered::Refused(refusal)) => Outcome::Refused { error: refusal.to_string() },
+        Err(Unanswered::Cancelled) => return None,
     };
-    CaseResult { id: case.id.clone(), outcome }
+    Some(CaseResult { id: case.id.clone(), outcome })
 }
 
 /// Says what is wrong with the size of a picture, if anything is.
 fn check_picture(width: u32, height: u32) -> Result<(), String> {
     Viewport { width, height }.check().map_err(|flaw| format!("a picture of {width} × {height} px: {flaw}"))
-}
-
-/// Refuses to list more pixels than the largest picture has; `pixels` is at most a little too large.
-fn check_length(shape: &str, pixels: u64) -> Result<(), Refusal> {
-    if pixels > MAX_PIXELS {
-        return Err(Refusal(format!("the {shape} has about {pixels} pixels: at most {MAX_PIXELS} are listed")));
-    }
-    Ok(())
-}
-
-/// Spans as results write them: [row, first column, one past the last column].
-fn rows_of_spans(spans: impl Iterator<Item = Span>) -> Vec<[u32; 3]> {
-    spans.map(|span| [span.y, span.x0, span.x1]).collect()
 }

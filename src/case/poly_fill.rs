@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Options, Point, Real, check_picture, rows_of_spans};
+use super::{Check, Control, Options, Point, Real, Unanswered, check_length, check_picture};
 use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
+
+/// Most corners of a polygon; contours without corners count as one.
+const MAX_CORNERS: usize = 1 << 20;
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -40,6 +43,10 @@ impl Check for PolyFill {
         if self.sample_point().is_none() {
             return Err(format!("`center` must be 0.5 or 0, not {}", self.center.0));
         }
+        let corners = self.contours.iter().map(|contour| contour.len().max(1)).sum::<usize>();
+        if corners > MAX_CORNERS {
+            return Err(format!("the contours have more than {MAX_CORNERS} corners, the most that are filled"));
+        }
         check_picture(self.width, self.height)
     }
 }
@@ -59,7 +66,7 @@ impl PolyFill {
     }
 
     /// Fills the polygon. Where edges and samples meet is decided exactly either way; there is no variant that rounds.
-    pub(super) fn answer(&self, options: Options) -> PolyFillAnswer {
+    pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<PolyFillAnswer, Unanswered> {
         let snap_bits = options.snap_bits();
         let corners = if snap_bits.is_some() { Corners::Snapped } else { Corners::AsGiven };
         let rule = match self.rule {
@@ -69,7 +76,15 @@ impl PolyFill {
         let sample = self.sample_point().unwrap_or(SamplePoint::Center);
         let contours: Vec<Vec<_>> = self.contours.iter().map(|c| c.iter().map(|point| point.0).collect()).collect();
         let filling = Filling { rule, corners, sample, width: self.width, height: self.height };
-        PolyFillAnswer { snap_bits, spans: rows_of_spans(fill(&contours, filling)) }
+        let mut walk = fill(&contours, filling);
+        let mut spans = Vec::new();
+        // A row costs its crossing edges, up to a million.
+        while let Some(span) = walk.step() {
+            spans.extend(span.map(|span| [span.y, span.x0, span.x1]));
+            check_length::<[u32; 3]>("spans", spans.len() as u64)?;
+            control.step(f64::from(walk.row()) / f64::from(self.height))?;
+        }
+        Ok(PolyFillAnswer { snap_bits, spans })
     }
 }
 

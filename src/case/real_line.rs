@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Point, Refusal, check_length};
+use super::{Check, Control, Point, Refusal, Unanswered, check_length};
 use crate::flat2d::real_line::{MAX_COORDINATE_PX, real_line};
 
 /// The case.
@@ -17,14 +17,15 @@ pub struct RealLine {
 impl Check for RealLine {}
 
 impl RealLine {
-    pub(super) fn answer(&self) -> Result<RealLineAnswer, Refusal> {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<RealLineAnswer, Unanswered> {
         let (Point(p0), Point(p1)) = (self.p0, self.p1);
         let line = real_line(p0, p1).ok_or_else(|| {
             Refusal(format!("an end lies farther than {MAX_COORDINATE_PX:e} px out, where half pixels run out"))
         })?;
         // Casts saturate.
-        check_length("line", (p1 - p0).abs().max_element() as u64)?;
-        Ok(RealLineAnswer { pixels: line.collect() })
+        let count = (p1 - p0).abs().max_element() as u64;
+        check_length::<(i64, i64)>("pixels of the line", count)?;
+        Ok(RealLineAnswer { pixels: control.collect("pixels of the line", (0, count), line.map(Some))? })
     }
 }
 

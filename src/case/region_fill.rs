@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, json};
+use super::{Check, Control, Exactly, Unanswered, json};
 use crate::flat2d::seed_fill::{Connectivity, Region, seed_fill};
 use crate::image::Image;
 
@@ -52,7 +52,7 @@ impl Check for RegionFill {
 }
 
 impl RegionFill {
-    pub(super) fn answer(&self) -> RegionFillAnswer {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<RegionFillAnswer, Unanswered> {
         let Exactly([x, y]) = self.seed;
         let region = match (self.mode, self.boundary) {
             (FillMode::Boundary, Some(boundary)) => Region::Boundary(boundary),
@@ -60,8 +60,12 @@ impl RegionFill {
         };
         let connectivity = if self.connectivity == 8 { Connectivity::Eight } else { Connectivity::Four };
         let mut grid = self.grid.clone();
-        seed_fill(&mut grid, (x, y), region, connectivity, self.new).for_each(drop);
-        RegionFillAnswer { grid: (0..grid.height()).map(|y| grid.row(y).to_vec()).collect() }
+        let (mut filled, of) = (0.0, self.grid.pixels().len() as f64);
+        for span in seed_fill(&mut grid, (x, y), region, connectivity, self.new) {
+            filled += f64::from(span.x1 - span.x0);
+            control.step(filled / of)?;
+        }
+        Ok(RegionFillAnswer { grid: (0..grid.height()).map(|y| grid.row(y).to_vec()).collect() })
     }
 }
 

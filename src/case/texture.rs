@@ -3,7 +3,7 @@
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Point, Real, Refusal, json};
+use super::{Check, Control, Point, Real, Refusal, Unanswered, json};
 use crate::image::{Image, Rgba8};
 use crate::pipeline::sample::Sampler;
 use crate::pipeline::settings::{Address, ColorSpace, Filter};
@@ -45,7 +45,7 @@ pub enum TextureAddress {
 impl Check for Texture {}
 
 impl Texture {
-    pub(super) fn answer(&self) -> Result<TextureAnswer, Refusal> {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<TextureAnswer, Unanswered> {
         let texture = codes(&self.texels)?;
         let filter = match self.filter {
             TextureFilter::Point => Filter::Point,
@@ -57,7 +57,8 @@ impl Texture {
         };
         let sampler = Sampler::new(filter, address, ColorSpace::Bytes);
         let read = |uv: DVec2| f64::from(sampler.sample(&texture, uv.as_vec2()).x) * f64::from(u8::MAX);
-        Ok(TextureAnswer { values: self.uv.iter().map(|uv| read(uv.0)).collect() })
+        let values = self.uv.iter().map(|uv| Some(read(uv.0)));
+        Ok(TextureAnswer { values: control.collect("values", (0, self.uv.len() as u64), values)? })
     }
 }
 

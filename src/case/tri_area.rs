@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Point, check_picture};
+use super::{Check, Control, Exactly, Point, Unanswered, check_length, check_picture};
 use crate::antialias::area::triangle_area;
+use crate::pipeline::raster::cover;
+use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer};
+use crate::pipeline::viewport::Viewport;
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -28,9 +31,18 @@ impl TriArea {
         self.triangle.0.iter().map(|Point(p)| [p.x, p.y]).collect()
     }
 
-    pub(super) fn answer(&self) -> TriAreaAnswer {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<TriAreaAnswer, Unanswered> {
         let corners = self.triangle.0.map(|corner| corner.0);
-        TriAreaAnswer { area: triangle_area(corners, self.width, self.height).collect() }
+        // Each pixel whose centre is covered is listed, besides others at the border.
+        let viewport = Viewport { width: self.width, height: self.height };
+        let corners_px = corners.map(|corner| corner.as_vec2().into());
+        let centres = cover(Rasterizer::Scanline, Arithmetic::F64, corners_px, FillRule::Exclusive, viewport);
+        let count = centres.iter().map(|span| u64::from(span.right - span.left)).sum();
+        check_length::<(u32, u32, f64)>("pixels of the triangle", count)?;
+        let mut area = triangle_area(corners, self.width, self.height);
+        let probes = area.probes_left();
+        let steps = std::iter::from_fn(|| area.step());
+        Ok(TriAreaAnswer { area: control.collect("pixels of the triangle", (0, probes), steps)? })
     }
 }
 

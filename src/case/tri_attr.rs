@@ -3,7 +3,7 @@
 use glam::Vec2;
 use serde::{Deserialize, Serialize, Serializer};
 
-use super::{Check, Exactly, Float, Refusal};
+use super::{Check, Control, Exactly, Float, Refusal, Unanswered, check_length};
 use crate::pipeline::depth::{DepthScale, depth_at};
 use crate::pipeline::interpolate::{Attributes, affine_weights, interpolate};
 use crate::pipeline::raster::{AnyTriangle, Sample};
@@ -40,21 +40,51 @@ pub struct Vertex {
 
 impl Check for TriAttr {
     fn check(&self) -> Result<(), String> {
-        if self.vertices.0.iter().any(|v| !(v.w.0 > 0.0 && v.w.0.is_finite())) {
-            return Err("`w` must be positive and finite: other corners have no place on the screen".to_owned());
-        }
-        if self.eval.iter().any(|Exactly(pixel)| pixel.iter().any(|c| !(0..i64::from(MAX_SIDE_PX)).contains(c))) {
-            return Err(format!("pixels to evaluate have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
-        }
-        Ok(())
+        check_vertices(&self.vertices)?;
+        check_pixels(&self.eval)
     }
+}
+
+/// Checks that corners have a place on the screen.
+pub(super) fn check_vertices(vertices: &Exactly<Vertex, 3>) -> Result<(), String> {
+    if vertices.0.iter().any(|v| !(v.w.0 > 0.0 && v.w.0.is_finite())) {
+        return Err("`w` must be positive and finite: other corners have no place on the screen".to_owned());
+    }
+    Ok(())
+}
+
+/// Checks that pixels lie within the largest picture.
+pub(super) fn check_pixels(eval: &[Exactly<i64, 2>]) -> Result<(), String> {
+    if eval.iter().any(|Exactly(pixel)| pixel.iter().any(|c| !(0..i64::from(MAX_SIDE_PX)).contains(c))) {
+        return Err(format!("pixels to evaluate have columns and rows from 0 to {}", MAX_SIDE_PX - 1));
+    }
+    Ok(())
 }
 
 impl TriAttr {
     /// Returns what the pipeline interpolates, and the linear extrapolation of depth outside of the triangle. Corners are
     /// used as given where snapping leaves the triangle no area.
-    pub(super) fn answer(&self, arithmetic: Arithmetic) -> Result<TriAttrAnswer, Refusal> {
-        let vertices = self.vertices.0.map(Vertex::on_screen);
+    pub(super) fn answer(&self, arithmetic: Arithmetic, control: &Control<'_>) -> Result<TriAttrAnswer, Unanswered> {
+        check_length::<SampleAttributes>("pixels", self.eval.len() as u64)?;
+        let samples = TriangleSamples::new(&self.vertices, arithmetic)?;
+        let pixels = self.eval.iter().map(|pixel| samples.at(*pixel));
+        let pixels = control.collect("pixels", (0, self.eval.len() as u64), pixels)?;
+        Ok(TriAttrAnswer { snap_bits: samples.snap_bits, pixels })
+    }
+}
+
+/// What the pipeline interpolates in one triangle.
+pub(super) struct TriangleSamples {
+    triangle: ScreenTriangle,
+    edges: AnyTriangle,
+    /// Fraction bits of the grid that the corners are snapped to; `None` if they are used as given.
+    snap_bits: Option<u32>,
+}
+
+impl TriangleSamples {
+    /// Refuses a triangle without area.
+    pub(super) fn new(vertices: &Exactly<Vertex, 3>, arithmetic: Arithmetic) -> Result<Self, Refusal> {
+        let vertices = vertices.0.map(Vertex::on_screen);
         let corners_px = vertices.map(|v| v.position_px);
         let in_arithmetic = |arithmetic| AnyTriangle::new(arithmetic, corners_px, FillRule::TopLeft);
         let snapped = in_arithmetic(arithmetic);
@@ -63,19 +93,21 @@ impl TriAttr {
         let edges = edges.ok_or_else(|| Refusal("a triangle without area has no weights".to_owned()))?;
         let nobody = (TriangleId(0), 0);
         let triangle = ScreenTriangle::new(nobody, vertices, edges.doubled_area(), &DepthScale::default(), true);
-        let pixels = self.eval.iter().filter_map(|Exactly([x, y])| {
-            let pixel = (u32::try_from(*x).ok()?, u32::try_from(*y).ok()?);
-            let sample = edges.sample(pixel);
-            let fragment = interpolate(&triangle, sample, Attributes::all(Interpolation::Perspective));
-            Some(SampleAttributes {
-                pixel: [*x, *y],
-                affine_weights: affine_weights(&triangle, &sample).map(f64::from),
-                perspective_weights: fragment.weights.map(f64::from),
-                depth: depth(&triangle, &sample),
-                uv: fragment.uv.as_dvec2().into(),
-            })
-        });
-        Ok(TriAttrAnswer { snap_bits, pixels: pixels.collect() })
+        Ok(Self { triangle, edges, snap_bits })
+    }
+
+    /// Returns the attributes at a pixel; `None` for a negative column or row.
+    pub(super) fn at(&self, Exactly([x, y]): Exactly<i64, 2>) -> Option<SampleAttributes> {
+        let pixel = (u32::try_from(x).ok()?, u32::try_from(y).ok()?);
+        let sample = self.edges.sample(pixel);
+        let fragment = interpolate(&self.triangle, sample, Attributes::all(Interpolation::Perspective));
+        Some(SampleAttributes {
+            pixel: [x, y],
+            affine_weights: affine_weights(&self.triangle, &sample).map(f64::from),
+            perspective_weights: fragment.weights.map(f64::from),
+            depth: depth(&self.triangle, &sample),
+            uv: fragment.uv.as_dvec2().into(),
+        })
     }
 }
 
@@ -140,7 +172,9 @@ mod tests {
         let vertices = Exactly([vertex(-1e30, -1e30), vertex(1e30, -1e30), vertex(0.0, 2e30)]);
         let case = TriAttr { vertices, eval: vec![Exactly([3, 4])] };
         for arithmetic in [Arithmetic::Fixed, Arithmetic::Exact] {
-            let [sample] = &case.answer(arithmetic).unwrap().pixels[..] else { panic!("one pixel") };
+            let [sample] = &case.answer(arithmetic, &Control::default()).unwrap().pixels[..] else {
+                panic!("one pixel")
+            };
             for weight in sample.affine_weights.into_iter().chain(sample.perspective_weights) {
                 assert!((weight - 1.0 / 3.0).abs() < 1e-6, "{arithmetic:?}: {sample:?}");
             }
@@ -162,7 +196,7 @@ mod tests {
         let corners = [[10.0, 10.0, 0.0, 1.0], [20.0, 10.0, 1.0, 2.0], [10.0, 20.0, 0.5, 4.0]];
         let pixels = [[12, 12], [2, 12], [30, 12], [18, 18], [0, 0], [40, 40]];
         for arithmetic in [Arithmetic::Fixed, Arithmetic::F32, Arithmetic::F64, Arithmetic::Exact] {
-            let answer = case(corners, &pixels).answer(arithmetic).unwrap();
+            let answer = case(corners, &pixels).answer(arithmetic, &Control::default()).unwrap();
             for SampleAttributes { pixel: [x, y], depth, .. } in answer.pixels {
                 let [x, y] = [x, y].map(|at| at as f64 + 0.5 - 10.0);
                 let plane = x / 10.0 + y / 20.0;
@@ -176,7 +210,8 @@ mod tests {
         let corners = [[1.0, 1.0, 0.0, 1.0], [9.0, 1.0, 0.0, 1.0], [1.0, 9.0, 0.0, 1.0]];
         // Snapping leaves this one no area.
         let tiny = corners.map(|[x, y, z, w]| [1.0 + x * 1e-4, 1.0 + y * 1e-4, z, w]);
-        let bits = |corners, arithmetic| case(corners, &[[0, 0]]).answer(arithmetic).unwrap().snap_bits;
+        let bits =
+            |corners, arithmetic| case(corners, &[[0, 0]]).answer(arithmetic, &Control::default()).unwrap().snap_bits;
         assert_eq!(bits(corners, Arithmetic::Fixed), Some(8));
         assert_eq!(bits(tiny, Arithmetic::Fixed), None);
         assert_eq!(bits(corners, Arithmetic::Exact), None);

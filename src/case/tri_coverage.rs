@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Check, Exactly, Float, Options, check_picture, rule};
-use crate::pipeline::raster::{Span, cover};
+use super::{Check, Control, Exactly, Float, Options, Unanswered, check_length, check_picture, rule};
+use crate::pipeline::raster::{Span, cover_in_bands};
 use crate::pipeline::settings::FillRule;
+use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::Viewport;
 
 /// The case.
@@ -34,12 +35,46 @@ impl TriCoverage {
         Some(corners.map(|Exactly(corner)| corner.map(|number| number.0)))
     }
 
-    pub(super) fn answer(&self, options: Options) -> TriCoverageAnswer {
-        let viewport = Viewport { width: self.width, height: self.height };
-        let triangles = (0..self.triangles.len()).filter_map(|number| self.corners_px(number)).map(|corners_px| {
-            Covered::new(&cover(options.rasterizer, options.arithmetic, corners_px, self.rule, viewport))
-        });
-        TriCoverageAnswer { snap_bits: options.snap_bits(), triangles: triangles.collect() }
+    /// Size of the picture, px.
+    pub fn viewport(&self) -> Viewport {
+        Viewport { width: self.width, height: self.height }
+    }
+
+    /// Covers one of the triangles. `take` gets the spans of bands of rows from the top and the first row below each band.
+    pub(crate) fn cover(
+        &self,
+        triangle: usize,
+        options: Options,
+        take: impl FnMut(&[Span], u32) -> Result<(), Unanswered>,
+    ) -> Result<(), Unanswered> {
+        let Some(corners_px) = self.corners_px(triangle) else { return Ok(()) };
+        cover_in_bands((options.rasterizer, options.arithmetic, self.rule), corners_px, self.viewport(), take)
+    }
+
+    pub(super) fn answer(&self, options: Options, control: &Control<'_>) -> Result<TriCoverageAnswer, Unanswered> {
+        let corners = (0..self.triangles.len()).filter_map(|number| self.corners_px(number));
+        check_length::<[u32; 3]>("rows of triangles", corners.map(|corners| self.rows_around(corners)).sum())?;
+        let (mut listed, mut triangles) = (0, Vec::with_capacity(self.triangles.len()));
+        for number in 0..self.triangles.len() {
+            let mut covered = Covered::default();
+            self.cover(number, options, |spans, row| {
+                listed += spans.len() as u64;
+                check_length::<[u32; 3]>("spans", listed)?;
+                covered.add(spans);
+                control.step((number as f64 + f64::from(row) / f64::from(self.height)) / self.triangles.len() as f64)
+            })?;
+            control.check()?;
+            triangles.push(covered);
+        }
+        Ok(TriCoverageAnswer { snap_bits: options.snap_bits(), triangles })
+    }
+
+    /// Number of rows of the picture that the box around a triangle meets.
+    fn rows_around(&self, corners_px: [[f32; 2]; 3]) -> u64 {
+        let [.., top, bottom] = box_around(corners_px);
+        // Casts saturate; a box that is not finite counts as the whole picture or as nothing.
+        let row = |px: f32| (px.max(0.0) as u64).min(self.height.into());
+        row(bottom.ceil()).saturating_sub(row(top.floor()))
     }
 }
 
@@ -53,15 +88,15 @@ pub struct TriCoverageAnswer {
 }
 
 /// What one triangle covers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Covered {
     /// [row, first column, one past the last column] of each run.
     pub spans: Vec<[u32; 3]>,
 }
 
 impl Covered {
-    /// Writes spans of a rasterizer.
-    pub(super) fn new(spans: &[Span]) -> Self {
-        Self { spans: spans.iter().map(|span| [span.row, span.left, span.right]).collect() }
+    /// Adds spans of a rasterizer.
+    pub(super) fn add(&mut self, spans: &[Span]) {
+        self.spans.extend(spans.iter().map(|span| [span.row, span.left, span.right]));
     }
 }

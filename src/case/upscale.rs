@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::texture::codes;
-use super::{Check, Real, Refusal, check_picture, json};
+use super::{Check, Control, Real, Refusal, Unanswered, check_length, check_picture, json};
 use crate::image::{Image, Rgba8};
 use crate::text;
 use crate::upscale::{Anchor, Drawn, Scale, Upscaling};
@@ -40,24 +40,27 @@ const ANCHOR_OF_PHASE: [(&str, Anchor); 2] = [("corner", Anchor::Corner), ("cent
 impl Check for Upscale {}
 
 impl Upscale {
-    pub(super) fn answer(&self) -> Result<UpscaleAnswer, Refusal> {
+    pub(super) fn answer(&self, control: &Control<'_>) -> Result<UpscaleAnswer, Unanswered> {
         let how = self.choice()?;
         let drawn = codes(&self.image)?;
         let (pixels, samples) = how.scale().ratio();
         let enlarged = |side: u32| u32::try_from(u64::from(side) * u64::from(pixels) / u64::from(samples));
         let [width, height] = [drawn.width(), drawn.height()].map(|side| enlarged(side).unwrap_or(u32::MAX));
         check_picture(width, height).map_err(Refusal)?;
+        // The value, the code, and the enlarged picture.
+        check_length::<(f64, u8, Rgba8)>("pixels", u64::from(width) * u64::from(height))?;
         if self.kernel == "nearest" && self.phase == "corner" {
-            return Ok(nearest_at_corner(how.scale(), &drawn, (width, height)));
+            return nearest_at_corner(how.scale(), &drawn, (width, height), control);
         }
         let full = how.upscale(&Drawn::from(&drawn), width, height);
         let codes = |y: u32| full.row(y).iter().map(|pixel| pixel[0]).collect();
-        let values = |y: u32| (0..width).map(|x| weighted(how, &drawn, full.size(), (x, y))).collect();
-        Ok(UpscaleAnswer {
-            quantized: false,
-            values: (0..height).map(values).collect(),
-            codes: (0..height).map(codes).collect(),
-        })
+        let mut values = Vec::with_capacity(height as usize);
+        for y in 0..height {
+            let row = (0..width).map(|x| Some(weighted(how, &drawn, full.size(), (x, y))));
+            let pixels = u64::from(width) * u64::from(height);
+            values.push(control.collect("pixels", (u64::from(y) * u64::from(width), pixels), row)?);
+        }
+        Ok(UpscaleAnswer { quantized: false, values, codes: (0..height).map(codes).collect() })
     }
 
     fn choice(&self) -> Result<Upscaling, Refusal> {
@@ -86,13 +89,23 @@ impl Upscale {
 
 /// Returns the picture whose pixel x is the sample nearest to place x / scale on each axis, the later one of two equally near.
 /// The method `nearest` copies the sample before the place in this phase, which cases call `nearest_floor`.
-fn nearest_at_corner(scale: Scale, drawn: &Image<Rgba8>, (width, height): (u32, u32)) -> UpscaleAnswer {
+fn nearest_at_corner(
+    scale: Scale,
+    drawn: &Image<Rgba8>,
+    (width, height): (u32, u32),
+    control: &Control<'_>,
+) -> Result<UpscaleAnswer, Unanswered> {
     let (pixels, samples) = scale.ratio();
     let nearest = |at: u32, count: u32| ((2 * at * samples + pixels) / (2 * pixels)).min(count - 1);
     let code = |x: u32, y: u32| drawn.at(nearest(x, drawn.width()), nearest(y, drawn.height()))[0];
-    let codes: Vec<Vec<u8>> = (0..height).map(|y| (0..width).map(|x| code(x, y)).collect()).collect();
-    let values = codes.iter().map(|row| row.iter().map(|code| f64::from(*code)).collect()).collect();
-    UpscaleAnswer { quantized: false, values, codes }
+    let (mut values, mut codes) = (Vec::new(), Vec::new());
+    for y in 0..height {
+        control.step(f64::from(y) / f64::from(height))?;
+        let row: Vec<u8> = (0..width).map(|x| code(x, y)).collect();
+        values.push(row.iter().copied().map(f64::from).collect());
+        codes.push(row);
+    }
+    Ok(UpscaleAnswer { quantized: false, values, codes })
 }
 
 /// What a pixel is before it is rounded to a code, not clamped.
@@ -116,16 +129,15 @@ pub struct UpscaleAnswer {
 
 #[cfg(test)]
 mod tests {
-    use crate::case::{Answer, Case, Options, answer};
+    use crate::case::{Answer, Case, Control, Options, answer};
 
     fn enlarged(row: &str, scale: &str, kernel: &str, phase: &str) -> Result<Vec<Vec<f64>>, String> {
         let text = format!(
             r#"{{"id":"u","kind":"upscale","image":[{row}],"scale":{scale},"kernel":"{kernel}","phase":"{phase}"}}"#
         );
         let case = Case::parse(text.as_bytes(), "u.json".as_ref()).map_err(|error| error.to_string())?;
-        let Answer::Upscale(picture) = answer(&case, Options::default()).map_err(|refusal| refusal.to_string())? else {
-            unreachable!("the case is one of its kind")
-        };
+        let answer = answer(&case, Options::default(), &Control::default()).map_err(|refusal| refusal.to_string())?;
+        let Answer::Upscale(picture) = answer else { unreachable!("the case is one of its kind") };
         for (values, codes) in picture.values.iter().zip(&picture.codes) {
             assert!(values.iter().zip(codes).all(|(value, code)| (value - f64::from(*code)).abs() <= 0.6), "{text}");
         }

@@ -2,15 +2,17 @@
 
 use std::collections::HashSet;
 use std::fs;
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use rasterscope::case::{Case, CaseResult, Options, Outcome, solve};
+use rasterscope::case::{Case, CaseResult, Control, Options, Outcome, solve};
 use rasterscope::disk;
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 
 use super::failure::Failure;
-use super::{output, parse};
+use super::{interrupt, output, parse};
 
 /// What `case` takes.
 #[derive(Args, Debug)]
@@ -52,8 +54,10 @@ pub(crate) fn run(args: &CaseArgs) -> Result<(), Failure> {
 }
 
 fn answer_one(case: &Path, into: Option<&Path>, options: Options) -> Result<(), Failure> {
-    let result = solve(&Case::read(case)?, options);
-    let Some(path) = into else { return output::print(&line(&result)?) };
+    let result = solved(&Case::read(case)?, options)?;
+    let Some(path) = into else {
+        return unless_interrupted(output::print_by(|out| write_line(&result, out)));
+    };
     write_file(&result, path)?;
     let outcome = match &result.outcome {
         Outcome::Answered(_) => "answered",
@@ -74,9 +78,18 @@ fn answer_all(cases: &[PathBuf], folder: &Path, options: Options) -> Result<(), 
     for path in cases {
         match read_unlike(path, &mut ids) {
             Ok(case) => {
-                let result = solve(&case, options);
-                *(if matches!(result.outcome, Outcome::Answered(_)) { &mut answered } else { &mut refused }) += 1;
-                write_file(&result, &folder.join(format!("{}.json", case.id)))?;
+                let written = solved(&case, options).and_then(|result| {
+                    write_file(&result, &folder.join(format!("{}.json", case.id)))?;
+                    Ok(matches!(result.outcome, Outcome::Answered(_)))
+                });
+                match written {
+                    Ok(true) => answered += 1,
+                    Ok(false) => refused += 1,
+                    Err(Failure::Interrupted(_)) if answered + refused > 0 => {
+                        return Err(Failure::Interrupted("the results of the cases before are written"));
+                    }
+                    Err(failure) => return Err(failure),
+                }
             }
             Err(new) => {
                 if let Some(earlier) = failure.replace(new) {
@@ -99,11 +112,41 @@ fn read_unlike(path: &Path, ids: &mut HashSet<String>) -> Result<Case, Failure> 
     }
 }
 
-fn write_file(result: &CaseResult, path: &Path) -> Result<(), Failure> {
-    output::write(path, &line(result)?)
+/// Answers a case; the first SIGINT stops it.
+fn solved(case: &Case, options: Options) -> Result<CaseResult, Failure> {
+    solve(case, options, &Control::new(&|_| {}, interrupt::flag())).ok_or_else(interrupt::nothing)
 }
 
-/// A result as one line of JSON.
-fn line(result: &CaseResult) -> Result<String, Failure> {
-    Ok(serde_json::to_string(result).map_err(|error| Failure::Output(error.into()))? + "\n")
+fn write_file(result: &CaseResult, path: &Path) -> Result<(), Failure> {
+    unless_interrupted(output::write_by(path, |file| write_line(result, file)))
+}
+
+/// Returns the outcome of writing a result; an interruption is the failure whatever came of it.
+fn unless_interrupted(outcome: Result<(), Failure>) -> Result<(), Failure> {
+    if interrupt::flag().load(Ordering::Relaxed) { Err(interrupt::nothing()) } else { outcome }
+}
+
+/// Writes a result as one line of JSON, piece by piece: its text may take several times the memory of the result.
+fn write_line(result: &CaseResult, out: &mut dyn Write) -> io::Result<()> {
+    let mut out = BufWriter::new(Interruptible { out, stop: interrupt::flag() });
+    serde_json::to_writer(&mut out, result)?;
+    out.write_all(b"\n")?;
+    out.flush()
+}
+
+/// A writer that fails once the process is interrupted.
+struct Interruptible<'a> {
+    out: &'a mut dyn Write,
+    stop: &'a AtomicBool,
+}
+
+impl Write for Interruptible<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // An error of the kind `Interrupted` would be tried again.
+        if self.stop.load(Ordering::Relaxed) { Err(ErrorKind::Other.into()) } else { self.out.write(bytes) }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()
+    }
 }

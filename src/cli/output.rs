@@ -1,7 +1,7 @@
 //! Results to standard output, warnings and errors to standard error, one line each.
 
 use std::fmt::Display;
-use std::io::{ErrorKind, Write as _, stderr, stdout};
+use std::io::{self, ErrorKind, Write as _, stderr, stdout};
 use std::path::Path;
 
 use rasterscope::{disk, text};
@@ -11,8 +11,13 @@ use super::failure::Failure;
 
 /// Writes results. A reader that has gone away (`| head`) has what it wanted and is no failure.
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    print_by(|out| out.write_all(text.as_bytes()))
+}
+
+/// Writes results as [`print`] does, piece by piece.
+pub(crate) fn print_by(produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match produce(&mut out).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Failure::Output(e)),
         _ => Ok(()),
     }
@@ -41,6 +46,11 @@ pub(crate) fn display(path: &Path) -> String {
 /// Writes a text file atomically.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
     disk::write(path, text.as_bytes()).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
+}
+
+/// Writes a file atomically, piece by piece.
+pub(crate) fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> Result<(), Failure> {
+    disk::write_by(path, produce).map_err(|source| Failure::ResultFile { path: path.to_owned(), source })
 }
 
 /// Checks before a long measurement that its result can be written.

@@ -40,6 +40,18 @@ impl DistanceLine {
     pub fn probe(&self) -> Option<(u32, u32)> {
         (self.columns.contains(&self.probe.0) && self.rows.contains(&self.probe.1)).then_some(self.probe)
     }
+
+    /// Number of pixels that are yet to be looked at; an upper bound within a row.
+    pub fn probes_left(&self) -> u64 {
+        self.columns.len() as u64 * u64::from(self.rows.end.saturating_sub(self.probe.1))
+    }
+
+    /// Looks at one pixel. Returns it if it belongs to the line; the outer `None` is the end.
+    pub fn step(&mut self) -> Option<Option<(u32, u32)>> {
+        let (x, y) = self.probe()?;
+        self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
+        Some(self.band.contains(x, y).then_some((x, y)))
+    }
 }
 
 impl Iterator for DistanceLine {
@@ -47,10 +59,8 @@ impl Iterator for DistanceLine {
 
     fn next(&mut self) -> Option<(u32, u32)> {
         loop {
-            let (x, y) = self.probe()?;
-            self.probe = if x + 1 < self.columns.end { (x + 1, y) } else { (self.columns.start, y + 1) };
-            if self.band.contains(x, y) {
-                return Some((x, y));
+            if let Some(pixel) = self.step()? {
+                return Some(pixel);
             }
         }
     }

@@ -181,6 +181,15 @@ impl PolygonFill {
         })
     }
 
+    /// Returns the next span of the row, or `None` and goes on to the next row; the outer `None` is the end.
+    pub fn step(&mut self) -> Option<Option<Span>> {
+        let span = self.next_span();
+        if span.is_none() {
+            self.next_row()?;
+        }
+        Some(span)
+    }
+
     /// The rest of the row's spans, one by one.
     fn next_span(&mut self) -> Option<Span> {
         let x0 = self.next_column_where(true)?;
@@ -286,10 +295,9 @@ impl Iterator for PolygonFill {
 
     fn next(&mut self) -> Option<Span> {
         loop {
-            if let Some(span) = self.next_span() {
+            if let Some(span) = self.step()? {
                 return Some(span);
             }
-            self.next_row()?;
         }
     }
 }

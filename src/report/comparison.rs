@@ -3,8 +3,10 @@
 //! The exact answer comes from [`super::stability::oracle`], which shares no code with the engine. It knows triangles; for
 //! other kinds of cases there is only what the engine draws.
 
+use std::io::{self, Write};
+
 use super::stability::oracle::{ClipTriangle, Region, Snap};
-use crate::case::{Answer, Case, Options, Task, answer};
+use crate::case::{Answer, Case, ClipTri, Control, Options, Task, TriCoverage, Unanswered, answer};
 use crate::image::Image;
 use crate::pipeline::raster::Span;
 use crate::pipeline::settings::{Arithmetic, FillRule};
@@ -36,32 +38,95 @@ pub enum Agreement {
     Missing,
 }
 
+/// What a part of a case is shown as.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shown {
+    /// Pixels.
+    Pixels(Comparison),
+    /// Lines of text: the numbers that are the answer, or the reason why there is none.
+    Text(Vec<String>),
+}
+
+/// Longest text of an answer in numbers, bytes.
+const MAX_TEXT_BYTES: usize = 1 << 20;
+
+/// Longest line of that text, bytes, but for a single number.
+const MAX_LINE_BYTES: usize = 160;
+
+/// Most corners of outlines; more are left out.
+const MAX_OUTLINE_CORNERS: usize = 1 << 14;
+
+/// Answers part number `part` of a case, and nothing of its other parts; `None` if it was cancelled.
+pub fn show(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Option<Shown> {
+    let told = |reason: String| Shown::Text(vec![reason]);
+    match pixels_or_numbers(case, part, options, control) {
+        Ok(shown) => Some(shown),
+        Err(Unanswered::Refused(refusal)) => Some(told(refusal.to_string())),
+        Err(Unanswered::Cancelled) => None,
+    }
+}
+
+fn pixels_or_numbers(case: &Case, part: usize, options: Options, control: &Control<'_>) -> Result<Shown, Unanswered> {
+    match &case.task {
+        Task::TriCoverage(task) => Comparison::of_triangle(task, part, options, control).map(Shown::Pixels),
+        Task::ClipTri(task) => Comparison::of_clip_triangle(task, part, options, control).map(Shown::Pixels),
+        _ => Ok(Comparison::of_answer(case, answer(case, options, control)?)),
+    }
+}
+
 impl Comparison {
-    /// Answers part number `part` of a case. `Err` says why there is no picture, or has the numbers that are the answer.
-    pub fn new(case: &Case, part: usize, options: Options) -> Result<Self, String> {
-        let answer = answer(case, options).map_err(|refusal| refusal.to_string())?;
-        match (&case.task, answer) {
-            (Task::TriCoverage(task), Answer::TriCoverage(answer)) => {
-                let corners = task.corners_px(part).ok_or("the case has no such triangle")?;
-                let viewport = Viewport { width: task.width, height: task.height };
-                let snap = if options.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped };
-                let exact = Region::triangle(corners, snap, task.rule).spans(viewport);
-                let spans = answer.triangles.get(part).map_or(&[][..], |covered| &covered.spans);
-                let is_finite = corners.as_flattened().iter().all(|c| c.is_finite());
-                let outline = is_finite.then(|| corners.map(|corner| corner.map(f64::from)).to_vec());
-                Ok(Self::of_spans(viewport, spans, Some(&exact), outline.into_iter().collect()))
-            }
-            (Task::ClipTri(task), Answer::ClipTri(answer)) => {
-                let viewport = Viewport { width: task.width, height: task.height };
-                let corners = task.corners(part).ok_or("the case has no such triangle")?;
-                let exact = ClipTriangle::new(corners, viewport)
-                    .map_or_else(Vec::new, |triangle| triangle.region(FillRule::TopLeft).spans(viewport));
-                let spans = answer.triangles.get(part).map_or(&[][..], |covered| &covered.spans);
-                Ok(Self::of_spans(viewport, spans, Some(&exact), Vec::new()))
-            }
+    fn of_triangle(
+        task: &TriCoverage,
+        part: usize,
+        options: Options,
+        control: &Control<'_>,
+    ) -> Result<Self, Unanswered> {
+        let viewport = task.viewport();
+        let mut ours = Image::filled(viewport.width, viewport.height, 0.0);
+        task.cover(part, options, |spans, row| {
+            spans.iter().for_each(|span| fill(&mut ours, *span, 1.0));
+            control.step(f64::from(row) / f64::from(viewport.height))
+        })?;
+        let corners = task.corners_px(part);
+        let snap = if options.arithmetic == Arithmetic::Fixed { Snap::Grid256 } else { Snap::Unsnapped };
+        let exact = corners.map(|corners| Region::triangle(corners, snap, task.rule).spans(viewport));
+        let finite = corners.filter(|corners| corners.as_flattened().iter().all(|c| c.is_finite()));
+        let outlines = finite.map(|corners| corners.map(|corner| corner.map(f64::from)).to_vec()).into_iter().collect();
+        control.check()?;
+        Ok(Self { origin: (0, 0), ours, exact: Some(covered(viewport, &exact.unwrap_or_default())), outlines })
+    }
+
+    fn of_clip_triangle(
+        task: &ClipTri,
+        part: usize,
+        options: Options,
+        control: &Control<'_>,
+    ) -> Result<Self, Unanswered> {
+        let viewport = task.viewport();
+        let mut ours = Image::filled(viewport.width, viewport.height, 0.0);
+        task.cover(part, options, |_, spans| {
+            spans.iter().for_each(|span| fill(&mut ours, *span, 1.0));
+            control.check()
+        })?;
+        let triangle = task.corners(part).and_then(|corners| ClipTriangle::new(corners, viewport));
+        let exact = triangle.map_or_else(Vec::new, |triangle| triangle.region(FillRule::TopLeft).spans(viewport));
+        control.check()?;
+        Ok(Self { origin: (0, 0), ours, exact: Some(covered(viewport, &exact)), outlines: Vec::new() })
+    }
+
+    /// Pixels of an answer that has no exact one beside it, or its numbers.
+    fn of_answer(case: &Case, answer: Answer) -> Shown {
+        let pixels = match (&case.task, answer) {
             (Task::PolyFill(task), Answer::PolyFill(answer)) => {
-                let viewport = Viewport { width: task.width, height: task.height };
-                Ok(Self::of_spans(viewport, &answer.spans, None, task.outlines()))
+                let mut ours = Image::filled(task.width, task.height, 0.0);
+                for [row, left, right] in answer.spans {
+                    fill(&mut ours, Span { row, left, right }, 1.0);
+                }
+                let mut outlines = task.outlines();
+                if outlines.iter().map(Vec::len).sum::<usize>() > MAX_OUTLINE_CORNERS {
+                    outlines.clear();
+                }
+                Ok(Self { origin: (0, 0), ours, exact: None, outlines })
             }
             (Task::TriArea(task), Answer::TriArea(answer)) => {
                 let mut ours = Image::filled(task.width, task.height, 0.0);
@@ -81,28 +146,9 @@ impl Comparison {
                 let ours = Image::from_fn(width, height, |x, y| f32::from(u8::from(filled(x, y))));
                 Ok(Self { origin: (0, 0), ours, exact: None, outlines: Vec::new() })
             }
-            (_, answer) => Err(numbers(&answer)),
-        }
-    }
-
-    fn of_spans(
-        Viewport { width, height }: Viewport,
-        spans: &[[u32; 3]],
-        exact: Option<&[Span]>,
-        outlines: Vec<Vec<[f64; 2]>>,
-    ) -> Self {
-        let mut ours = Image::filled(width, height, 0.0);
-        for [row, left, right] in spans {
-            (*left..*right).for_each(|x| ours.set(x, *row, 1.0));
-        }
-        let exact = exact.map(|exact| {
-            let mut covered = Image::filled(width, height, false);
-            for span in exact {
-                (span.left..span.right).for_each(|x| covered.set(x, span.row, true));
-            }
-            covered
-        });
-        Self { origin: (0, 0), ours, exact, outlines }
+            (_, answer) => return Shown::Text(numbers(&answer)),
+        };
+        pixels.map_or_else(|reason| Shown::Text(vec![reason]), Shown::Pixels)
     }
 
     /// A picture just large enough, with a pixel of margin.
@@ -132,29 +178,93 @@ impl Comparison {
         }
     }
 
-    /// Pixels on which both differ, in reading order.
-    pub fn wrong(&self) -> Vec<(u32, u32)> {
+    /// Counts the pixels and lists the first ones that differ.
+    pub fn figures(&self) -> Figures {
+        let mut figures = Figures::default();
         let (width, height) = self.ours.size();
-        let all = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        all.filter(|(x, y)| matches!(self.agreement(*x, *y), Agreement::Extra | Agreement::Missing)).collect()
-    }
-
-    /// Pixels that the engine or the exact answer covers.
-    pub fn concerned(&self) -> usize {
-        self.covered() + self.wrong().into_iter().filter(|(x, y)| self.agreement(*x, *y) == Agreement::Missing).count()
-    }
-
-    /// Pixels that the engine covers at all.
-    pub fn covered(&self) -> usize {
-        self.ours.pixels().iter().filter(|share| **share > 0.0).count()
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let agreement = self.agreement(x, y);
+            figures.concerned += u64::from(agreement != Agreement::Outside);
+            figures.covered += u64::from(matches!(agreement, Agreement::Covered | Agreement::Extra));
+            if matches!(agreement, Agreement::Extra | Agreement::Missing) {
+                figures.differing += 1;
+                if figures.first.len() < MAX_DIFFERING {
+                    figures.first.push((x, y));
+                }
+            }
+        }
+        figures
     }
 }
 
-/// An answer that no picture shows, a list of numbers on each line.
-fn numbers(answer: &Answer) -> String {
-    // Numbers and lists of them, which can always be written.
-    let text = serde_json::to_string(answer).unwrap_or_default();
-    format!("Answered in numbers, as the command `case` writes them:\n\n{}", text.replace("],", "],\n"))
+/// Most differing pixels that are listed by their place.
+const MAX_DIFFERING: usize = 1 << 16;
+
+/// A comparison in figures.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Figures {
+    /// Pixels that the engine covers at all.
+    pub covered: u64,
+    /// Pixels that the engine or the exact answer covers.
+    pub concerned: u64,
+    /// Pixels that one of both covers.
+    pub differing: u64,
+    /// The first of those, at most 65 536, as columns and rows, in reading order.
+    pub first: Vec<(u32, u32)>,
+}
+
+/// Sets the pixels of a span.
+fn fill<T: Copy>(image: &mut Image<T>, span: Span, value: T) {
+    let start = span.row as usize * image.width() as usize;
+    image.pixels_mut()[start + span.left as usize..start + span.right as usize].fill(value);
+}
+
+/// Returns the picture of spans.
+fn covered(viewport: Viewport, spans: &[Span]) -> Image<bool> {
+    let mut covered = Image::filled(viewport.width, viewport.height, false);
+    spans.iter().for_each(|span| fill(&mut covered, *span, true));
+    covered
+}
+
+/// An answer that no picture shows: lists of numbers, each on a line or on several, up to [`MAX_TEXT_BYTES`].
+fn numbers(answer: &Answer) -> Vec<String> {
+    let mut start = Start { text: Vec::new() };
+    // Fails where the text is longer than its limit, and for no other reason: numbers and lists of them can be written.
+    let is_whole = serde_json::to_writer(&mut start, answer).is_ok();
+    let mut lines = vec!["Answered in numbers, as the command `case` writes them:".to_owned(), String::new()];
+    for list in String::from_utf8_lossy(&start.text).split_inclusive("],") {
+        let mut line = String::new();
+        for number in list.split_inclusive(',') {
+            if line.len() + number.len() > MAX_LINE_BYTES {
+                lines.push(std::mem::take(&mut line));
+            }
+            line += number;
+        }
+        lines.push(line);
+    }
+    if !is_whole {
+        lines.push(format!("… and more than these {MAX_TEXT_BYTES} bytes: the command `case` writes all."));
+    }
+    lines
+}
+
+/// The start of a text, up to [`MAX_TEXT_BYTES`].
+struct Start {
+    text: Vec<u8>,
+}
+
+impl Write for Start {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.text.len() + bytes.len() > MAX_TEXT_BYTES {
+            return Err(io::ErrorKind::FileTooLarge.into());
+        }
+        self.text.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 /// How many parts a case has, each with a picture of its own.
@@ -175,6 +285,16 @@ mod tests {
         Case::parse(json.as_bytes(), "test.json".as_ref()).unwrap()
     }
 
+    /// Part of a case, shown without being cancelled.
+    fn shown(case: &Case, part: usize, options: Options) -> Shown {
+        show(case, part, options, &Control::default()).unwrap()
+    }
+
+    fn pixels(case: &Case, options: Options) -> Comparison {
+        let Shown::Pixels(comparison) = shown(case, 0, options) else { panic!("told in words") };
+        comparison
+    }
+
     #[test]
     fn a_sound_rasterizer_agrees_with_the_exact_answer_and_a_published_one_does_not() {
         let case = case(
@@ -183,25 +303,52 @@ mod tests {
         );
         let wrong = |rasterizer| {
             let options = Options { rasterizer, arithmetic: Arithmetic::Exact };
-            Comparison::new(&case, 0, options).unwrap().wrong().len()
+            pixels(&case, options).figures().differing
         };
         assert_eq!(wrong(Rasterizer::Tiled), 0);
         assert!(wrong(Rasterizer::ScanlinePublished) > 0);
-        assert!(Comparison::new(&case, 1, Options::default()).is_err(), "there is but one triangle");
+        let Shown::Pixels(other) = shown(&case, 1, Options::default()) else { panic!("told in words") };
+        assert_eq!(other.figures().concerned, 0, "there is but one triangle");
     }
 
     #[test]
     fn lines_are_shown_where_they_are() {
         let case = case(r#"{"id":"l","kind":"line","p0":[-3,7],"p1":[-1,8],"last_pixel":true}"#);
-        let shown = Comparison::new(&case, 0, Options::default()).unwrap();
-        assert_eq!((shown.origin, shown.covered(), shown.exact), ((-4, 6), 3, None));
+        let shown = pixels(&case, Options::default());
+        assert_eq!((shown.origin, shown.figures().covered, shown.exact), ((-4, 6), 3, None));
     }
 
     #[test]
     fn what_no_picture_shows_is_told_in_numbers() {
         let case = case(r#"{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[1,2]}"#);
-        let told = Comparison::new(&case, 0, Options::default()).unwrap_err();
-        assert!(told.contains("0.75") && told.contains("`case`"), "{told}");
+        let Shown::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
+        assert!(told[0].contains("`case`") && told[2].contains("0.75"), "{told:?}");
+    }
+
+    #[test]
+    fn long_answers_are_broken_into_lines_and_cut() {
+        let z = vec!["2.9"; 80_000].join(",");
+        let case = case(&format!(
+            r#"{{"id":"d","kind":"depth","mapping":"standard","format":"f32","near":1,"far":3,"z":[{z}]}}"#
+        ));
+        let Shown::Text(told) = shown(&case, 0, Options::default()) else { panic!("shown as pixels") };
+        assert!(told.iter().all(|line| line.len() <= MAX_LINE_BYTES), "a line is too long");
+        assert!(told.iter().map(String::len).sum::<usize>() < MAX_TEXT_BYTES + 1000);
+        assert!(told.last().unwrap().starts_with("… and more"), "{:?}", told.last());
+    }
+
+    #[test]
+    fn a_part_of_a_case_is_answered_alone() {
+        // All parts together have more spans than an answer may.
+        let large = "[[0,0],[16384,3],[5,2048]]";
+        let triangles = vec![large; 20_000].join(",");
+        let case = case(&format!(
+            r#"{{"id":"t","kind":"tri_coverage","width":16384,"height":2048,"rule":"top_left","triangles":[{triangles}]}}"#
+        ));
+        let options = Options { rasterizer: Rasterizer::Scanline, ..Options::default() };
+        assert!(answer(&case, options, &Control::default()).is_err());
+        let Shown::Pixels(last) = shown(&case, 19_999, options) else { panic!("told in words") };
+        assert!(last.ours.at(100, 100) == 1.0 && last.ours.at(16_383, 2_047) == 0.0);
     }
 
     #[test]
@@ -209,6 +356,7 @@ mod tests {
         let (ours, exact) =
             (Image::from_pixels(3, 1, vec![1.0, 0.0, 0.0]), Image::from_pixels(3, 1, vec![true, true, false]));
         let comparison = Comparison { origin: (0, 0), ours, exact: Some(exact), outlines: Vec::new() };
-        assert_eq!((comparison.covered(), comparison.concerned(), comparison.wrong().len()), (1, 2, 1));
+        let expected = Figures { covered: 1, concerned: 2, differing: 1, first: vec![(1, 0)] };
+        assert_eq!(comparison.figures(), expected);
     }
 }

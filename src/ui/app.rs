@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Panel, Ui};
 
-use opening::{Loading, SLOW_LOAD};
+use opening::{Loading, OpeningCase, SLOW_LOAD};
 
 use super::canvas::Canvas;
 use super::checks;
@@ -79,6 +79,7 @@ pub struct Workbench {
     /// The number of the last measurement of all upscalers.
     measurement: u64,
     loading: Option<Loading>,
+    opening_case: Option<OpeningCase>,
     judging: Option<Judging>,
     measuring_savings: Option<MeasuringSavings>,
     measuring_growth: Option<MeasuringGrowth>,
@@ -116,6 +117,7 @@ impl Workbench {
             asked: None,
             measurement: 0,
             loading: None,
+            opening_case: None,
             judging: None,
             measuring_savings: None,
             measuring_growth: None,
@@ -205,7 +207,7 @@ impl Workbench {
         Panel::top("menu").frame(frame).show(ui, |ui| menu::ui(ui, &self.session, commands));
         let tight = frame.inner_margin(egui::Margin::symmetric(theme::space::S as i8, 2));
         Panel::top("message").frame(tight).exact_size(MESSAGE_HEIGHT).show(ui, |ui| {
-            message::ui(ui, &self.session, self.slow_load(), commands);
+            message::ui(ui, &self.session, self.slow_open(), commands);
         });
         if self.session.lab.open {
             lab::ui(ui, &self.session.lab, commands);
@@ -213,7 +215,7 @@ impl Workbench {
             self.pipeline_layout(ui, frame, commands);
         }
         self.dialog.ui(ui, &self.session, commands);
-        if self.loading.is_some() {
+        if self.loading.is_some() || self.opening_case.is_some() {
             ui.request_repaint_after(SLOW_LOAD);
         }
     }
@@ -242,6 +244,9 @@ impl Workbench {
     }
 
     fn center(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        if self.session.case.is_none() {
+            self.case_view = CaseView::default();
+        }
         let frame = theme::panel_frame(ui);
         Panel::top("toolbar").frame(frame).exact_size(BAR_HEIGHT).show(ui, |ui| {
             transport::toolbar(ui, &self.session, self.canvas.scale(), commands);
@@ -276,7 +281,7 @@ impl Workbench {
             let size = size * ui.pixels_per_point();
             self.session.canvas_px = (size.x.max(1.0) as u32, size.y.max(1.0) as u32);
             if self.session.case.is_some() {
-                self.case_view.ui(ui, &self.session, commands);
+                self.case_view.ui(ui, &self.session, self.waits, commands);
             } else if compares {
                 self.canvas.hovered = self.tiles.ui(ui, &mut self.canvas.zoom, &self.session, commands);
             } else {
@@ -354,7 +359,9 @@ impl Workbench {
                     judging.cancel();
                 }
             }
-            Command::CancelLoading => (self.loading, self.session.places.pending) = (None, None),
+            Command::CancelLoading => {
+                (self.loading, self.opening_case, self.session.places.pending) = (None, None, None);
+            }
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
                 self.session.measuring = None;

@@ -21,14 +21,15 @@ pub struct OpenCase {
 
 impl OpenCase {
     /// Opens a case at its first part.
-    pub fn new(case: Case) -> Self {
-        Self { case: Arc::new(case), part: 0, settings_before: None }
+    pub fn new(case: Arc<Case>) -> Self {
+        Self { case, part: 0, settings_before: None }
     }
 }
 
 impl Session {
     /// Shows a case in the place of the one that is open; the scene stays behind it.
-    pub fn show_case(&mut self, case: Case) {
+    pub fn show_case(&mut self, case: impl Into<Arc<Case>>) {
+        let case = case.into();
         self.close_case();
         self.report(Level::Info, format!("Opened the case {}", case.id));
         self.error = None;

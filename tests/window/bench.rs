@@ -180,13 +180,18 @@ impl Bench {
     }
 
     pub(crate) fn drop_file(&mut self, path: &Path) {
-        self.window.input_mut().dropped_files.push(Arc::new(Dropped(path.to_owned())));
+        self.window.input_mut().dropped_files.push(dropped(path));
         self.rest();
     }
 }
 
+/// A file that is dropped on the window.
+pub(crate) fn dropped(path: &Path) -> Arc<Dropped> {
+    Arc::new(Dropped(path.to_owned()))
+}
+
 #[derive(Debug)]
-struct Dropped(PathBuf);
+pub(crate) struct Dropped(PathBuf);
 
 impl eframe::egui::DroppedFile for Dropped {
     fn path(&self) -> &Path {

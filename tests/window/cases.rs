@@ -11,6 +11,7 @@ use rasterscope::case::Case;
 use rasterscope::pipeline::settings::{Arithmetic, Rasterizer};
 use rasterscope::report::stability::catalogue;
 use rasterscope::report::stability::sweep::{self, Plan, Report};
+use rasterscope::ui::worker::Worker;
 use tempfile::TempDir;
 
 use crate::bench::Bench;
@@ -29,6 +30,87 @@ fn case_file(folder: &TempDir, name: &str, id: &str, triangles: &[&str]) -> Path
     );
     std::fs::write(&path, json).unwrap();
     path
+}
+
+/// A case of few bytes whose answer takes minutes: every pixel lies so close to the line that floats cannot tell.
+fn slow_case_file(folder: &TempDir) -> PathBuf {
+    let path = folder.path().join("slow.json");
+    let json = r#"{"id": "slow", "kind": "distance_line", "width": 16384, "height": 2048,
+        "p0": [-3e38, -1.3e38], "p1": [3e38, 1.3e38]}"#;
+    std::fs::write(&path, json).unwrap();
+    path
+}
+
+/// Draws frames until something has come.
+fn wait(bench: &mut Bench, what: &str, done: impl Fn(&Bench) -> bool) {
+    let begun = Instant::now();
+    while !done(bench) {
+        assert!(begun.elapsed() < Duration::from_secs(60), "waited for {what}");
+        std::thread::sleep(Duration::from_millis(10));
+        bench.window.step();
+    }
+}
+
+/// Whether a button of this name is there.
+fn offers(bench: &Bench, button: &str) -> bool {
+    bench.window.query_by_role_and_label(Role::Button, button).is_some()
+}
+
+#[test]
+fn a_slow_case_is_opened_in_the_background_and_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::with_worker("triangle", Worker::spawn(|| ()));
+    wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
+    bench.window.input_mut().dropped_files.push(crate::bench::dropped(&slow_case_file(&folder)));
+    wait(&mut bench, "the progress", |bench| bench.mentions("Loading") && offers(bench, "Cancel"));
+    assert!(bench.session().case.is_none() && shows_the_scene(&bench), "the scene stays meanwhile");
+    bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
+    wait(&mut bench, "its end", |bench| !offers(bench, "Cancel"));
+    for _ in 0..20 {
+        std::thread::sleep(Duration::from_millis(10));
+        bench.window.step();
+    }
+    assert!(bench.session().case.is_none() && bench.session().error.is_none() && shows_the_scene(&bench));
+}
+
+#[test]
+fn an_open_case_is_answered_in_the_background_and_cancelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut bench = Bench::with_worker("triangle", Worker::spawn(|| ()));
+    wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
+    let slow = Case::read(&slow_case_file(&folder)).unwrap();
+    bench.session_mut().show_case(slow);
+    wait(&mut bench, "the progress", |bench| offers(bench, "Cancel"));
+    assert!(bench.session().case.is_some());
+    bench.window.get_by_role_and_label(Role::Button, "Cancel").click();
+    wait(&mut bench, "its end", |bench| bench.session().case.is_none());
+
+    // Another way to answer it keeps what is shown until it is there.
+    bench
+        .session_mut()
+        .show_case(Case::read(&case_file(&folder, "both.json", "both", &[HALF_SQUARE, OTHER_HALF])).unwrap());
+    wait(&mut bench, "an answer", |bench| bench.says("0 of 28 pixels differ"));
+    bench.window.get_by_role_and_label(Role::Button, "Triangle after").click();
+    wait(&mut bench, "the other triangle", |bench| bench.says("0 of 36 pixels differ"));
+}
+
+#[test]
+fn a_case_of_many_triangles_and_pixels_opens_at_its_first_triangle() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large.json");
+    let triangles = vec!["[[0, 0], [16384, 3], [5, 2048]]"; 20_000].join(", ");
+    let json = format!(
+        r#"{{"id": "large", "kind": "tri_coverage", "width": 16384, "height": 2048, "rule": "top_left", "triangles": [{triangles}]}}"#
+    );
+    std::fs::write(&path, json).unwrap();
+    let mut bench = Bench::with_worker("triangle", Worker::spawn(|| ()));
+    wait(&mut bench, "the first frame", |bench| bench.session().view.is_some());
+    bench.window.input_mut().dropped_files.push(crate::bench::dropped(&path));
+    wait(&mut bench, "the case", |bench| bench.says("triangle 1 of 20000") && bench.mentions("0 of "));
+    let next = |bench: &mut Bench| bench.window.get_by_role_and_label(Role::Button, "Triangle after").click();
+    next(&mut bench);
+    // All triangles are equal, so only their number tells them apart.
+    wait(&mut bench, "the next triangle", |bench| bench.says("triangle 2 of 20000"));
 }
 
 /// Whether the canvas shows the scene, not a case.

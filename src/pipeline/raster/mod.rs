@@ -250,6 +250,34 @@ pub fn cover(
     spans
 }
 
+/// Height of a band of [`cover_in_bands`], rows: a whole number of the largest squares of the tiled rasterizer.
+const BAND_ROWS: u32 = 64;
+
+/// [`cover`] in bands of rows from the top, with the same spans in the same order. `take` gets the spans of each band and the
+/// first row below it. Ends with the first error of `take`; bands far from the triangle are passed over.
+pub(crate) fn cover_in_bands<E>(
+    how: (Rasterizer, settings::Arithmetic, FillRule),
+    corners_px: [[f32; 2]; 3],
+    viewport: Viewport,
+    mut take: impl FnMut(&[Span], u32) -> Result<(), E>,
+) -> Result<(), E> {
+    let Viewport { width, height } = viewport;
+    let [.., top, bottom] = box_around(corners_px);
+    // Casts saturate. A band more on each side leaves room for what `may_meet` allows for.
+    let row = |px: f32| (px.max(0.0) as u32).min(height);
+    let (first, end) = (row(top - BAND_ROWS as f32) / BAND_ROWS * BAND_ROWS, row(bottom + BAND_ROWS as f32));
+    let mut spans = Vec::new();
+    for top in (first..end).step_by(BAND_ROWS as usize) {
+        let scissor = Scissor { left: 0, top, right: width, bottom: (top + BAND_ROWS).min(height) };
+        if scissor.may_meet(corners_px) {
+            spans.clear();
+            cover_within(how, corners_px, (SampleGrid::FULL, scissor), &mut spans);
+            take(&spans, scissor.bottom)?;
+        }
+    }
+    Ok(())
+}
+
 /// [`cover`] for the samples of a grid within a rectangle, added to `spans`.
 pub(crate) fn cover_within(
     (rasterizer, arithmetic, rule): (Rasterizer, settings::Arithmetic, FillRule),

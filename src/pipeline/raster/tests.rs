@@ -159,6 +159,31 @@ fn what_a_pixel_shows_does_not_depend_on_the_scissor() {
 }
 
 #[test]
+fn bands_of_rows_give_the_spans_of_the_whole_picture_in_the_same_order() {
+    let viewport = Viewport { width: 70, height: 5 * BAND_ROWS / 2 };
+    let far = [[[-3e38, -1.0], [3e38, 70.0], [5.0, 3e38]], [[f32::NAN, 0.0], [9.0, 9.0], [1.0, 90.0]]];
+    let corners = triangles(29, 150, 1.0 / 64.0).map(|corners| corners.map(|[x, y]| [x, y * 2.0]));
+    let mut several = 0;
+    for corners in corners.chain(far) {
+        for rasterizer in Rasterizer::ALL {
+            for arithmetic in Arithmetic::ALL {
+                let (mut spans, mut bands) = (Vec::new(), 0);
+                let mut take = |band: &[Span], _| {
+                    spans.extend_from_slice(band);
+                    bands += 1;
+                    Ok::<_, ()>(())
+                };
+                cover_in_bands((*rasterizer, *arithmetic, FillRule::TopLeft), corners, viewport, &mut take).unwrap();
+                let whole = cover(*rasterizer, *arithmetic, corners, FillRule::TopLeft, viewport);
+                assert_eq!(spans, whole, "{rasterizer:?} {arithmetic:?} {corners:?}");
+                several += u32::from(bands > 1);
+            }
+        }
+    }
+    assert!(several > 100, "only {several} in several bands");
+}
+
+#[test]
 fn edge_values_sum_to_the_doubled_area_everywhere() {
     for corners in triangles(19, 100, 1.0 / 256.0) {
         for arithmetic in Arithmetic::ALL {

@@ -269,21 +269,20 @@ mod tests {
 
     #[test]
     fn case_files_are_read_with_their_corners_that_are_no_numbers() {
-        use crate::case::{Answer, Case as FileCase, Options, Task, answer};
+        use crate::case::{Answer, Case as FileCase, Control, Options, Task};
         let corners = [[0.3, -0.0, f32::INFINITY, 1.0], [f32::NAN, 1e-45, 0.5, 2.0], [-f32::INFINITY, 3e38, 0.0, 1.0]];
         let body = Body::ClipTri(ClipSpace { width: 8, height: 4, triangles: vec![corners] });
+        let answer = |case: &FileCase| crate::case::answer(case, Options::default(), &Control::default());
         let bits = |corners: [[f32; 4]; 3]| corners.map(|corner| corner.map(f32::to_bits));
         let read = |case: &Case| FileCase::parse(case.to_json().as_bytes(), "x.json".as_ref()).unwrap();
 
         let clipped = read(&Case { body, ..coverage() });
         let Task::ClipTri(task) = &clipped.task else { panic!("{clipped:?}") };
         assert_eq!(task.corners(0).map(bits), Some(bits(corners)));
-        let Ok(Answer::ClipTri(drawn)) = answer(&clipped, Options::default()) else { panic!("not answered") };
+        let Ok(Answer::ClipTri(drawn)) = answer(&clipped) else { panic!("not answered") };
         assert!(drawn.triangles[0].spans.is_empty(), "its corners cost the triangle");
 
-        let Ok(Answer::TriCoverage(drawn)) = answer(&read(&coverage()), Options::default()) else {
-            panic!("not answered")
-        };
+        let Ok(Answer::TriCoverage(drawn)) = answer(&read(&coverage())) else { panic!("not answered") };
         assert!(drawn.triangles.iter().all(|covered| covered.spans.is_empty()));
     }
 

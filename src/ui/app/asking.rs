@@ -21,6 +21,7 @@ impl Workbench {
         self.hear_tasks();
         self.hear_saving();
         self.hear_loading();
+        self.hear_case();
     }
 
     pub(super) fn hear(&mut self, answer: Answer) {

@@ -1,16 +1,19 @@
-//! Opening scenes and cases: models are loaded on a thread of their own.
+//! Opening scenes and cases: models are loaded, and cases read and answered, on threads of their own.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui::Ui;
 
 use super::Workbench;
-use crate::case::Case;
+use crate::case::{Case, CaseError, Control, Options};
 use crate::image::file::is_named_picture;
+use crate::pipeline::settings::Settings;
 use crate::scene::obj::Loaded;
 use crate::scene::{LoadControl, SceneError, SceneSource};
 use crate::ui::panels::bottom::Tab;
+use crate::ui::panels::case::{Evaluation, Question};
 use crate::ui::session::Level;
 use crate::ui::task::{Listening, Task};
 use crate::ui::worker::Job;
@@ -27,15 +30,31 @@ pub(super) struct Loading {
     since: Instant,
 }
 
+/// A case that is being read and answered on a thread of its own.
+pub(super) struct OpeningCase {
+    path: PathBuf,
+    task: Task<f32, Result<Evaluation, CaseError>>,
+    /// Completed share of the answer, in [0, 1].
+    progress: Option<f32>,
+    since: Instant,
+}
+
+/// Reads a case and answers its first part; `None` if it was cancelled.
+fn opened_case(path: &Path, options: Options, control: &Control<'_>) -> Option<Result<Evaluation, CaseError>> {
+    match Case::read(path) {
+        Ok(case) => Evaluation::new(Question { case: Arc::new(case), part: 0, options }, control).map(Ok),
+        Err(error) => Some(Err(error)),
+    }
+}
+
 impl Workbench {
     pub(super) fn open(&mut self, ui: &Ui, source: SceneSource) {
+        // The newest wins.
+        self.opening_case = None;
         if let SceneSource::File(path, _) = &source
             && path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
         {
-            match Case::read(path) {
-                Ok(case) => self.session.show_case(case),
-                Err(error) => self.session.report(Level::Error, error.to_string()),
-            }
+            self.open_case(ui, path.clone());
             return;
         }
         if let SceneSource::File(path, _) = &source
@@ -78,6 +97,54 @@ impl Workbench {
         }
     }
 
+    /// Reads a case and answers it; what is shown stays until then.
+    fn open_case(&mut self, ui: &Ui, path: PathBuf) {
+        let Settings { rasterizer, arithmetic, .. } = self.session.state.recipe.pipeline;
+        let options = Options { rasterizer, arithmetic };
+        if self.waits {
+            if let Some(opened) = opened_case(&path, options, &Control::default()) {
+                self.case_opened(opened);
+            }
+            return;
+        }
+        let wanted = path.clone();
+        let task = Task::start(ui.ctx().clone(), move |tell: &(dyn Fn(f32) + Sync), stop| {
+            opened_case(&wanted, options, &Control::new(tell, stop))
+        });
+        self.loading = None;
+        self.opening_case = Some(OpeningCase { path, task, progress: None, since: Instant::now() });
+        ui.request_repaint_after(SLOW_LOAD);
+    }
+
+    fn case_opened(&mut self, opened: Result<Evaluation, CaseError>) {
+        match opened {
+            Ok(evaluation) => {
+                self.session.show_case(evaluation.question.case.clone());
+                self.case_view.adopt(evaluation);
+            }
+            Err(error) => self.session.report(Level::Error, error.to_string()),
+        }
+    }
+
+    /// Takes what has become of a case that is being opened.
+    pub(super) fn hear_case(&mut self) {
+        let Some(opening) = &mut self.opening_case else { return };
+        match opening.task.listen(&mut opening.progress) {
+            Listening::GoesOn => {}
+            Listening::Ended(opened) => {
+                self.opening_case = None;
+                if let Some(opened) = opened {
+                    self.case_opened(*opened);
+                }
+            }
+            Listening::BrokeOff => {
+                let text = format!("Opening {} stopped by an error of the program", opening.path.display());
+                self.opening_case = None;
+                self.session.report(Level::Error, text);
+            }
+        }
+    }
+
     pub(super) fn loaded(&mut self, source: SceneSource, result: Result<Loaded, SceneError>) {
         match result {
             Ok(Loaded { scene, warnings, notes }) => {
@@ -113,8 +180,11 @@ impl Workbench {
         }
     }
 
-    /// The model that has been loading for a while, and its completed share from 0 to 1.
-    pub(super) fn slow_load(&self) -> Option<(&Path, f32)> {
+    /// The file that has been opened for a while, and its completed share from 0 to 1.
+    pub(super) fn slow_open(&self) -> Option<(&Path, f32)> {
+        if let Some(OpeningCase { path, progress, since, .. }) = &self.opening_case {
+            return (since.elapsed() >= SLOW_LOAD).then_some((path, progress.unwrap_or(0.0)));
+        }
         let loading = self.loading.as_ref()?;
         match &loading.source {
             SceneSource::File(path, _) if loading.since.elapsed() >= SLOW_LOAD => {

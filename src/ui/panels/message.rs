@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{Align, Color32, Label, Layout, Rect, RichText, Sense, Ui, Vec2};
+use eframe::egui::{Align, Color32, Label, Layout, ProgressBar, Rect, RichText, Sense, Ui, Vec2};
 
 use crate::text;
 use crate::ui::command::Command;
@@ -19,7 +19,7 @@ const LAB_HINT: &str =
 /// How strongly an error colours the line.
 const ERROR_TINT: f32 = 0.25;
 
-/// Draws the line. `loading` is the model that has been loading for a while, and its completed share from 0 to 1.
+/// Draws the line. `loading` is the file that has been opened for a while, and its completed share from 0 to 1.
 pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, commands: &mut Vec<Command>) {
     ui.horizontal_centered(|ui| {
         if let Some(error) = &session.error {
@@ -38,6 +38,7 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, command
             if ui.button("Cancel").on_hover_text("The present scene stays").clicked() {
                 commands.push(Command::CancelLoading);
             }
+            ui.add(ProgressBar::new(completed).desired_width(120.0));
             ui.add(Label::new(format!("Loading {} … {:.0} %", path.display(), 100.0 * completed)).truncate());
         } else if session.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
