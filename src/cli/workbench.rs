@@ -60,7 +60,7 @@ pub(crate) fn draw(view: View, look: &Look, shown: SeenArgs, against: Option<Rec
         mesh: look.mesh,
         lab: look.lab.map(|page| (page, look.lab_step)),
         first: against
-            .map(|recipe| Command::WhatIf(what_if::Change::Against(recipe)))
+            .map(|recipe| Command::WhatIf(what_if::Change::Against(Box::new(recipe))))
             .into_iter()
             .chain(look.watch.then_some(Command::Watch(watch::Change::AddPick)))
             .chain(look.open.into_iter().flat_map(open_first))

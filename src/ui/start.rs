@@ -257,7 +257,7 @@ pub fn screenshot(request: &ScreenshotRequest) -> Result<Image<Rgba8>, Viewport>
     let mut headless = Headless::new(size_points, request.pixels_per_point, theme);
     let mut app = workbench(request.start.clone(), Preferences::default(), Worker::inline());
     app.session_mut().pick = request.selected.or(request.start.seen.pixel);
-    if let Some(change) = request.compare {
+    if let Some(change) = request.compare.clone() {
         app.session_mut().apply(Command::Compare(change));
     }
     if request.tab == Some(Tab::Checks) {

@@ -123,7 +123,7 @@ impl Default for Comparison {
 }
 
 /// A change of what is compared.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Change {
     /// Compare this way.
     Mode(Mode),
@@ -136,7 +136,7 @@ pub enum Change {
     /// Make this tile the active one.
     Activate(usize),
     /// Draw this tile by this recipe.
-    Recipe(usize, Recipe),
+    Recipe(usize, Box<Recipe>),
     /// Take this tile away.
     Remove(usize),
     /// A becomes B and B becomes A.
@@ -193,7 +193,7 @@ impl Comparison {
             Change::Recipe(tile, wanted) => {
                 tiles.fill((tile + 1).min(MOST_TILES), *recipe);
                 if let Some(place) = tiles.recipes.get_mut(tile) {
-                    *place = wanted;
+                    *place = *wanted;
                 }
             }
             Change::Remove(tile) => {

@@ -58,7 +58,7 @@ impl Kind {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// This.
-    Run(Command),
+    Run(Box<Command>),
     /// Nothing yet: a number follows, which is to be typed.
     Type(String),
 }
@@ -83,7 +83,7 @@ pub struct Entry {
 fn entry(kind: Kind, title: impl Into<String>, command: Command) -> Entry {
     let binding = BINDINGS.iter().find(|binding| (binding.command)() == command);
     let key = binding.map(key_name).unwrap_or_default();
-    Entry { kind, title: title.into(), help: String::new(), key, holds: false, action: Action::Run(command) }
+    Entry { kind, title: title.into(), help: String::new(), key, holds: false, action: Action::Run(Box::new(command)) }
 }
 
 impl Entry {
@@ -234,6 +234,10 @@ mod tests {
     use super::*;
     use crate::scene::TriangleId;
 
+    fn run(command: Command) -> Action {
+        Action::Run(Box::new(command))
+    }
+
     fn session() -> Session {
         let source = SceneSource::named("triangle".into());
         let scene = source.load().unwrap().scene;
@@ -266,7 +270,7 @@ mod tests {
         let find = |title: &str| entries.iter().find(|entry| entry.title == title).unwrap();
         let mut wanted = session.state.recipe;
         wanted.set("fill_rule=inclusive").unwrap();
-        assert_eq!(find("fill_rule = inclusive").action, Action::Run(Command::SetRecipe(wanted)));
+        assert_eq!(find("fill_rule = inclusive").action, run(Command::SetRecipe(wanted)));
         assert!(find("fill_rule = top-left").holds && !find("fill_rule = inclusive").holds);
         for (key, _) in Recipe::keys() {
             let of_key = entries.iter().filter(|entry| entry.title.starts_with(&format!("{key} = ")));
@@ -279,7 +283,8 @@ mod tests {
     fn a_number_is_typed_as_key_and_value() {
         let session = session();
         let typed = assignment(&session, "light.ambient=0.5").unwrap();
-        let Action::Run(Command::SetRecipe(recipe)) = typed.action else { panic!("it sets the recipe") };
+        let Action::Run(command) = typed.action else { panic!("it is a command") };
+        let Command::SetRecipe(recipe) = *command else { panic!("it sets the recipe") };
         assert_eq!(recipe.pipeline.light.ambient, 0.5);
         assert_eq!(assignment(&session, "light.ambient=7"), None);
         assert_eq!(assignment(&session, "light"), None);
@@ -290,9 +295,9 @@ mod tests {
         let mut session = session();
         session.canvas_px = (320, 200);
         let go = |typed: &str| destination(&session, typed).map(|entry| entry.action);
-        assert_eq!(go("12,34"), Some(Action::Run(Command::Pick(Some((12, 34))))));
+        assert_eq!(go("12,34"), Some(run(Command::Pick(Some((12, 34))))));
         for (typed, wanted) in [("tri 0", Wanted::Triangle(TriangleId(0))), ("v 2", Wanted::Vertex(0, 2))] {
-            assert_eq!(go(typed), Some(Action::Run(Command::Place(place::Change::Find(wanted)))), "{typed}");
+            assert_eq!(go(typed), Some(run(Command::Place(place::Change::Find(wanted)))), "{typed}");
         }
         assert_eq!(go("320,0"), None);
         assert_eq!(go(&session.scene.instances[0].name.clone()), None);
@@ -301,9 +306,9 @@ mod tests {
     #[test]
     fn keys_stand_beside_what_they_do() {
         let entries = all(&session());
-        let undo = entries.iter().find(|entry| entry.action == Action::Run(Command::Undo)).unwrap();
+        let undo = entries.iter().find(|entry| entry.action == run(Command::Undo)).unwrap();
         assert_eq!(undo.key, "Ctrl + Z");
-        let second = entries.iter().find(|entry| entry.action == Action::Run(Command::ChooseUpscaler(1))).unwrap();
+        let second = entries.iter().find(|entry| entry.action == run(Command::ChooseUpscaler(1))).unwrap();
         assert_eq!(second.key, "2");
     }
 }

@@ -55,7 +55,7 @@ impl Palette {
         let stays = !modal.should_close();
         match modal.inner {
             Some(Action::Run(command)) => {
-                commands.push(command);
+                commands.push(*command);
                 false
             }
             Some(Action::Type(text)) => {

@@ -91,7 +91,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn choose(session: &Session, tile: usize, upscaling: Upscaling, commands: &mut Vec<Command>) {
     let recipe = session.state.tiles.recipe(tile, session.state.recipe);
     let recipe = Recipe { upscaler: upscaling, ..recipe };
-    commands.push(Command::Compare(Change::Recipe(tile, recipe)));
+    commands.push(Command::Compare(Change::Recipe(tile, Box::new(recipe))));
     if !session.comparison.is_on() {
         commands.push(Command::Compare(Change::Mode(Mode::Wipe)));
     }

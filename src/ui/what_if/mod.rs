@@ -56,7 +56,7 @@ pub struct WhatIf {
 }
 
 /// A change of what is asked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Change {
     /// Open the bar, or close it.
     Toggle,
@@ -65,7 +65,7 @@ pub enum Change {
     /// Keep A while B changes further, or no more.
     Pin(bool),
     /// Take this for A, and keep it.
-    Against(Recipe),
+    Against(Box<Recipe>),
     /// Take what is now for A, and keep it.
     PinNow,
     /// Go back to A.
@@ -151,7 +151,7 @@ impl Session {
             Change::Toggle => what_if.open ^= true,
             Change::Show(show) => what_if.show = show,
             Change::Pin(pinned) => what_if.pinned = pinned,
-            Change::Against(recipe) => (what_if.before, what_if.pinned, what_if.open) = (Some(recipe), true, true),
+            Change::Against(recipe) => (what_if.before, what_if.pinned, what_if.open) = (Some(*recipe), true, true),
             Change::PinNow => (what_if.before, what_if.pinned) = (Some(self.state.recipe), true),
             Change::Revert => self.state.recipe = what_if.before.unwrap_or(self.state.recipe),
             Change::Swap => {

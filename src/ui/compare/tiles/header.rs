@@ -46,7 +46,7 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
     let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe));
     if let Some(upscaler) = chosen {
-        commands.push(Command::Compare(Change::Recipe(tile, Recipe { upscaler, ..recipe })));
+        commands.push(Command::Compare(Change::Recipe(tile, Box::new(Recipe { upscaler, ..recipe }))));
     }
     if removable && icon_button(&mut row, crate::ui::theme::Icon::X, &format!("Take {name} away")).clicked() {
         commands.push(Command::Compare(Change::Remove(tile)));
