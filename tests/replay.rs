@@ -6,14 +6,14 @@ mod common;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
-use common::{render, scenes};
+use common::{DEPTH_BIASES, render, scenes};
 use rasterscope::antialias::settings::{Filter as PostChoice, Method};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
 use rasterscope::inspect::{FragmentRecord, PixelReport, capture, inspect};
 use rasterscope::pipeline::settings::{
-    Address, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthFormat, DepthTest, FillRule, Filter,
-    Interpolation, Rasterizer, Shading,
+    Address, Arithmetic, BlendingOrder, Choice, ColorSpace, Culling, DepthBias, DepthFormat, DepthTest, FillRule,
+    Filter, Interpolation, Rasterizer, Settings, Shading,
 };
 use rasterscope::scene::{Scene, Transparency, TriangleId, builtin};
 use rasterscope::upscale::{Anchor, Upscaling};
@@ -72,6 +72,21 @@ fn combined_switches() -> Vec<Recipe> {
     recipes = cross::<DepthTest>(&recipes, |r, c| r.pipeline.depth_test = c);
     recipes = cross::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c);
     cross::<Interpolation>(&recipes, |r, c| r.pipeline.interpolation = c)
+}
+
+/// Depth biases × formats, each with another depth test and other numbers to decide coverage in, without culling.
+fn depth_biases() -> Vec<Recipe> {
+    let mut recipe = Recipe::default();
+    recipe.pipeline.culling = Culling::None;
+    let recipes = cross::<DepthFormat>(&[recipe], |r, c| r.pipeline.depth_format = c);
+    let biased = recipes.iter().flat_map(|recipe| DEPTH_BIASES.map(|bias| (recipe, bias)));
+    let with = |(turn, (recipe, depth_bias)): (usize, (&Recipe, DepthBias))| {
+        let mut recipe = Recipe { pipeline: Settings { depth_bias, ..recipe.pipeline }, ..*recipe };
+        recipe.pipeline.depth_test = DepthTest::ALL[turn % DepthTest::ALL.len()];
+        recipe.pipeline.arithmetic = Arithmetic::ALL[turn / 2 % Arithmetic::ALL.len()];
+        recipe
+    };
+    biased.enumerate().map(with).collect()
 }
 
 /// Every upscaler × scale, and every upscaler with a wireframe.
@@ -182,6 +197,11 @@ fn every_pixel_replays_to_the_frame_under_all_rules_of_visibility_together() {
     let (tests, formats) = (DepthTest::ALL.len(), DepthFormat::ALL.len());
     assert_eq!(recipes.len(), FillRule::ALL.len() * tests * formats * Interpolation::ALL.len());
     replay_all(&scenes(), &recipes, SIZE);
+}
+
+#[test]
+fn every_pixel_replays_to_the_frame_under_every_depth_bias() {
+    replay_all(&scenes(), &depth_biases(), SIZE);
 }
 
 #[test]

@@ -63,6 +63,8 @@ fn factors() -> Vec<Vec<String>> {
         values::<FillRule>("fill_rule"),
         values::<DepthFormat>("depth_format"),
         values::<DepthTest>("depth_test"),
+        ["0", "3", "-5e6"].map(|constant| format!("depth_bias.constant={constant}")).into(),
+        ["0", "-1.5", "40"].map(|slope| format!("depth_bias.slope={slope}")).into(),
         values::<Arithmetic>("arithmetic"),
         values::<Culling>("culling"),
         values::<Interpolation>("interpolation"),

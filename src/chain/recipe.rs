@@ -141,6 +141,10 @@ impl Recipe {
         if !(0.0..=1.0).contains(&light.ambient) {
             return Err(format!("the ambient share must lie in 0…1, not {}", light.ambient));
         }
+        let bias = &self.pipeline.depth_bias;
+        if !bias.constant.is_finite() || !bias.slope.is_finite() {
+            return Err("a depth bias must be finite".to_owned());
+        }
         let checker = &self.pipeline.checker;
         if !checker.squares.is_finite() || !checker.even.is_finite() || !checker.odd.is_finite() {
             return Err("numbers must be finite".to_owned());

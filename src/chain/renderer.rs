@@ -251,7 +251,7 @@ impl Renderer {
     ) -> (Framebuffer, TiledReport) {
         let keep = keep_depth == KeepDepth::Yes;
         let mut drawn = Framebuffer::reusing(grid, raster, memory, settings, keep);
-        drawn.depth_scale = DepthScale::new(settings.depth_format, seen);
+        drawn.depth_scale = DepthScale::of(settings, seen);
         let report = tiled::draw(scene, seen, settings, raster, (&mut drawn, samples), &mut self.memory, self.lanes);
         (drawn, report)
     }

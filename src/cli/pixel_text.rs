@@ -65,8 +65,11 @@ fn fragment_lines(fragment: &FragmentRecord) -> impl Iterator<Item = String> {
     let alpha = fragment.alpha.map(|alpha| ("alpha", format!("{alpha:?}")));
     let change = (fragment.before != fragment.after)
         .then(|| ("change", format!("from {} to {}", state(fragment.before), state(fragment.after))));
+    let bias =
+        fragment.depth_bias.map(|bias| ("", format!("The depth bias adds {bias:?} to every depth of the triangle.")));
     let step = fragment.stored_depth.map(|_| ("", one_step(fragment.depth)));
     rows.into_iter()
+        .chain(bias)
         .chain(step)
         .chain(alpha)
         .chain(change)

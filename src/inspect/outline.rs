@@ -14,7 +14,7 @@ use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
 use crate::flat2d::line::part_inside;
 use crate::image::{Image, Rgba8};
-use crate::pipeline::settings::{Choice, DepthFormat, DepthTest, choice};
+use crate::pipeline::settings::{Choice, DepthBias, DepthFormat, DepthTest, choice};
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
 use crate::scene::{Camera, Scene, TriangleId};
 use crate::upscale::Upscaling;
@@ -59,6 +59,7 @@ fn plain(recipe: &Recipe) -> Recipe {
     let mut recipe = Recipe { upscaler: Upscaling::NATIVE, wireframe: false, ..*recipe };
     recipe.pipeline.depth_test = DepthTest::Less;
     recipe.pipeline.depth_format = DepthFormat::F32;
+    recipe.pipeline.depth_bias = DepthBias::default();
     recipe
 }
 

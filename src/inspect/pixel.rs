@@ -75,8 +75,11 @@ pub struct FragmentRecord {
     pub attribute_weights: [f32; 3],
     /// 1/w at the corners.
     pub inv_w: [f32; 3],
-    /// Depth at the corners, before it is quantised.
+    /// Depth at the corners, before depth bias and before it is quantised.
     pub corner_depths: [f32; 3],
+    /// Offset that the depth bias adds to all depths of the triangle; `None` if no bias is set.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub depth_bias: Option<f32>,
     /// Depth of the fragment, as it is stored if the fragment wins.
     pub depth: DepthRecord,
     /// What the depth buffer held before; `None` without a depth test.

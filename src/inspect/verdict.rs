@@ -232,6 +232,7 @@ mod tests {
             attribute_weights: [0.0; 3],
             inv_w: [1.0; 3],
             corner_depths: [*value; 3],
+            depth_bias: None,
             depth: depth(*value),
             stored_depth: stored.map(depth),
             alpha: None,

@@ -198,7 +198,7 @@ pub fn prepare<O: Observer>(
     observer: &mut O,
 ) -> Geometry {
     let mut geometry = Geometry {
-        depth_scale: DepthScale::new(settings.depth_format, camera),
+        depth_scale: DepthScale::of(settings, camera),
         blending: settings.blending,
         ..Geometry::default()
     };

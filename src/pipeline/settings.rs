@@ -255,6 +255,22 @@ choice! {
     }
 }
 
+/// Depth bias: what is added to the depths of each triangle before they are tested, as by Vulkan's `vkCmdSetDepthBias` and by
+/// `glPolygonOffset`.
+///
+/// The offset is `slope` · m + `constant` · r, for the greatest change m of the triangle's depth per px along x or y, and the
+/// smallest difference r that the depth format resolves. It is added to the depth as it is stored: positive numbers move
+/// surfaces away from the viewer, and towards the viewer where depth is reversed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DepthBias {
+    /// Factor of the smallest resolvable difference r: the last place of the triangle's greatest depth where depths are floats,
+    /// one code where they are codes.
+    pub constant: f32,
+    /// Factor of the slope m.
+    pub slope: f32,
+}
+
 /// How blended materials are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -317,6 +333,8 @@ pub struct Settings {
     pub depth_test: DepthTest,
     /// Stored depth.
     pub depth_format: DepthFormat,
+    /// Offset of depths before the test.
+    pub depth_bias: DepthBias,
     /// Attributes.
     pub interpolation: Interpolation,
     /// Colour.
@@ -348,6 +366,7 @@ impl Default for Settings {
             fill_rule: FillRule::TopLeft,
             depth_test: DepthTest::Less,
             depth_format: DepthFormat::F32,
+            depth_bias: DepthBias::default(),
             interpolation: Interpolation::Perspective,
             shading: Shading::Lambert,
             checker: Checker::default(),

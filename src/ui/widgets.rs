@@ -165,6 +165,13 @@ pub fn drag(ui: &mut Ui, value: &mut f32, range: RangeInclusive<f32>) -> bool {
     ui.add(drag).changed()
 }
 
+/// A number of any sign to drag or type that changes `value` only when the user does. It moves by `step` per point.
+pub fn drag_by(ui: &mut Ui, value: &mut f32, step: f64) -> bool {
+    let range = f32::MIN..=f32::MAX;
+    let text = |value: f64, _: RangeInclusive<usize>| format!("{}", value as f32);
+    ui.add(DragValue::new(value).speed(step).range(range).custom_formatter(text)).changed()
+}
+
 /// The title of a group of rows, with room above it. `add_actions` adds small controls at the right end, from the right.
 pub fn section_header(ui: &mut Ui, title: &str, add_actions: impl FnOnce(&mut Ui)) {
     ui.add_space(space::S);

@@ -15,7 +15,7 @@ use rasterscope::image::{Image, Rgba8};
 use rasterscope::pipeline::from_clip_space;
 use rasterscope::pipeline::observe::Observer;
 use rasterscope::pipeline::raster::{AnyTriangle, Sample, cover};
-use rasterscope::pipeline::settings::{Arithmetic, Choice, FillRule, Rasterizer};
+use rasterscope::pipeline::settings::{Arithmetic, Choice, DepthBias, FillRule, Rasterizer};
 use rasterscope::pipeline::vertex::ClipVertex;
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Scene, Texture};
@@ -24,6 +24,15 @@ use rasterscope::scene::{Camera, Instance, Library, Material, Mesh, MeshData, Sc
 pub(crate) fn sound_fill_rules() -> impl Iterator<Item = FillRule> {
     FillRule::ALL.iter().copied().filter(|r| !matches!(r, FillRule::Inclusive | FillRule::Exclusive))
 }
+
+/// Depth biases of either sign: by steps of the format, by slope, by both, and so large that depths are clamped.
+pub(crate) const DEPTH_BIASES: [DepthBias; 5] = [
+    DepthBias { constant: 3.0, slope: 0.0 },
+    DepthBias { constant: 0.0, slope: -1.5 },
+    DepthBias { constant: -700.0, slope: 2.0 },
+    DepthBias { constant: -5e6, slope: 0.0 },
+    DepthBias { constant: 1e6, slope: 40.0 },
+];
 
 /// Runs `test` with the seeds 0 to `count`; a failure names its seed.
 pub(crate) fn for_seeds(count: u64, mut test: impl FnMut(&mut fastrand::Rng)) {

@@ -1,18 +1,23 @@
 //! Depths of vertices and samples, through the pipeline and beside it.
 
 use glam::{Mat4, Vec3};
+use num_rational::BigRational;
+use num_traits::{Signed as _, ToPrimitive as _};
 use rasterscope::chain::{Frame, Recipe, run};
+use rasterscope::inspect::capture;
 use rasterscope::pipeline::clip::{clip, guard_band_widening};
 use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
 use rasterscope::pipeline::observe::{DepthOutcome, Observer};
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::raster::Sample;
-use rasterscope::pipeline::settings::{Arithmetic, Choice, Culling, DepthFormat, DepthTest, FillRule, Rasterizer};
+use rasterscope::pipeline::settings::{
+    Arithmetic, Choice, Culling, DepthBias, DepthFormat, DepthTest, FillRule, Rasterizer,
+};
 use rasterscope::pipeline::vertex::{DrawMatrices, transform};
 use rasterscope::pipeline::viewport::{ScreenTriangle, Viewport};
 use rasterscope::scene::{Camera, DepthMapping, Mesh, Scene, TriangleId, builtin};
 
-use crate::common::{SceneBuilder, covered, cube, for_seeds, in_cube, mesh, render, scenes};
+use crate::common::{DEPTH_BIASES, SceneBuilder, covered, cube, for_seeds, in_cube, mesh, render, scenes};
 
 const SIZE: (u32, u32) = (32, 24);
 
@@ -264,6 +269,106 @@ fn a_w_buffer_grows_with_the_distance_at_any_ratio_of_distances() {
     }
 }
 
+fn rational(number: f64) -> BigRational {
+    BigRational::from_float(number).expect("a finite number")
+}
+
+/// Exact offset by the formula of Vulkan's `vkCmdSetDepthBias`: m from the normal of the plane through the snapped corners,
+/// r from a power of two that is found by halving.
+fn exact_offset(triangle: &ScreenTriangle, bias: DepthBias, encoding: DepthEncoding) -> BigRational {
+    let corners = triangle.vertices.each_ref().map(|v| {
+        let [x, y] = [v.x, v.y].map(|steps| rational(steps.into()) / rational(256.0));
+        [x, y, rational(v.depth)]
+    });
+    let [a, b] = [1, 2].map(|end| [0, 1, 2].map(|axis| &corners[end][axis] - &corners[0][axis]));
+    let component = |i: usize, j: usize| &a[i] * &b[j] - &a[j] * &b[i];
+    let (x, y, z) = (component(1, 2), component(2, 0), component(0, 1));
+    let slope = x.abs().max(y.abs()) / z.abs();
+    let step = match encoding {
+        DepthEncoding::Unorm16 => rational(1.0) / rational(65_535.0),
+        DepthEncoding::Unorm24 => rational(1.0) / rational(16_777_215.0),
+        DepthEncoding::F32 => {
+            let greatest = triangle.vertices.iter().map(|v| rational((v.depth as f32).into())).max().expect("a corner");
+            let (mut power, mut halvings) = (rational(1.0), 0);
+            while power > greatest && halvings < 126 {
+                power /= rational(2.0);
+                halvings += 1;
+            }
+            power / rational(f64::from(1_u32 << 23))
+        }
+    };
+    slope * rational(bias.slope.into()) + step * rational(bias.constant.into())
+}
+
+#[test]
+fn a_depth_bias_adds_what_the_formula_of_the_api_says_and_clamps() {
+    let (mut compared, mut clamped) = (0, 0);
+    for_seeds(60, |rng| {
+        let positions = [(); 3].map(|()| in_cube(rng) * Vec3::new(4.0, 4.0, 3.0) - Vec3::Z * 5.0);
+        let planes = [log_uniform(rng, [0.01, 1.9]), log_uniform(rng, [8.1, 1e4])];
+        let scene = seen_along_z(mesh(positions.to_vec(), vec![[0, 1, 2]]), planes);
+        for (format, bias) in DepthFormat::ALL.iter().flat_map(|format| DEPTH_BIASES.map(|bias| (*format, bias))) {
+            let plain = always(format);
+            let mut biased = plain;
+            biased.pipeline.depth_bias = bias;
+            let [plain, biased] = [plain, biased].map(|recipe| render(&scene, &recipe, SIZE));
+            let [Some(triangle)] = [biased.geometry.triangles.first()] else { continue };
+            let encoding = format.encoding();
+            let offset = exact_offset(triangle, bias, encoding).to_f64().expect("within the range of f64");
+            let samples = covered(
+                triangle,
+                Rasterizer::BoundingBox,
+                FillRule::TopLeft,
+                Viewport { width: SIZE.0, height: SIZE.1 },
+            );
+            let [before, after] = [&plain, &biased].map(|frame| frame.drawn.depth.as_ref().expect("a depth buffer"));
+            for sample in samples {
+                let [before, after] = [before, after].map(|depths| f64::from(depths.at(sample.x, sample.y)));
+                let expected = (before + offset).clamp(0.0, 1.0);
+                // Both depths are rounded to a code, where codes are stored, and to a float; the offset is to f64.
+                let code = encoding.largest_code().map_or(0.0, |largest| 1.0 / f64::from(largest));
+                let rounding = code + before.max(after) * f64::from(f32::EPSILON) + f64::MIN_POSITIVE;
+                let told = || format!("{format:?} {bias:?}: {before} by {offset} became {after}, not {expected}");
+                assert!((after - expected).abs() <= rounding + offset.abs() * 1e-9, "{}", told());
+                compared += 1;
+                clamped += usize::from(expected != before + offset);
+            }
+        }
+    });
+    assert!(compared > 10_000 && clamped > 1000, "{compared} depths, {clamped} of them clamped");
+}
+
+#[test]
+fn a_depth_bias_decides_between_surfaces_at_one_depth() {
+    // Two panes at one distance, of which the second is tilted: the same depth in the middle, other slopes.
+    let pane = |tilt: f32| {
+        let corner = |x: f32, y: f32| Vec3::new(x, y, -4.0 + x * tilt);
+        mesh(
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| corner(x, y)).to_vec(),
+            vec![[0, 1, 2], [0, 2, 3]],
+        )
+    };
+    let mut scene =
+        SceneBuilder::new(Vec3::Z).with(pane(0.0), Mat4::IDENTITY, None).with(pane(0.5), Mat4::IDENTITY, None).0;
+    scene.home = Camera { near: 1.0, far: 10.0, ..Camera::look_at(Vec3::ZERO, Vec3::NEG_Z) };
+    for format in DepthFormat::ALL {
+        let seen = |slope: f32| {
+            let mut recipe = Recipe::default();
+            (recipe.pipeline.depth_format, recipe.pipeline.culling) = (*format, Culling::None);
+            recipe.pipeline.depth_bias.slope = slope;
+            let frame = render(&scene, &recipe, SIZE);
+            let buffers = capture(&scene, &recipe, &frame);
+            buffers.triangle.pixels().iter().filter(|id| [2, 3].contains(&id.0)).count()
+        };
+        let towards = if format.mapping().is_reversed() { 1.0 } else { -1.0 };
+        let [nearer, plain, farther] = [towards, 0.0, -towards].map(seen);
+        assert!(
+            nearer > plain && plain > farther,
+            "{format:?}: {nearer}, {plain}, {farther} pixels of the tilted pane"
+        );
+    }
+}
+
 /// Fails if a depth is no number from 0 to 1.
 struct OnlyDepths(usize);
 
@@ -287,6 +392,9 @@ fn every_depth_of_any_triangle_in_any_arithmetic_is_a_number_from_0_to_1() {
             let mut recipe = always(*format);
             recipe.pipeline.arithmetic = *arithmetic;
             recipe.pipeline.rasterizer = Rasterizer::ALL[rng.usize(..Rasterizer::ALL.len())];
+            if rng.bool() {
+                recipe.pipeline.depth_bias = DEPTH_BIASES[rng.usize(..DEPTH_BIASES.len())];
+            }
             run(&scene, &scene.home, &recipe, Viewport { width: SIZE.0, height: SIZE.1 }, &mut watch);
         }
     });

@@ -9,7 +9,7 @@ mod see_through;
 
 use std::sync::Arc;
 
-use common::{SceneBuilder, scenes};
+use common::{DEPTH_BIASES, SceneBuilder, scenes};
 use glam::{Mat4, Vec3, Vec4};
 use rasterscope::antialias::settings::{Method, Samples};
 use rasterscope::chain::{KeepDepth, Recipe, Renderer, execution, run};
@@ -60,6 +60,14 @@ fn depths() -> Vec<Recipe> {
     recipe.pipeline.culling = Culling::None;
     let recipes = with::<DepthTest>(&[recipe], |r, c| r.pipeline.depth_test = c);
     with::<DepthFormat>(&recipes, |r, c| r.pipeline.depth_format = c)
+}
+
+/// Recipes with a depth bias each, all biases in turn.
+fn biased(mut recipes: Vec<Recipe>) -> Vec<Recipe> {
+    for (recipe, depth_bias) in recipes.iter_mut().zip(DEPTH_BIASES.into_iter().cycle()) {
+        recipe.pipeline.depth_bias = depth_bias;
+    }
+    recipes
 }
 
 /// What lanes shade, in every way that textures are read.
@@ -153,6 +161,16 @@ fn every_switch_gives_the_same_picture() {
 #[test]
 fn every_depth_test_and_format_gives_the_same_picture() {
     check_all(&depths());
+}
+
+#[test]
+fn every_depth_bias_gives_the_same_picture() {
+    let recipes = biased(depths());
+    check_small_scenes(&recipes);
+    // Each bias with another test and format.
+    check_all_at(SMALL, &recipes.into_iter().step_by(7).collect::<Vec<_>>());
+    let smooth = [multisampled(&[Samples::Four]), jittered(&[Samples::Four])].concat();
+    check_small_scenes(&biased(with::<DepthFormat>(&smooth, |r, c| r.pipeline.depth_format = c)));
 }
 
 #[test]
@@ -345,6 +363,9 @@ fn layers_over_whole_tiles_give_the_same_picture() {
         recipe.pipeline.culling = Culling::None;
         recipe.pipeline.depth_test = DepthTest::ALL[random.usize(..DepthTest::ALL.len())];
         recipe.pipeline.depth_format = DepthFormat::ALL[random.usize(..DepthFormat::ALL.len())];
+        if random.bool() {
+            recipe.pipeline.depth_bias = DEPTH_BIASES[random.usize(..DEPTH_BIASES.len())];
+        }
         renderers.check("layers", &scene, &scene.home, &recipe);
         for of in [multisampled(&[Samples::Four]), jittered(&[Samples::Four])] {
             smooth.check("layers", &scene, &scene.home, &Recipe { pipeline: recipe.pipeline, ..of[0] });

@@ -1,7 +1,7 @@
 //! The assertions themselves: each says what is wrong with a fragment, or nothing.
 
 use super::Assertion;
-use super::exact::Owner;
+use super::exact::{Owner, corner_depths};
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::raster::Sample;
@@ -126,7 +126,7 @@ fn finite(at: &Covered<'_>) -> Verdict {
 }
 
 fn depth_range(at: &Covered<'_>) -> Verdict {
-    let corners = at.triangle.vertices.each_ref().map(|corner| corner.depth);
+    let corners = corner_depths(at.triangle, at.scale).map(|depth| depth.clamp(0.0, 1.0));
     let (low, high) = (corners.into_iter().fold(1.0, f64::min), corners.into_iter().fold(0.0, f64::max));
     let [depth, next] = at.scale.encoding().with_next(at.depth);
     let step = (next - depth).abs();

@@ -38,17 +38,23 @@ impl Owner {
     }
 }
 
+/// Depths of the corners after the depth bias, before anything is clamped.
+pub(super) fn corner_depths(triangle: &ScreenTriangle, scale: &DepthScale) -> [f64; 3] {
+    let offset = scale.bias_of(&triangle.vertices).map_or(0.0, |bias| bias.offset);
+    triangle.vertices.each_ref().map(|corner| corner.depth + offset)
+}
+
 /// Depth of a sample before it is quantised, and how far off it may be: the mean of the corners' depths in f64, weighted by edge
 /// values, by another formula than the pipeline's.
 pub(super) fn depth(triangle: &ScreenTriangle, sample: &Sample, scale: &DepthScale) -> (f64, f64) {
-    let depths = triangle.vertices.each_ref().map(|corner| corner.depth);
+    let depths = corner_depths(triangle, scale);
     if !scale.is_linear_in_space() {
-        return (weighted_mean(sample.edges, depths), 0.0);
+        return (weighted_mean(sample.edges, depths).clamp(0.0, 1.0), 0.0);
     }
     let weights = [0, 1, 2].map(|i| sample.edges[i] * f64::from(triangle.vertices[i].inv_w));
-    let range = depths.into_iter().fold(0.0, f64::max) - depths.into_iter().fold(1.0, f64::min);
+    let range = depths.into_iter().fold(f64::NEG_INFINITY, f64::max) - depths.into_iter().fold(f64::INFINITY, f64::min);
     // 1/w of the corners is known as f32 only.
-    (weighted_mean(weights, depths), range * f64::from(f32::EPSILON))
+    (weighted_mean(weights, depths).clamp(0.0, 1.0), range * f64::from(f32::EPSILON))
 }
 
 fn weighted_mean(weights: [f64; 3], values: [f64; 3]) -> f64 {

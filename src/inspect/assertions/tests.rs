@@ -29,6 +29,24 @@ fn all_hold_on_the_built_in_scenes_but_for_the_one_without_normals() {
 }
 
 #[test]
+fn all_hold_under_every_depth_bias() {
+    for id in ["chess", "interpenetrating", "near-plane"] {
+        for format in ["f32", "reversed-f32", "unorm16", "w-buffer"] {
+            for (constant, slope) in [("-3", "0"), ("0", "1.5"), ("4e6", "-30"), ("-5e6", "2")] {
+                let settings = [
+                    format!("depth_format={format}"),
+                    format!("depth_bias.constant={constant}"),
+                    format!("depth_bias.slope={slope}"),
+                ];
+                let report = report(id, &settings.each_ref().map(String::as_str));
+                let violated: Vec<_> = report.findings.iter().filter(|finding| finding.violated > 0).collect();
+                assert!(report.holds(), "{id} {settings:?}: {violated:#?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn each_is_violated_by_something_that_is_wrong_on_purpose() {
     let wrong: [(Assertion, &str, &[&str]); 12] = [
         (Assertion::Owner, "cubes", &["rasterizer=scanline-published"]),

@@ -99,6 +99,7 @@ impl Observer for Recorder<'_> {
             attribute_weights: attribute_weights(triangle, sample, self.interpolation),
             inv_w: triangle.vertices.each_ref().map(|v| v.inv_w),
             corner_depths: triangle.vertices.each_ref().map(|v| v.depth as f32),
+            depth_bias: self.frame.geometry.depth_scale.bias_of(&triangle.vertices).map(|bias| bias.offset as f32),
             depth: self.depth(depth_at(triangle, sample)),
             stored_depth: None,
             alpha: None,

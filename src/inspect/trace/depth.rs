@@ -5,7 +5,8 @@ use super::line::{Notable, Scribe, TraceStage};
 use super::subject::Subject;
 use crate::inspect::depth::DepthRecord;
 use crate::inspect::intermediate::Intermediate;
-use crate::pipeline::depth::{Comparison, depth_at, unquantised_depth_at};
+use crate::pipeline::depth::{Comparison, TriangleBias, depth_at, unquantised_depth_at};
+use crate::pipeline::settings::DepthBias;
 
 /// Writes depth and test.
 pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
@@ -15,9 +16,10 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
         return;
     }
     let (triangle, sample) = (subject.triangle, &subject.sample);
-    let (least, rises) = triangle.depth.terms();
+    let (biased_least, rises) = triangle.depth.terms();
     let depths = triangle.vertices.each_ref().map(|vertex| vertex.depth);
     let of_least = given("depth 0", depths[0]).min(given("depth 1", depths[1])).min(given("depth 2", depths[2]));
+    let least = depths[0].min(depths[1]).min(depths[2]);
     scribe.compute("least depth", least, &of_least);
     let is_linear = triangle.depth.is_linear_in_space();
     for corner in 0..3 {
@@ -25,6 +27,8 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
         let formula = if is_linear { above } else { above / given("doubled area", triangle.doubled_area) };
         scribe.compute(format!("rise {corner}"), rises[corner], &formula);
     }
+    bias(subject, least, biased_least, scribe);
+    let least = biased_least;
     let formula = if is_linear { in_space(subject, least, rises) } else { on_screen(sample.edges, least, rises) };
     let unquantised = unquantised_depth_at(triangle, sample);
     let within = formula.max(whole("0", 0)).min(whole("1", 1));
@@ -33,6 +37,22 @@ pub(super) fn write(subject: &Subject<'_>, scribe: &mut Scribe) {
     stored(unquantised, &depth, subject, scribe);
     scribe.read("one step in world units", "to the next depth that can be stored", depth.resolution);
     test(subject, &depth, scribe);
+}
+
+/// The depth bias, if one is set: what it is made of, and the least depth that it leads to.
+fn bias(subject: &Subject<'_>, least: f64, biased_least: f64, scribe: &mut Scribe) {
+    let Some(bias) = subject.frame.geometry.depth_scale.bias_of(&subject.triangle.vertices) else { return };
+    let TriangleBias { gradient: [along_x, along_y], slope, step, offset } = bias;
+    scribe.read("∂z/∂x", "change of the triangle's depth per px to the right, by its corners", along_x);
+    scribe.read("∂z/∂y", "change of the triangle's depth per px downwards, by its corners", along_y);
+    let magnitude = |name: &'static str, value: f64| given(name, value).max(-given(name, value));
+    scribe.compute("slope m", slope, &magnitude("∂z/∂x", along_x).max(magnitude("∂z/∂y", along_y)));
+    scribe.read("smallest difference r", "one step of the format at the triangle's greatest depth", step);
+    let DepthBias { constant, slope: factor } = subject.settings.depth_bias;
+    let formula = given("m", slope) * given("depth_bias.slope", factor)
+        + given("r", step) * given("depth_bias.constant", constant);
+    scribe.compute("depth bias", offset, &formula);
+    scribe.compute("least depth, biased", biased_least, &(given("least", least) + given("bias", offset)));
 }
 
 fn on_screen(edges: [f64; 3], least: f64, rises: [f64; 3]) -> Formula {

@@ -52,6 +52,7 @@ fn recipes() -> Vec<Recipe> {
             r.pipeline.rasterizer = Rasterizer::BoundingBoxPublished;
         }),
         with(|r| (r.pipeline.depth_format, r.pipeline.shading) = (DepthFormat::Unorm16, Shading::Barycentric)),
+        with(|r| r.set_all(&["depth_bias.constant=-7", "depth_bias.slope=1.5", "shading=depth"]).unwrap()),
         with(|r| r.set_all(&["upscaler.method=bicubic", "upscaler.scale=2", "wireframe=true"]).unwrap()),
     ]
 }
@@ -168,6 +169,25 @@ fn what_the_near_plane_cuts_is_told_of_it_in_every_format() {
         });
         assert!(cut > 8, "{format:?}: {cut}");
     }
+}
+
+#[test]
+fn a_depth_bias_is_written_out_as_a_sum_and_leads_to_the_stored_depth() {
+    let mut recipe = Recipe::default();
+    recipe.set_all(&["depth_bias.constant=300", "depth_bias.slope=-0.5"]).unwrap();
+    let mut written = 0;
+    all("interpenetrating", &recipe, |report, _, trace| {
+        let Some(record) = trace.fragment.map(|fragment| &report.fragments[fragment]) else { return };
+        let of = |what: &str| f64s(trace, what).unwrap_or_else(|| panic!("no line “{what}”"));
+        let slope = of("∂z/∂x").abs().max(of("∂z/∂y").abs());
+        assert_eq!(of("slope m"), slope);
+        assert_eq!(of("depth bias"), slope * -0.5 + of("smallest difference r") * 300.0);
+        assert_eq!(of("least depth, biased"), of("least depth") + of("depth bias"));
+        assert_eq!(record.depth_bias, Some(of("depth bias") as f32));
+        written += 1;
+    });
+    assert!(written > 20, "{written}");
+    all("triangle", &Recipe::default(), |_, _, trace| assert!(line(trace, "depth bias").is_none()));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 //! z/w is an affine function of the screen, so it is interpolated with the edge values themselves, never with the
 //! perspective-correct weights. A depth that is linear in space is interpolated with just those. Both take the form of the
 //! least depth plus what lies above it at the corners, each with a weight that is not negative: nothing cancels, a constant
-//! depth is returned exactly, and no sample inside leaves the range of the corners. It is computed in f64 and rounded once.
+//! depth is returned exactly, and no sample inside leaves the range of the corners. A depth bias is added to the least depth. It is computed in f64 and rounded once.
 
 use super::DepthEncoding;
 use crate::pipeline::raster::Sample;
@@ -14,7 +14,7 @@ use crate::pipeline::viewport::ScreenTriangle;
 pub struct DepthFunction {
     course: Course,
     encoding: DepthEncoding,
-    /// The least of the corners' depths.
+    /// The least of the corners' depths, after the depth bias.
     least: f64,
     /// Depth of each corner above the least; per unit of its edge value where depth is affine on the screen.
     rises: [f64; 3],
@@ -40,6 +40,12 @@ impl DepthFunction {
     pub fn linear_in_space(corners: [f64; 3], encoding: DepthEncoding) -> Self {
         let (least, rises) = rises(corners);
         Self { course: Course::Space, encoding, least, rises }
+    }
+
+    /// The same with an offset added to all depths.
+    #[inline(always)]
+    pub(super) fn offset_by(self, offset: f64) -> Self {
+        Self { least: self.least + offset, ..self }
     }
 
     /// Whether depth is linear in space rather than on the screen.

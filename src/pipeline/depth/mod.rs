@@ -4,7 +4,9 @@
 //! vertex ── DepthScale ──► depth in f64 ── DepthFunction ──► depth of a sample ── DepthEncoding ──► what is stored
 //! ```
 //!
-//! A depth is quantised before it is tested, so that the test sees exactly what the buffer will hold.
+//! A [depth bias](bias) is added to all depths of a triangle. A depth is quantised before it is tested, so that the test sees exactly what the buffer will hold.
+
+mod bias;
 
 mod encoding;
 
@@ -12,6 +14,7 @@ mod function;
 
 mod scale;
 
+pub(crate) use bias::TriangleBias;
 pub use encoding::DepthEncoding;
 pub(crate) use function::unquantised_depth_at;
 pub use function::{DepthFunction, depth_at};

@@ -14,10 +14,11 @@
 //! and without perspective it is the z that the matrix gave, with all of its rounding.
 
 use super::DepthEncoding;
+use super::bias::{BiasRule, TriangleBias};
 use super::function::DepthFunction;
 use crate::math::lanes::*;
 use crate::pipeline::clip::Plane;
-use crate::pipeline::settings::DepthFormat;
+use crate::pipeline::settings::{DepthFormat, Settings};
 use crate::pipeline::vertex::ClipVertex;
 use crate::pipeline::viewport::ScreenVertex;
 use crate::scene::{Camera, DepthMapping, Projection};
@@ -25,7 +26,8 @@ use crate::scene::{Camera, DepthMapping, Projection};
 /// What the depth buffer of one view stores for which distance. Distances are measured from the eye along the line of
 /// sight, in world units.
 ///
-/// The default is for vertices that no camera made: depth is z/w, stored as a float.
+/// The default is for vertices that no camera made: depth is z/w, stored as a float. Distances and depths of vertices are
+/// without depth bias, which is a matter of triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthScale {
     law: Law,
@@ -34,6 +36,7 @@ pub struct DepthScale {
     far: f64,
     /// What the formulas of [`DepthScale::depth`] multiply with: the part that is the same for all vertices.
     factor: f64,
+    bias: BiasRule,
 }
 
 /// How depth follows from the distance, and the vertex from its clip position.
@@ -52,7 +55,12 @@ impl Default for DepthScale {
 }
 
 impl DepthScale {
-    /// For a view drawn with this format.
+    /// For a view drawn with these settings.
+    pub fn of(settings: &Settings, camera: &Camera) -> Self {
+        Self { bias: BiasRule::new(settings), ..Self::new(settings.depth_format, camera) }
+    }
+
+    /// For a view drawn with this format and without depth bias.
     pub fn new(format: DepthFormat, camera: &Camera) -> Self {
         let law = match camera.projection {
             Projection::Perspective { .. } => Law::Perspective(format.mapping()),
@@ -74,7 +82,7 @@ impl DepthScale {
             Law::Perspective(DepthMapping::ReversedInfinite) => near,
             Law::Perspective(DepthMapping::Linear) | Law::Orthographic { .. } => 1.0 / (far - near),
         };
-        Self { law, encoding, near, far, factor }
+        Self { law, encoding, near, far, factor, bias: BiasRule::OFF }
     }
 
     /// How depth follows from the distance.
@@ -200,13 +208,36 @@ impl DepthScale {
         }
     }
 
-    /// Depth over the samples of a triangle of this doubled area, in the unit of edge values.
+    /// Whether a depth bias is added to the depths of triangles.
+    #[inline(always)]
+    pub(crate) fn is_biased(&self) -> bool {
+        !self.bias.is_off()
+    }
+
+    /// Depth bias of a triangle; `None` if none is set.
+    pub(crate) fn bias_of(&self, corners: &[ScreenVertex; 3]) -> Option<TriangleBias> {
+        let depths = corners.each_ref().map(|v| v.depth);
+        self.is_biased().then(|| self.bias.of(self.bias.positions_px(corners), depths, self.encoding))
+    }
+
+    /// Offset by the depth bias of all depths of a triangle whose corners are snapped to these positions, px, and have these
+    /// depths; 0 without a bias.
+    #[inline(always)]
+    pub(in crate::pipeline) fn offset(&self, snapped_px: [[f64; 2]; 3], depths: [f64; 3]) -> f64 {
+        if self.is_biased() { self.bias.of(snapped_px, depths, self.encoding).offset } else { 0.0 }
+    }
+
+    /// Depth over the samples of a triangle of this doubled area, in the unit of edge values, with the depth bias.
     pub(crate) fn over(&self, corners: &[ScreenVertex; 3], doubled_area: f64) -> DepthFunction {
-        self.function(corners.each_ref().map(|v| v.depth), doubled_area)
+        let function = self.function(corners.each_ref().map(|v| v.depth), doubled_area);
+        match self.bias_of(corners) {
+            Some(bias) => function.offset_by(bias.offset),
+            None => function,
+        }
     }
 
     /// The least depth of a triangle, and per corner what multiplies its edge value (or, where depth is linear in space, its
-    /// weight).
+    /// weight). Without the depth bias.
     #[inline(always)]
     pub(in crate::pipeline) fn terms(&self, depths: [f64; 3], doubled_area: f64) -> (f64, [f64; 3]) {
         self.function(depths, doubled_area).terms()

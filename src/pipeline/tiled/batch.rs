@@ -4,7 +4,7 @@ use super::edge_number::EdgeNumber;
 use super::geometry::Vertex;
 use super::lattice::{Lattice, TILE};
 use super::record::{Record, Slot};
-use super::setup::{Edges, Origin, Setup, least_inside};
+use super::setup::{Corner, Edges, Origin, Setup, least_inside};
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::settings::FillRule;
@@ -28,6 +28,7 @@ pub(super) struct Batch {
     integers: EdgeArrays<i32>,
     /// A bit for each triangle for which integers hold the edge values of the whole tile.
     fit: u64,
+    /// The least and the greatest depth of a corner, with the depth bias.
     least: [f64; LANES],
     greatest: [f64; LANES],
     /// What depth rises by, in the order of the doubles and in that of the integers.
@@ -115,6 +116,9 @@ impl Batch {
                 let least = depths[0].min(depths[1]).min(depths[2]);
                 least.store_array(&mut self.least);
                 depths[0].max(depths[1]).max(depths[2]).store_array(&mut self.greatest);
+                if scale.is_biased() {
+                    self.offset_depths(triangles, scale);
+                }
                 let mut rises = each!(i in [0, 1, 2] => depths[i] - least);
                 let is_least = if scale.is_linear_in_space() {
                     self.inv_w = each!(corner in [0, 1, 2] => {
@@ -145,6 +149,17 @@ impl Batch {
                 (alive, alive & greatest_value.simd_gt(f64::from(i32::MAX)).to_bitmask())
             },
         )
+    }
+
+    /// Adds the depth bias to the least and the greatest depths.
+    #[cold]
+    fn offset_depths(&mut self, triangles: &[[&Vertex; 3]; LANES], scale: &DepthScale) {
+        for (lane, vertices) in triangles.iter().enumerate() {
+            let corners = vertices.map(Corner::from);
+            let offset = scale.offset(corners.map(|c| c.position_px()), corners.map(|c| c.depth));
+            self.least[lane] += offset;
+            self.greatest[lane] += offset;
+        }
     }
 
     /// How many of the triangles that have a bit reach over so many columns of the tile, or rows.
@@ -343,7 +358,6 @@ fn integer_edges<S: Simd>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::setup::Corner;
     use super::*;
     use crate::pipeline::depth::DepthEncoding;
     use crate::pipeline::grid::SampleGrid;

@@ -13,6 +13,8 @@ pub(super) struct DepthRules {
     pub(super) encoding: DepthEncoding,
     /// Depth is linear in space rather than on the screen.
     pub(super) linear_in_space: bool,
+    /// A depth bias may move depths below 0 or above 1, to which they are clamped.
+    pub(super) biased: bool,
     /// What samples hold before anything is drawn.
     pub(super) clear: f32,
     /// Depths are computed and kept at all.
@@ -27,6 +29,7 @@ impl DepthRules {
             comparison,
             encoding: scale.encoding(),
             linear_in_space: scale.is_linear_in_space(),
+            biased: scale.is_biased(),
             clear: clear_value(settings),
             stored: comparison != Comparison::Always || asked_for,
         }
@@ -40,6 +43,7 @@ impl DepthRules {
                 comparison: Comparison::Less,
                 encoding: DepthEncoding::F32,
                 linear_in_space: false,
+                biased: false,
                 stored: true,
                 ..self
             }
@@ -51,8 +55,8 @@ impl DepthRules {
     /// Whether these rules are those.
     #[inline(always)]
     pub(super) fn are_common(&self) -> bool {
-        let Self { comparison, encoding, linear_in_space, stored, .. } = *self;
-        comparison == Comparison::Less && encoding == DepthEncoding::F32 && !linear_in_space && stored
+        let Self { comparison, encoding, linear_in_space, biased, stored, .. } = *self;
+        comparison == Comparison::Less && encoding == DepthEncoding::F32 && !linear_in_space && !biased && stored
     }
 }
 
@@ -88,8 +92,9 @@ pub(super) fn depth<S: Simd, E: EdgeNumber>(
         // Without the one that is zero, the sum of three is that of the other two, whatever their order.
         if E::LAST_IS_LEAST { first + second } else { first + second + E::doubles(simd, e[2]) * rises[2] }
     };
-    // Where the triangle covers the sample nothing is negative.
-    quantize(simd, (rise + *least).min(1.0), rules.encoding)
+    let depth = (rise + *least).min(1.0);
+    // Where the triangle covers the sample only a bias makes a depth negative.
+    quantize(simd, if rules.biased { depth.max(0.0) } else { depth }, rules.encoding)
 }
 
 /// [`DepthEncoding::quantize`] for eight depths.
@@ -130,7 +135,7 @@ impl DepthPlane {
         let [a, b, c] = each!(of in [a, b, c] => each!(i in [0, 1, 2] => of[i].double() * rises[i]));
         let [at_first, across, down] = each!(of in [c, a, b] => of[0] + of[1] + of[2]);
         let magnitudes = each!(i in [0, 1, 2] => c[i].abs() + a[i].abs() * width + b[i].abs() * height);
-        let slack = (magnitudes[0] + magnitudes[1] + magnitudes[2] + triangle.greatest) * ROUNDING;
+        let slack = (magnitudes[0] + magnitudes[1] + magnitudes[2] + magnitude(triangle)) * ROUNDING;
         let [least, greatest] = each!(d in [triangle.least - slack, triangle.greatest + slack] => d.clamp(0.0, 1.0));
         let slack = if rules.linear_in_space { f64::INFINITY } else { slack };
         Self { at_first: at_first + triangle.least, rise: [across, down], slack, least, greatest }
@@ -156,7 +161,12 @@ impl DepthPlane {
         let nearest = across.min(0.0) * width + down.min(0.0) * height - slack;
         let farthest = across.max(0.0) * width + down.max(0.0) * height + slack;
         let at = x * across + (down * y + at_first);
-        each!(depth in [(at + nearest).max(least), (at + farthest).min(greatest)] => quantize(simd, depth, rules.encoding))
+        let mut ends = [(at + nearest).max(least), (at + farthest).min(greatest)];
+        if rules.biased {
+            // Depths of a whole rectangle may be clamped to 0 or 1.
+            ends = [ends[0].min(greatest), ends[1].max(least)];
+        }
+        each!(i in [0, 1] => quantize(simd, ends[i], rules.encoding))
     }
 }
 
@@ -177,10 +187,16 @@ pub(super) fn compare_bounds<S: Simd>(
     }
 }
 
+/// Sum of the magnitudes of the least and the greatest depth, which no term of a depth exceeds.
+#[inline(always)]
+fn magnitude<E>(triangle: &Setup<E>) -> f64 {
+    triangle.least.abs() + triangle.greatest.abs()
+}
+
 /// Bounds of the stored depths of a triangle anywhere.
 #[inline(always)]
 pub(super) fn whole_depths<E: EdgeNumber>(triangle: &Setup<E>, rules: &DepthRules) -> [f32; 2] {
-    let slack = ROUNDING * triangle.greatest;
+    let slack = ROUNDING * magnitude(triangle);
     each!(d in [triangle.least - slack, triangle.greatest + slack] => rules.encoding.quantize(d.clamp(0.0, 1.0)))
 }
 
@@ -214,8 +230,14 @@ mod tests {
         let encodings = [DepthEncoding::F32, DepthEncoding::Unorm16];
         let grids = [SampleGrid::Block { step: 1 }, SampleGrid::Checkerboard];
         for (encoding, grid) in encodings.into_iter().flat_map(|encoding| grids.map(|grid| (encoding, grid))) {
-            let rules =
-                DepthRules { comparison: Comparison::Less, encoding, linear_in_space: false, clear: 1.0, stored: true };
+            let rules = DepthRules {
+                comparison: Comparison::Less,
+                encoding,
+                linear_in_space: false,
+                biased: false,
+                clear: 1.0,
+                stored: true,
+            };
             let lattice = Lattice::new(grid);
             let (origin, first) = (lattice.origin((1, 2)), [TILE as f32, 2.0 * TILE as f32]);
             for _ in 0..200 {

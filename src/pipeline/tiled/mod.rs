@@ -208,7 +208,7 @@ pub fn draw(
     lanes: Lanes,
 ) -> TiledReport {
     let start = Instant::now();
-    let scale = DepthScale::new(settings.depth_format, camera);
+    let scale = DepthScale::of(settings, camera);
     let (draws, plans) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
     let Memory { arrays, chunks, workspaces } = memory;
@@ -271,7 +271,7 @@ pub fn tile_loads(
     (grid, viewport): (SampleGrid, Viewport),
     offsets: &[[i32; 2]],
 ) -> Image<u32> {
-    let (scale, lanes) = (DepthScale::new(settings.depth_format, camera), Lanes::best());
+    let (scale, lanes) = (DepthScale::of(settings, camera), Lanes::best());
     let (draws, _) = plan(scene, camera, settings, viewport, lanes);
     let widening = guard_band_widening(viewport.width, viewport.height);
     let Memory { mut arrays, mut chunks, .. } = Memory::default();

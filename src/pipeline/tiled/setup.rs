@@ -4,6 +4,7 @@ use super::edge_number::EdgeNumber;
 use super::geometry::Vertex;
 use super::lattice::{Lattice, TILE};
 use super::record::Slot;
+use crate::math::fixed::SUBPIXELS;
 use crate::math::lanes::*;
 use crate::pipeline::depth::DepthScale;
 use crate::pipeline::raster::numbers::Inward;
@@ -19,6 +20,14 @@ pub(super) struct Corner {
     pub(super) depth: f64,
     /// 1/w.
     pub(super) inv_w: f32,
+}
+
+impl Corner {
+    /// Snapped position in px.
+    #[inline(always)]
+    pub(super) fn position_px(&self) -> [f64; 2] {
+        self.position.map(|steps| steps / SUBPIXELS as f64)
+    }
 }
 
 impl From<&Vertex> for Corner {
@@ -100,10 +109,10 @@ pub(super) struct Setup<E = f64> {
     pub(super) edges: Edges<E>,
     /// The least edge value that is inside: 0 where the fill rule gives the edge to the triangle, else 1.
     pub(super) inside: [E; 3],
-    /// Depth: the least one, and what multiplies edge values (or weights).
+    /// Depth: the least one, with the depth bias, and what multiplies edge values (or weights).
     pub(super) least: f64,
     pub(super) rises: [f64; 3],
-    /// The greatest depth of a corner.
+    /// The greatest depth of a corner, with the depth bias.
     pub(super) greatest: f64,
     /// 1/w of the corners, for depths that are linear in space.
     pub(super) inv_w: [f64; 3],
@@ -147,13 +156,14 @@ impl Setup {
         let inside = edges.inside(rule);
         let depths = each!(i in [0, 1, 2] => corners[i].depth);
         let (least, rises) = scale.terms(depths, doubled_area);
+        let offset = scale.offset(each!(i in [0, 1, 2] => corners[i].position_px()), depths);
         Some(Self {
             slot,
             edges,
             inside,
-            least,
+            least: least + offset,
             rises,
-            greatest: depths[0].max(depths[1]).max(depths[2]),
+            greatest: depths[0].max(depths[1]).max(depths[2]) + offset,
             inv_w: each!(i in [0, 1, 2] => corners[i].inv_w.into()),
             columns: [columns[0] as usize, columns[1] as usize],
             rows: [rows[0] as usize, rows[1] as usize],

@@ -241,13 +241,29 @@ fn rasterize(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     );
 }
 
+const CONSTANT_BIAS_HELP: &str = "Added to all depths of a triangle before the test, in smallest steps of the format: for floats \
+                                  the last place of the triangle's greatest depth. A positive bias moves surfaces away, with \
+                                  a reversed format towards the viewer";
+
+const SLOPE_BIAS_HELP: &str = "Added to all depths of a triangle before the test, times its slope: how much its depth changes \
+                               per pixel along x or y, whichever is more";
+
+/// Change of a constant bias per point dragged, in steps of the depth format.
+const CONSTANT_BIAS_STEP: f64 = 1.0;
+
+/// Change of a slope-scaled bias per point dragged.
+const SLOPE_BIAS_STEP: f64 = 0.05;
+
 fn depth(ui: &mut Ui, recipe: &mut Recipe) {
     row(ui, "Test", "When a fragment may replace what is stored", |ui| pick(ui, &mut recipe.pipeline.depth_test));
     if recipe.pipeline.depth_test == DepthTest::Off {
-        note(ui, "Left out: without a test no depth is stored, so there is no format to choose.");
-    } else {
-        row(ui, "Format", "What the depth buffer stores", |ui| pick(ui, &mut recipe.pipeline.depth_format));
+        note(ui, "Left out: without a test no depth is stored, so there is no format and no bias to choose.");
+        return;
     }
+    row(ui, "Format", "What the depth buffer stores", |ui| pick(ui, &mut recipe.pipeline.depth_format));
+    let (step, slope) = (CONSTANT_BIAS_STEP, SLOPE_BIAS_STEP);
+    row(ui, "Bias, constant", CONSTANT_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.constant, step));
+    row(ui, "Bias, slope", SLOPE_BIAS_HELP, |ui| drag_by(ui, &mut recipe.pipeline.depth_bias.slope, slope));
 }
 
 fn interpolate(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {

@@ -20,6 +20,14 @@ const STEP_HELP: &str = "World units along the line of sight between the fragmen
 pub(super) fn numbers(ui: &mut Ui, fragment: &FragmentRecord) {
     section_header(ui, "Depth", |_| {});
     depth_rows(ui, "Depth of the fragment", fragment.depth, "As it is stored if the fragment wins");
+    if let Some(bias) = fragment.depth_bias {
+        float_row(
+            ui,
+            "Depth bias",
+            bias,
+            "Offset of all depths of the triangle before the test; the sum is clamped to 0…1",
+        );
+    }
     match fragment.stored_depth {
         Some(stored) => {
             depth_rows(ui, "Stored before", stored, "What the depth buffer held when this fragment came");
