@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{Check, Control, Exactly, Unanswered, check_length};
-use crate::flat2d::line::midpoint_line;
+use crate::flat2d::line::{direction_independent_line, midpoint_line};
 
 /// The case.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -14,6 +14,9 @@ pub struct Line {
     pub p1: Exactly<i64, 2>,
     /// Whether the last pixel belongs to the line; without it, lines in a row share no pixel.
     pub last_pixel: bool,
+    /// Whether the line from `p1` to `p0` covers the same pixels; without it, ties depend on the direction.
+    #[serde(default)]
+    pub direction_independent: bool,
 }
 
 impl Check for Line {}
@@ -24,7 +27,8 @@ impl Line {
         let steps = x0.abs_diff(x1).max(y0.abs_diff(y1));
         check_length::<(i64, i64)>("pixels of the line", steps)?;
         let count = steps as usize + usize::from(self.last_pixel);
-        let pixels = midpoint_line((x0, y0), (x1, y1)).take(count).map(Some);
+        let line = if self.direction_independent { direction_independent_line } else { midpoint_line };
+        let pixels = line((x0, y0), (x1, y1)).take(count).map(Some);
         Ok(LineAnswer { pixels: control.collect("pixels of the line", (0, steps), pixels)? })
     }
 }

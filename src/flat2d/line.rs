@@ -5,6 +5,9 @@
 //! which side of the line the midpoint between the two candidates lies; exactly on it the line stays on the row or
 //! column that it is on. Other octants differ only in the signs of the steps, so a mirrored line is the mirror image.
 //!
+//! That tie rule depends on the direction: from the other end the line stays on the other row or column.
+//! [`direction_independent_line`] decides ties as seen from one fixed end, so both directions cover the same pixels.
+//!
 //! [`clip_to`] cuts a line of real end points to the picture first, so that walking it costs no more than the picture is
 //! long however far away the end points are (Liang and Barsky 1984).
 
@@ -23,6 +26,8 @@ pub struct MidpointLine {
     major: i128,
     minor: i128,
     decision: i128,
+    /// Whether a line exactly on the midpoint leaves its row or column.
+    slants_on_tie: bool,
 }
 
 /// The pixels from `p0` to `p1`, both included, in that order: max(|Δx|, |Δy|) + 1 of them. Any coordinates.
@@ -31,7 +36,15 @@ pub fn midpoint_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
     let slanted = (step_towards(p0.0, p1.0), step_towards(p0.1, p1.1));
     let straight = if width >= height { (slanted.0, 0) } else { (0, slanted.1) };
     let (major, minor) = (i128::from(width.max(height)), i128::from(width.min(height)));
-    MidpointLine { next: Some(p0), last: p1, straight, slanted, major, minor, decision: 2 * minor - major }
+    let decision = 2 * minor - major;
+    MidpointLine { next: Some(p0), last: p1, straight, slanted, major, minor, decision, slants_on_tie: false }
+}
+
+/// The pixels of [`midpoint_line`] with another tie rule: where the line passes exactly between two pixels, it takes the one
+/// that `midpoint_line` takes from the lesser end, the one with the smaller x or, if these are equal, the smaller y. So the
+/// line from `p1` to `p0` covers the same pixels in the opposite order.
+pub fn direction_independent_line(p0: (i64, i64), p1: (i64, i64)) -> MidpointLine {
+    MidpointLine { slants_on_tie: p1 < p0, ..midpoint_line(p0, p1) }
 }
 
 impl MidpointLine {
@@ -40,6 +53,11 @@ impl MidpointLine {
     pub fn decision(&self) -> i128 {
         self.decision
     }
+
+    /// Whether the step after the next pixel leaves the row or column.
+    pub fn slants(&self) -> bool {
+        self.decision > 0 || self.slants_on_tie && self.decision == 0
+    }
 }
 
 impl Iterator for MidpointLine {
@@ -47,11 +65,8 @@ impl Iterator for MidpointLine {
 
     fn next(&mut self) -> Option<(i64, i64)> {
         let pixel = self.next?;
-        let (step, change) = if self.decision > 0 {
-            (self.slanted, 2 * (self.minor - self.major))
-        } else {
-            (self.straight, 2 * self.minor)
-        };
+        let (step, change) =
+            if self.slants() { (self.slanted, 2 * (self.minor - self.major)) } else { (self.straight, 2 * self.minor) };
         if pixel == self.last {
             self.next = None;
         } else {
@@ -158,6 +173,29 @@ mod tests {
                 assert_eq!(line((0, 0), mirror(end)), expected, "to {end:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_direction_independent_line_covers_the_same_pixels_from_either_end() {
+        const SIDE: i64 = 14;
+        let window = || (0..SIDE).flat_map(|x| (0..SIDE).map(move |y| (x, y)));
+        let mut differing = 0;
+        for (p0, p1) in window().flat_map(|p0| window().map(move |p1| (p0, p1))) {
+            let forth: Vec<_> = direction_independent_line(p0, p1).collect();
+            let mut back: Vec<_> = direction_independent_line(p1, p0).collect();
+            back.reverse();
+            assert_eq!(forth, back, "{p0:?} to {p1:?}");
+            let plain = line(p0, p1);
+            if p0 <= p1 {
+                assert_eq!(forth, plain, "{p0:?} to {p1:?}: as from the lesser end");
+            } else if forth != plain {
+                differing += 1;
+                // Only ties are decided otherwise: by one pixel across, as near to the true line on the other side.
+                let off = |(x, y): (i64, i64)| ((p1.0 - p0.0) * (y - p0.1) - (p1.1 - p0.1) * (x - p0.0)).abs();
+                assert!(forth.iter().zip(&plain).all(|(a, b)| off(*a) == off(*b)), "{p0:?} to {p1:?}");
+            }
+        }
+        assert!(differing > 1000, "{differing} lines had ties");
     }
 
     #[test]

@@ -1,11 +1,13 @@
 //! Straight lines on a coarse grid, by every algorithm.
 
+use std::collections::BTreeSet;
+
 use glam::DVec2;
 
 use super::recording::{Cell, Comparison, Ink, Mark, Recording, Rival, Step, Tone, cell, number, pair, time_of};
 use crate::antialias::weight::{Weight, weighted_coverage};
 use crate::flat2d::distance_line::distance_line;
-use crate::flat2d::line::{clip_to, midpoint_line};
+use crate::flat2d::line::{MidpointLine, clip_to, direction_independent_line, midpoint_line};
 use crate::flat2d::real_line::real_line;
 use crate::flat2d::slope_line::{Stepping, slope_line};
 use crate::pipeline::settings::{Choice, choice};
@@ -60,6 +62,8 @@ pub struct LineLesson {
     pub method: LineMethod,
     /// Whether the pixel of the second end is drawn; without it, lines in a row share no pixel.
     pub last_pixel: bool,
+    /// Whether the midpoint method decides ties so that both directions cover the same pixels.
+    pub direction_independent: bool,
     /// Whether the line is cut to a frame first.
     pub clip: bool,
 }
@@ -67,7 +71,7 @@ pub struct LineLesson {
 impl Default for LineLesson {
     fn default() -> Self {
         let ends = [DVec2::new(3.0, 4.0), DVec2::new(31.0, 16.0)];
-        Self { ends, method: LineMethod::Midpoint, last_pixel: true, clip: false }
+        Self { ends, method: LineMethod::Midpoint, last_pixel: true, direction_independent: false, clip: false }
     }
 }
 
@@ -111,7 +115,7 @@ impl LineLesson {
             LineMethod::Distance => distance_steps(ends),
             LineMethod::Intersection => slope_steps(ends, Stepping::Intersection),
             LineMethod::Addition => slope_steps(ends, Stepping::Addition),
-            LineMethod::Midpoint => midpoint_steps(ends),
+            LineMethod::Midpoint => midpoint_steps(self.midpoint_line(ends), ends),
             LineMethod::Exact => exact_steps(ends),
             LineMethod::AreaBox | LineMethod::AreaPyramid | LineMethod::AreaCone => {
                 area_steps(ends, self.method.weight().unwrap_or(Weight::Box))
@@ -148,6 +152,7 @@ impl LineLesson {
         let keeps = |step: &Step| self.last_pixel || !step.cells.iter().any(|cell| (cell.x, cell.y) == last);
         recording.collect(self.steps(ends).filter(keeps));
         summarize(&mut recording, ends);
+        self.mark_other_direction(ends, &mut recording);
         if let Some(stepping) = self.method.stepping() {
             let drift = drift_of_longer(ends, stepping);
             recording.fact(
@@ -158,8 +163,50 @@ impl LineLesson {
         recording
     }
 
+    /// Outlines the pixels that belong to the line only when it is drawn from its second end to its first, and counts those
+    /// that differ. Areas have no direction.
+    fn mark_other_direction(&self, ends @ [from, to]: [DVec2; 2], recording: &mut Recording) {
+        if self.method.weight().is_some() {
+            return;
+        }
+        let places = |ends| -> BTreeSet<_> { self.pixels(ends, SIZE).iter().map(|cell| (cell.x, cell.y)).collect() };
+        let (forth, back) = (places(ends), places([to, from]));
+        for pixel in back.difference(&forth) {
+            let corners = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)];
+            let outline = corners.map(|corner| center(*pixel) + DVec2::from(corner));
+            recording.figure.push(Mark::Outline(outline.to_vec(), Tone::A));
+        }
+        let differing = forth.difference(&back).count();
+        recording.fact("other pixels from the second end", differing.to_string());
+    }
+
+    /// The pixels of a line, without any record of how they were found.
+    fn pixels(&self, ends: [DVec2; 2], size: (u32, u32)) -> Vec<Cell> {
+        let [from, to] = ends;
+        let full = |pixel| cell(pixel, Ink::Full);
+        let by_slope = |stepping| slope_line(from, to, stepping).into_iter().flatten().map(full).collect();
+        match self.method {
+            LineMethod::Distance => {
+                distance_line(from, to, size.0, size.1).map(|(x, y)| full((x.into(), y.into()))).collect()
+            }
+            LineMethod::Intersection => by_slope(Stepping::Intersection),
+            LineMethod::Addition => by_slope(Stepping::Addition),
+            LineMethod::Midpoint => self.midpoint_line(ends).map(full).collect(),
+            LineMethod::Exact => real_line(from, to).into_iter().flatten().map(full).collect(),
+            LineMethod::AreaBox | LineMethod::AreaPyramid | LineMethod::AreaCone => {
+                covered(ends, self.method.weight().unwrap_or(Weight::Box)).collect()
+            }
+        }
+    }
+
+    /// The walk of the midpoint method.
+    fn midpoint_line(&self, [from, to]: [DVec2; 2]) -> MidpointLine {
+        let line = if self.direction_independent { direction_independent_line } else { midpoint_line };
+        line(nearest(from), nearest(to))
+    }
+
     pub(super) fn walk(&self) -> usize {
-        self.drawn_ends().map_or(0, |ends| pixels(self.method, ends, SIZE).len())
+        self.drawn_ends().map_or(0, |ends| self.pixels(ends, SIZE).len())
     }
 
     pub(super) fn explanation(&self) -> &'static str {
@@ -181,7 +228,9 @@ impl LineLesson {
             LineMethod::Midpoint => {
                 "From a pixel of the line only two can follow: straight on, or slanted. The line passes above or below the midpoint between \
                  them; the decision variable D = 2·minor − major holds which, and is updated by one addition. All numbers are whole, so nothing \
-                 drifts. The other octants differ only in the signs of the steps. Drag the ends around to see all eight."
+                 drifts. The other octants differ only in the signs of the steps. Drag the ends around to see all eight. Where the line passes exactly \
+                 between two pixels, D is 0 and the line goes straight on, so from its other end it takes the other pixel, outlined here. A tie \
+                 rule that always decides as from the lesser end covers the same pixels both ways."
             }
             LineMethod::Exact => {
                 "Ends need not be pixels. At every step along the longer axis the pixel nearest to the true line is taken; where floats are not \
@@ -221,31 +270,13 @@ impl LineLesson {
         let size = [ends[1].x, ends[1].y].map(|length| length as u32 + 51);
         let methods = LineMethod::ALL.iter().copied().filter(|method| method.weight().is_none());
         let rivals = methods.map(|method| {
-            let run = || pixels(method, ends, (size[0], size[1]));
+            let lesson = Self { method, ..self.clone() };
+            let run = || lesson.pixels(ends, (size[0], size[1]));
             let error = run().into_iter().map(|cell| distance(ends, (cell.x, cell.y))).fold(0.0, f64::max);
             Rival { name: method.name(), error, time: time_of(|| run().len()) }
         });
         let task = format!("a line of {} × {} px", number(ends[1].x - 50.0, 0), number(ends[1].y - 50.0, 0));
         Comparison { task, error: "greatest distance from the line, px", rivals: rivals.collect(), note: None }
-    }
-}
-
-/// The pixels of a line, without any record of how they were found.
-fn pixels(method: LineMethod, ends: [DVec2; 2], size: (u32, u32)) -> Vec<Cell> {
-    let [from, to] = ends;
-    let full = |pixel| cell(pixel, Ink::Full);
-    let by_slope = |stepping| slope_line(from, to, stepping).into_iter().flatten().map(full).collect();
-    match method {
-        LineMethod::Distance => {
-            distance_line(from, to, size.0, size.1).map(|(x, y)| full((x.into(), y.into()))).collect()
-        }
-        LineMethod::Intersection => by_slope(Stepping::Intersection),
-        LineMethod::Addition => by_slope(Stepping::Addition),
-        LineMethod::Midpoint => midpoint_line(nearest(from), nearest(to)).map(full).collect(),
-        LineMethod::Exact => real_line(from, to).into_iter().flatten().map(full).collect(),
-        LineMethod::AreaBox | LineMethod::AreaPyramid | LineMethod::AreaCone => {
-            covered(ends, method.weight().unwrap_or(Weight::Box)).collect()
-        }
     }
 }
 
@@ -332,19 +363,19 @@ fn drift_of_longer([from, to]: [DVec2; 2], stepping: Stepping) -> Option<f64> {
     Some(drift)
 }
 
-fn midpoint_steps([from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
+fn midpoint_steps(mut line: MidpointLine, [from, to]: [DVec2; 2]) -> Box<dyn Iterator<Item = Step>> {
     let (first, last) = (nearest(from), nearest(to));
     let (width, height) = (first.0.abs_diff(last.0), first.1.abs_diff(last.1));
     let (right, down) = ((last.0 - first.0).signum() as f64, (last.1 - first.1).signum() as f64);
-    let mut line = midpoint_line(first, last);
     Box::new(std::iter::from_fn(move || {
-        let decision = line.decision();
+        let (decision, slanted) = (line.decision(), line.slants());
         let pixel = line.next()?;
         let ahead = if width >= height { DVec2::new(right, down / 2.0) } else { DVec2::new(right / 2.0, down) };
-        let (slanted, at_end) = (decision > 0, pixel == last);
+        let at_end = pixel == last;
         let marks = if at_end { Vec::new() } else { vec![Mark::Dot(center(pixel) + ahead, Tone::Focus)] };
         let why = match (at_end, slanted) {
             (true, _) => "the end.".to_owned(),
+            (false, true) if decision == 0 => "D = 0, a tie: slanted on, as from the lesser end.".to_owned(),
             (false, true) => format!("D = {decision} > 0, the line passes beyond the midpoint: slanted on."),
             (false, false) => {
                 format!("D = {} ≤ 0, the line does not pass the midpoint: straight on.", number(decision as f64, 0))

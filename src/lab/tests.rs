@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::recording::{Ink, Recording};
+use super::recording::{Ink, Mark, Recording, Tone};
 use super::*;
 use crate::flat2d::line::midpoint_line;
 use crate::lab::lines::LineMethod;
@@ -79,6 +79,23 @@ fn all_line_methods_show_the_line_between_whole_ends() {
         let length = DVec2::new(28.0, 12.0).length();
         assert!((sum / length - 1.0).abs() < 0.02, "{method:?}: {sum} of {length}");
     }
+}
+
+#[test]
+fn pixels_that_the_other_direction_covers_are_outlined_unless_ties_do_not_depend_on_it() {
+    // Two columns to a row: a tie in every other column.
+    let ends = [DVec2::new(4.0, 6.0), DVec2::new(24.0, 16.0)];
+    let plain = LineLesson { ends, ..LineLesson::default() };
+    let outlines = |lesson: &LineLesson| {
+        lesson.record().figure.iter().filter(|mark| matches!(mark, Mark::Outline(_, Tone::A))).count()
+    };
+    let differing = |lesson: &LineLesson| fact(&lesson.record(), "other pixels from the second end").to_owned();
+    assert_eq!((outlines(&plain), differing(&plain).as_str()), (10, "10"));
+    let independent = LineLesson { direction_independent: true, ..plain };
+    assert_eq!((outlines(&independent), differing(&independent).as_str()), (0, "0"));
+    let back = LineLesson { ends: [ends[1], ends[0]], ..independent.clone() };
+    assert_eq!(pixels(&independent.record()), pixels(&back.record()));
+    assert!(back.record().steps.iter().any(|step| step.says.contains("a tie: slanted on")));
 }
 
 #[test]
