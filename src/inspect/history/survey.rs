@@ -11,6 +11,7 @@ use super::clipped::{Meeting, meeting};
 use super::near_miss::distance_px;
 use super::{Absent, Cause};
 use crate::chain::{Frame, Recipe};
+use crate::image::Image;
 use crate::pipeline::clip::{Plane, clip, guard_band_widening};
 use crate::pipeline::cull::{Facing, cull, facing};
 use crate::pipeline::observe::{Fate, Observer};
@@ -203,6 +204,25 @@ impl Survey {
     /// Whether it is of a frame, too, that the same recipe made of the same scene: of the same view, all of it or a moment.
     pub fn fits(&self, recipe: &Recipe, frame: &Frame) -> bool {
         self.camera == frame.drawn_from(recipe) && self.raster == frame.raster
+    }
+
+    /// Counts for each packed sample of the frame the triangles that would cover it and that were culled for the side that they
+    /// show.
+    pub fn culled_coverage(&self, settings: &Settings, frame: &Frame) -> Image<u32> {
+        let (width, height) = frame.drawn.color.size();
+        let mut counts = Image::filled(width, height, 0);
+        let how = (settings.rasterizer, settings.arithmetic, settings.fill_rule);
+        let area = (frame.drawn.grid, Scissor::full(self.raster.width, self.raster.height));
+        let culled = |piece: &&Placed| matches!(piece.cause, Cause::BackFacing | Cause::FrontFacing);
+        let mut spans: Vec<Span> = Vec::new();
+        for piece in self.found.dropped.iter().filter(culled) {
+            spans.clear();
+            cover_within(how, piece.corners_px, area, &mut spans);
+            for Span { row, left, right } in &spans {
+                (*left..*right).for_each(|column| counts.set(column, *row, counts.at(column, *row) + 1));
+            }
+        }
+        counts
     }
 
     /// The triangles that ended before the rasterizer and would have been at a drawn pixel, and those that are nowhere.

@@ -10,6 +10,8 @@ mod badness;
 
 mod blend_order;
 
+mod discarded;
+
 mod edges;
 
 mod exact_owner;
@@ -48,6 +50,7 @@ choice! {
         SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "The same edges between the corners that the rasterizer works with, snapped to 1/256 px in fixed point.";
         Facing = "facing", "Facing", "Whether the triangle that is seen shows its front or its back.";
         DepthTest = "depth-test", "Depth test", "Whether all fragments of a pixel passed the depth test when they came, or some were rejected.";
+        Discarded = "discarded", "Discarded fragments", "Which reason discarded most fragments of a pixel: depth test, alpha test, or culling of the side that their triangle shows. Hover a pixel for the counts.";
         Rasterized = "rasterized", "Overdraw: rasterized", "Fragments of each pixel, drawn or not.";
         Passed = "passed", "Overdraw: passed", "Fragments of each pixel that passed the depth test when they came.";
         Visible = "visible", "Overdraw: visible", "Fragments that are still seen in the end: one where something opaque is seen, more where panes are looked through.";
@@ -132,6 +135,7 @@ impl Overlay {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),
             Self::Facing => surfaces::facing(context),
             Self::DepthTest => fragments::depth_test(context),
+            Self::Discarded => discarded::discarded(context),
             Self::Rasterized | Self::Passed | Self::Visible => fragments::count(self, context),
             Self::TriangleSize => surfaces::size(context),
             Self::Sliver => surfaces::sliver(context),

@@ -86,6 +86,9 @@ pub struct Sheet {
     pub overlay: Overlay,
     /// For each pixel of the full picture a number, or the number of a kind, or 1 on a line; NaN where there is nothing.
     pub values: Image<f32>,
+    /// For each kind the number of times that it occurs at each pixel of the full picture, where a pixel has several and
+    /// shows the most frequent; else empty.
+    pub counts: Vec<Image<f32>>,
     /// What colours stand for.
     pub key: Key,
     /// Totals over all samples that were drawn.
@@ -105,7 +108,7 @@ const GAP_STRENGTH: f32 = 0.3;
 impl Sheet {
     /// One with values and a key.
     pub(super) fn new(overlay: Overlay, values: Image<f32>, key: Key, totals: Vec<Total>) -> Self {
-        Self { overlay, values, key, totals, lines: Vec::new(), absence: None }
+        Self { overlay, values, counts: Vec::new(), key, totals, lines: Vec::new(), absence: None }
     }
 
     /// One that has nothing to show.
@@ -136,7 +139,13 @@ impl Sheet {
         let value = self.values.get(x, y).filter(|value| !value.is_nan())?;
         match &self.key {
             Key::Lines => Some("an edge".to_owned()),
-            Key::Kinds(kinds) => kinds.get(value as usize).map(|kind| kind.name.to_owned()),
+            Key::Kinds(kinds) if self.counts.is_empty() => kinds.get(value as usize).map(|kind| kind.name.to_owned()),
+            Key::Kinds(kinds) => {
+                let counted = kinds.iter().zip(&self.counts).map(|(kind, counts)| (kind.name, counts.at(x, y)));
+                let words: Vec<_> =
+                    counted.filter(|(_, count)| *count > 0.0).map(|(name, count)| format!("{name} {count}")).collect();
+                Some(words.join(", "))
+            }
             Key::Scale(scale) => Some(amount(value, scale.unit)),
         }
     }

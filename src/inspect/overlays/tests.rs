@@ -1,11 +1,13 @@
 use super::*;
 use crate::chain::{KeepDepth, Renderer, run};
 use crate::image::Rgba8;
+use crate::inspect::explain;
+use crate::inspect::history::{Absent, Cause, Survey};
 use crate::inspect::hits::Hits;
 use crate::inspect::pixel::{Outcome, inspect};
 use crate::inspect::view::{CRACK, DOUBLE_HIT};
 use crate::pipeline::raster::cover;
-use crate::pipeline::settings::{Arithmetic, Culling, FillRule};
+use crate::pipeline::settings::{Arithmetic, Culling, DepthTest, FillRule};
 use crate::pipeline::tiled::TILE_SIDE;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe::edge_pixels;
@@ -97,6 +99,57 @@ fn counts_are_those_of_every_triangle_and_every_pixel_taken_alone() {
         assert_eq!(total(&depth, "rejected"), rejected_in_all as f64);
         assert_eq!(total(&rasterized, "in all"), covered.pixels().iter().sum::<usize>() as f64);
     }
+}
+
+#[test]
+fn discarded_fragments_are_those_of_every_pixel_taken_alone() {
+    let (mut discarded, mut of_kinds) = (0, [0_usize; 3]);
+    for scene in ["interpenetrating", "stained-glass", "cubes", "near-plane"] {
+        for method in ["native", "checkerboard"] {
+            let mut recipe = Recipe::default();
+            recipe.set_all(&[format!("upscaler.method={method}")]).unwrap();
+            let bench = Bench::new(scene, recipe, (24, 18));
+            let sheet = bench.sheet(Overlay::Discarded);
+            let survey = Survey::of(&bench.scene, &bench.recipe, &bench.frame);
+            let mut sums = [0; 3];
+            for (x, y) in bench.pixels().filter(|(x, y)| bench.frame.sample_at(*x, *y).is_some()) {
+                let report = explain(&bench.scene, &bench.recipe, &bench.frame, &survey, (x, y)).unwrap();
+                let ended = |outcome| report.fragments.iter().filter(|f| f.outcome == outcome).count();
+                let is_culled = |absent: &&Absent| matches!(absent.cause, Cause::BackFacing | Cause::FrontFacing);
+                let culled = report.absent.iter().filter(is_culled).count();
+                let counts = [ended(Outcome::DepthRejected), ended(Outcome::CutOut), culled];
+                let names = ["depth test", "alpha test", "face culling"].into_iter().zip(counts);
+                let words: Vec<_> = names.filter(|(_, n)| *n > 0).map(|(name, n)| format!("{name} {n}")).collect();
+                let expected = (!words.is_empty()).then(|| words.join(", "));
+                assert_eq!(sheet.text(x, y), expected, "{scene} {method} {x}, {y}");
+                let shown = counts.get(sheet.values.at(x, y) as usize).filter(|_| expected.is_some());
+                assert_eq!(shown, expected.is_some().then_some(counts.iter().max().unwrap()), "{scene} {x}, {y}");
+                sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+            }
+            for (kind, name) in ["depth test", "alpha test", "face culling"].into_iter().enumerate() {
+                assert_eq!(total(&sheet, name), sums[kind] as f64, "{scene} {method} {name}");
+                of_kinds[kind] += sums[kind];
+            }
+            discarded += sums.iter().sum::<usize>();
+            assert_eq!(total(&sheet, "in all"), sums.iter().sum::<usize>() as f64);
+        }
+    }
+    assert!(discarded > 1000 && of_kinds.iter().all(|sum| *sum > 0), "{of_kinds:?}");
+}
+
+#[test]
+fn culled_coverage_is_what_is_rasterized_if_the_other_side_is_culled() {
+    let with = |culling| {
+        let mut recipe = Recipe::default();
+        (recipe.pipeline.culling, recipe.pipeline.depth_test) = (culling, DepthTest::Off);
+        Bench::new("cubes", recipe, (40, 30))
+    };
+    let (backs, fronts) =
+        (with(Culling::Back).sheet(Overlay::Discarded), with(Culling::Front).sheet(Overlay::Rasterized));
+    for (x, y) in (0..30).flat_map(|y| (0..40).map(move |x| (x, y))) {
+        assert_eq!(backs.counts[2].at(x, y) as usize, count(fronts.values.at(x, y)), "{x}, {y}");
+    }
+    assert!(total(&backs, "face culling") > 100.0 && total(&backs, "depth test") == 0.0);
 }
 
 #[test]

@@ -19,6 +19,8 @@ pub struct Watched {
     pub rasterized: Image<u32>,
     /// Fragments that passed the depth test when they came; without one all.
     pub passed: Image<u32>,
+    /// Fragments that passed the depth test and that the alpha test discarded.
+    pub cut_out: Image<u32>,
     /// Fragments that are still seen in the end.
     pub visible: Image<u32>,
     /// The triangle that is seen, the nearest where panes are looked through.
@@ -60,6 +62,7 @@ pub fn watch(scene: &Scene, recipe: &Recipe, frame: &Frame) -> Watched {
         seen: Watched {
             rasterized: Image::filled(width, height, 0),
             passed: Image::filled(width, height, 0),
+            cut_out: Image::filled(width, height, 0),
             visible: Image::filled(width, height, 0),
             owner: Image::filled(width, height, TriangleId::NONE),
             surface: Image::filled(width, height, Surface::NONE),
@@ -153,6 +156,10 @@ impl Observer for Watcher<'_> {
         if outcome.passed {
             increase(&mut self.seen.passed, sample);
         }
+    }
+
+    fn cut_out(&mut self, _triangle: &ScreenTriangle, fragment: &Fragment) {
+        increase(&mut self.seen.cut_out, &fragment.sample);
     }
 
     fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
