@@ -290,11 +290,14 @@ fn the_share_of_drawn_pixels_is_told() {
     assert!(stdout(&output).trim_end().ends_with("50.0 % of the pixels drawn"), "{}", stdout(&output));
 }
 
+/// Settings whose pictures are compared with the replays of their pixels, besides the upscalers.
+const MORE_SETTINGS: [&str; 4] = ["wireframe=true", "shading=gouraud", "background=#D04010", "depth-bias.slope=-2"];
+
 #[test]
 fn the_colour_of_a_replayed_pixel_is_the_rendered_one() {
     let folder = folder();
     let methods = upscale::ALL.iter().map(|upscaler| format!("upscaler.method={}", upscaler.id()));
-    for setting in methods.chain(["wireframe=true".to_owned(), "shading=gouraud".to_owned()]) {
+    for setting in methods.chain(MORE_SETTINGS.map(str::to_owned)) {
         let options = ["cubes", "--size", "63x47", "--set", &setting];
         assert_success(&run(&folder, &[&["render", "-o", "out.png"], &options[..]].concat()));
         let image = picture(&folder, "out.png");

@@ -6,7 +6,7 @@ mod common;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
-use common::{DEPTH_BIASES, render, scenes};
+use common::{DEPTH_BIASES, recipe, render, scenes};
 use rasterscope::antialias::settings::{Filter as PostChoice, Method};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::inspect::buffers::Buffers;
@@ -43,6 +43,7 @@ fn single_switches() -> Vec<Recipe> {
         .chain(each::<Address>(|r, c| r.pipeline.address = c))
         .chain(each::<ColorSpace>(|r, c| r.pipeline.color_space = c))
         .chain(each::<BlendingOrder>(|r, c| r.pipeline.blending.order = c))
+        .chain([recipe(&["background=#d04010"]), recipe(&["background=#204060", "blending.order=exact"])])
         .chain([false, true].map(|wireframe| Recipe { wireframe, ..Recipe::default() }))
         .collect()
 }

@@ -73,6 +73,7 @@ fn factors() -> Vec<Vec<String>> {
         values::<AlphaMode>("alpha"),
         values::<ColorSpace>("color_space"),
         values::<BlendingOrder>("blending.order"),
+        ["scene", "#d04010"].map(|color| format!("background={color}")).into(),
     ]
 }
 

@@ -101,7 +101,7 @@ impl Recipe {
             changed.upscaler = chosen.unwrap_or(changed.upscaler);
         }
         changed.check().map_err(bad)?;
-        if json(&changed).pointer(&pointer) != Some(&wanted) {
+        if key.starts_with(UPSCALER_KEYS) && json(&changed).pointer(&pointer) != Some(&wanted) {
             let method = changed.upscaler.method();
             return Err(bad(format!("`{method}` offers {}", offered(&key, &[changed.upscaler.upscaler()]))));
         }

@@ -48,8 +48,8 @@ pub fn outline(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: V
             Drawing { size, background: PAPER, shapes }
         }
         OutlineKind::Polygons => {
-            let [red, green, blue] = scene.background;
-            Drawing { size, background: [red, green, blue], shapes: polygons(scene, &recipe, &frame) }
+            let background = recipe.pipeline.background.resolve(scene.background);
+            Drawing { size, background, shapes: polygons(scene, &recipe, &frame) }
         }
     }
 }
@@ -206,6 +206,19 @@ mod tests {
         assert!(left.abs() < 1e-6 && (right - 100.0).abs() < 1e-6, "{ends:?}");
         // A pixel beside what hides it still shows the line.
         assert!((hidden - 40.5).abs() <= 1.0 && (shown - 49.5).abs() <= 1.0, "{ends:?}");
+    }
+
+    #[test]
+    fn polygons_lie_on_the_background_that_the_settings_ask_for() {
+        let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
+        let size = Viewport { width: 32, height: 24 };
+        for (setting, expected) in [("background=scene", scene.background), ("background=#d04010", [0xd0, 0x40, 0x10])]
+        {
+            let mut recipe = Recipe::default();
+            recipe.set(setting).unwrap();
+            let drawing = outline(&scene, &scene.home, &recipe, size, OutlineKind::Polygons);
+            assert_eq!(drawing.background, expected, "{setting}");
+        }
     }
 
     #[test]

@@ -71,7 +71,7 @@ pub fn picture(scene: &Scene, camera: &Camera, recipe: &Recipe, frame: &Frame, s
         }
         Stage::Rasterize => {
             let (width, height) = frame.drawn.color.size();
-            let [r, g, b] = scene.background;
+            let [r, g, b] = recipe.pipeline.background.resolve(scene.background);
             let mut covered = LastCovered(Image::filled(width, height, [r, g, b, 255]));
             redraw(scene, recipe, frame, Until::Coverage, &mut covered);
             spread(&covered.0, frame)

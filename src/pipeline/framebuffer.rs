@@ -26,7 +26,8 @@ pub struct Framebuffer {
 }
 
 impl Framebuffer {
-    /// A cleared framebuffer for a full picture of `width` × `height` px.
+    /// A cleared framebuffer for a full picture of `width` × `height` px. `background` is the colour of the scene, which the
+    /// settings may replace.
     pub fn new(grid: SampleGrid, width: u32, height: u32, background: [u8; 3], settings: &Settings) -> Self {
         Self::cleared(grid, (0, 0), grid.packed_size(width, height), background, settings)
     }
@@ -52,9 +53,10 @@ impl Framebuffer {
         grid: SampleGrid,
         origin: (u32, u32),
         (width, height): (u32, u32),
-        [r, g, b]: [u8; 3],
+        background: [u8; 3],
         settings: &Settings,
     ) -> Self {
+        let [r, g, b] = settings.background.resolve(background);
         let clear_depth = clear_value(settings);
         let depth = (settings.depth_test != DepthTest::Off).then(|| Image::filled(width, height, clear_depth));
         let color = Image::filled(width, height, [r, g, b, 255]);

@@ -13,6 +13,8 @@
 //! Triangles that hide what lies behind them come first, in submission order; then those that are blended, in the order of
 //! [`settings::BlendingOrder`], each tested against the depths of the first but leaving none itself.
 
+pub mod background;
+
 mod blending;
 
 pub mod clip;
@@ -197,11 +199,8 @@ pub fn prepare<O: Observer>(
     viewport: Viewport,
     observer: &mut O,
 ) -> Geometry {
-    let mut geometry = Geometry {
-        depth_scale: DepthScale::of(settings, camera),
-        blending: settings.blending,
-        ..Geometry::default()
-    };
+    let mut geometry =
+        Geometry { depth_scale: DepthScale::of(settings, camera), blending: settings.blending, ..Geometry::default() };
     let clip_from_world = camera.clip_from_world_f64(viewport.aspect(), settings.depth_format.mapping());
     let seen_by = (camera, clip_from_world);
     for ((index, instance), first) in scene.instances.iter().enumerate().zip(scene.first_triangles()) {

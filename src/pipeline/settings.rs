@@ -4,6 +4,7 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::background::Background;
 use super::depth::DepthEncoding;
 use crate::scene::DepthMapping;
 
@@ -353,6 +354,8 @@ pub struct Settings {
     pub color_space: ColorSpace,
     /// Blended materials.
     pub blending: Blending,
+    /// Colour of the pixels that no triangle covers.
+    pub background: Background,
     /// What runs without need.
     pub force: Force,
 }
@@ -376,6 +379,7 @@ impl Default for Settings {
             alpha: AlphaMode::Straight,
             color_space: ColorSpace::Linear,
             blending: Blending::default(),
+            background: Background::Scene,
             force: Force::Nothing,
         }
     }

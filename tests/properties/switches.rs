@@ -3,6 +3,7 @@
 use glam::{Mat4, Vec3};
 use rasterscope::chain::{Frame, Recipe};
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::inspect::capture;
 use rasterscope::pipeline::framebuffer::Framebuffer;
 use rasterscope::pipeline::grid::SampleGrid;
 use rasterscope::pipeline::interpolate::{Attributes, Fragment, interpolate};
@@ -187,6 +188,38 @@ fn what_a_grid_draws_is_what_the_full_picture_has_there() {
             }
         }
     }
+}
+
+#[test]
+fn a_background_colours_what_no_triangle_covers_and_nothing_else() {
+    const COLOR: [u8; 4] = [0xd0, 0x40, 0x10, 255];
+    let (mut empty, mut covered) = (0, 0);
+    for (name, scene) in scenes() {
+        for upscaler in [["native", "1"], ["checkerboard", "1"], ["nearest", "2"]] {
+            let [method, scale] = upscaler;
+            let more = [format!("upscaler.method={method}"), format!("upscaler.scale={scale}")];
+            let mut plain = recipe(&["shading=triangle-id"]);
+            plain.set_all(&more).expect("an upscaler at a scale that it offers");
+            let frame = render(&scene, &plain, SIZE);
+            let owners = capture(&scene, &plain, &frame).triangle;
+            let mut colored = plain;
+            colored.set("background=#d04010").expect("a colour");
+            let colored = render(&scene, &colored, SIZE);
+            let [r, g, b] = scene.background;
+            for (x, y) in (0..SIZE.1).flat_map(|y| (0..SIZE.0).map(move |x| (x, y))) {
+                let Some((column, row)) = frame.sample_at(x, y) else { continue };
+                let (before, after) = (frame.image().at(x, y), colored.image().at(x, y));
+                if owners.at(column, row) == TriangleId::NONE {
+                    assert_eq!((before, after), ([r, g, b, 255], COLOR), "{name} {method} {x}, {y}");
+                    empty += 1;
+                } else {
+                    assert_eq!(before, after, "{name} {method} {x}, {y}");
+                    covered += 1;
+                }
+            }
+        }
+    }
+    assert!(empty > 1000 && covered > 1000, "{empty} pixels of background, {covered} covered");
 }
 
 #[test]

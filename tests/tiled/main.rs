@@ -51,6 +51,8 @@ fn single_switches() -> Vec<Recipe> {
     recipes.extend(with::<Arithmetic>(default, |r, c| r.pipeline.arithmetic = c));
     recipes.extend(with::<Force>(default, |r, c| r.pipeline.force = c));
     recipes.extend(Upscaling::every().map(|upscaler| Recipe { upscaler, ..Recipe::default() }));
+    let settings = ["antialias.method=none", "antialias.method=multisample", "antialias.method=jittered"];
+    recipes.extend(settings.map(|setting| common::recipe(&[setting, "background=#d04010"])));
     recipes
 }
 

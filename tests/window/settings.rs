@@ -2,6 +2,7 @@
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::chain::Recipe;
+use rasterscope::pipeline::background::Background;
 use rasterscope::pipeline::settings::{Choice as _, Culling, DepthFormat, DepthTest, FillRule, Interpolation, Shading};
 use rasterscope::ui::session::PictureSize;
 use rasterscope::upscale;
@@ -121,6 +122,30 @@ fn a_depth_format_is_offered_only_with_a_depth_test() {
     bench.choose("Test", DepthTest::Off.name());
     assert!(!bench.says("Format"));
     assert!(bench.mentions("no depth is stored"));
+}
+
+#[test]
+fn a_depth_bias_is_offered_only_with_a_depth_test_and_told_of_the_picked_fragment() {
+    let mut bench = Bench::small("interpenetrating");
+    bench.click("Depth stage");
+    assert!(bench.says("Bias, constant") && bench.says("Bias, slope"));
+    bench.session_mut().state.recipe.pipeline.depth_bias.slope = 2.0;
+    bench.rest();
+    assert_eq!(bench.image(), *bench.expected().image());
+    bench.choose("Test", DepthTest::Off.name());
+    assert!(!bench.says("Bias, constant") && bench.mentions("no format and no bias"));
+}
+
+#[test]
+fn the_background_goes_back_to_the_scenes_by_a_button() {
+    let mut bench = Bench::small("triangle");
+    let (plain, color) = (bench.image(), [0xd0, 0x40, 0x10]);
+    bench.session_mut().state.recipe.pipeline.background = Background::Color(color);
+    bench.rest();
+    assert_eq!(bench.image().at(0, 0)[..3], color);
+    bench.click("Use the scene's");
+    assert_eq!(bench.session().state.recipe, Recipe::default());
+    assert_eq!(bench.image(), plain);
 }
 
 #[test]

@@ -36,7 +36,7 @@ impl<'a> Recorder<'a> {
     /// For a frame that `recipe` made of `scene`.
     pub(super) fn new(scene: &'a Scene, recipe: &'a Recipe, frame: &'a Frame) -> Self {
         let shaders = scene.instances.iter().zip(&frame.plans);
-        let [r, g, b] = scene.background;
+        let [r, g, b] = recipe.pipeline.background.resolve(scene.background);
         let has_depth = recipe.pipeline.depth_test != DepthTest::Off;
         let depth = has_depth.then(|| DepthRecord::new(clear_value(&recipe.pipeline), frame.depth_scale()));
         let clear = SampleState { color: [r, g, b, 255], depth };

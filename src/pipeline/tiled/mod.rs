@@ -227,7 +227,7 @@ pub fn draw(
     let Framebuffer { grid, color, depth, .. } = framebuffer;
     let rules = DepthRules::new(settings, &scale, depth.is_some());
     let shaders = shaders(scene, settings, &draws);
-    let [r, g, b] = scene.background;
+    let [r, g, b] = settings.background.resolve(scene.background);
     let frame = Frame {
         settings,
         grid: *grid,

@@ -3,11 +3,12 @@
 
 use std::collections::BTreeSet;
 
-use eframe::egui::{Label, RichText, Ui};
+use eframe::egui::{Button, Label, RichText, Ui};
 
 use super::{pick, plan, smooth};
 use crate::chain::{Recipe, execution};
 use crate::inspect::Stage;
+use crate::pipeline::background::Background;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::Part;
 use crate::pipeline::settings::{Choice as _, DepthTest, Execution, Shading};
@@ -18,7 +19,7 @@ use crate::ui::engine::{StageFigures, View};
 use crate::ui::format;
 use crate::ui::session::{PictureSize, Session};
 use crate::ui::theme::tokens;
-use crate::ui::widgets::{choice, combo, drag, row, slider, value_row};
+use crate::ui::widgets::{choice, combo, drag, drag_by, row, slider, value_row};
 
 /// Draws the switches and figures of a stage.
 pub fn ui(ui: &mut Ui, stage: Stage, session: &Session, recipe: &mut Recipe, commands: &mut Vec<Command>) {
@@ -314,6 +315,7 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     } else {
         left_out(ui, view, Part::Blending);
     }
+    background(ui, session, &mut settings.background);
     for part in [Part::NormalMap, Part::Highlight, Part::Emission] {
         if settings.shading.reads_material() && !view.frame.plans.iter().any(|plan| plan.runs(part)) {
             left_out(ui, view, part);
@@ -321,6 +323,20 @@ fn shade(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     }
     row(ui, "Colour space", "In which numbers light is computed and textures are filtered", |ui| {
         pick(ui, &mut settings.color_space)
+    });
+}
+
+fn background(ui: &mut Ui, session: &Session, background: &mut Background) {
+    row(ui, "Background", "Colour of the pixels that no triangle covers", |ui| {
+        let mut color = background.resolve(session.scene.background);
+        if ui.color_edit_button_srgb(&mut color).changed() {
+            *background = Background::Color(color);
+        }
+        let is_own = *background != Background::Scene;
+        let button = ui.add_enabled(is_own, Button::new("Use the scene's"));
+        if button.on_hover_text("Goes back to the colour that the scene gives").clicked() {
+            *background = Background::Scene;
+        }
     });
 }
 
