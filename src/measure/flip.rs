@@ -8,7 +8,13 @@
 //! * features: how much stronger edges and points are in one of the pictures, by Gaussian derivatives.
 //!
 //! The error of a pixel is colour^(1 − feature): 0 for none, 1 for black against white. Pictures end with their outermost
-//! pixels repeated. All in f64. Viewed as is usual for the measure: a screen of 0.7 m and 3840 px seen from 0.7 m.
+//! pixels repeated. Planes are f32, as in the authors' program. Viewed as is usual for the measure: a screen of 0.7 m and
+//! 3840 px seen from 0.7 m.
+//!
+//! Most of the work concerns one picture alone and is kept in [`Perceived`], so that a reference is worked on once for all
+//! pictures that are compared with it. Filters are separable: a pass along rows, then one along columns that finishes the pixel.
+
+use std::array::from_fn;
 
 use rayon::prelude::*;
 
@@ -19,16 +25,16 @@ use crate::image::{Image, Rgba8};
 pub const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::consts::PI / 180.0;
 
 /// Exponent of colour distances.
-const COLOR_EXPONENT: f64 = 0.7;
+const COLOR_EXPONENT: f32 = 0.7;
 
 /// Share of the greatest colour distance below which differences get most of the range …
-const KNEE: f64 = 0.4;
+const KNEE: f32 = 0.4;
 
 /// … and how much of the range.
-const KNEE_ERROR: f64 = 0.95;
+const KNEE_ERROR: f32 = 0.95;
 
 /// Exponent of feature differences.
-const FEATURE_EXPONENT: f64 = 0.5;
+const FEATURE_EXPONENT: f32 = 0.5;
 
 /// Width of a feature, degrees.
 const FEATURE_WIDTH: f64 = 0.082;
@@ -53,16 +59,72 @@ const RGB_FROM_XYZ: [Color; 3] = [
     [0.055_639_423, -0.204_011_202, 1.057_148_933],
 ];
 
-/// The error of every pixel, in [0, 1]; `None` if the sizes differ or there are no pixels. The same both ways round. Alpha
-/// does not count.
+/// A picture as an eye at the usual distance perceives it.
+#[derive(Clone, Debug)]
+pub struct Perceived {
+    /// L\*a\*b\* of the blurred picture, a\* and b\* scaled by lightness.
+    lab: Image<[f32; 3]>,
+    /// Strengths of edges and points.
+    features: Image<[f32; 2]>,
+}
+
+impl Perceived {
+    /// Filters a picture. Alpha is ignored.
+    pub fn new(picture: &Image<Rgba8>) -> Self {
+        let (width, height) = picture.size();
+        let opponents = Opponents::new();
+        let filters = Filters::new();
+        // Each row in turn: its colours filtered along the row by every filter, one after the other.
+        let row_length = FILTERED * width as usize;
+        let mut rows = vec![0.0; row_length * height as usize];
+        if !rows.is_empty() {
+            rows.par_chunks_mut(row_length).zip(picture.pixels().par_chunks(width as usize)).for_each(
+                |(filtered, pixels)| {
+                    filters.along_row(&opponents.planes(pixels), filtered);
+                },
+            );
+        }
+        let mut lab = Image::filled(width, height, [0.0; 3]);
+        let mut features = Image::filled(width, height, [0.0; 2]);
+        let finished = lab.pixels_mut().par_chunks_mut((width as usize).max(1));
+        finished.zip(features.pixels_mut().par_chunks_mut((width as usize).max(1))).enumerate().for_each(
+            |(y, (lab, features))| {
+                filters.along_columns(&rows, (width as usize, height as usize), y, (lab, features));
+            },
+        );
+        Self { lab, features }
+    }
+
+    /// Returns the error of every pixel in [0, 1]; `None` if the sizes differ or there are no pixels. The order of the two
+    /// pictures does not matter.
+    pub fn difference(&self, other: &Self) -> Option<Image<f32>> {
+        if self.lab.size() != other.lab.size() || self.lab.pixels().is_empty() {
+            return None;
+        }
+        let scale = ErrorScale::new();
+        let colors = self.lab.pixels().par_iter().zip(other.lab.pixels());
+        let features = self.features.pixels().par_iter().zip(other.features.pixels());
+        let error = |((a, b), (features_a, features_b)): ((&_, &_), (&[f32; 2], &[f32; 2]))| {
+            let far = distance(*a, *b);
+            if far == 0.0 {
+                return 0.0;
+            }
+            let [edges, points] = [0, 1].map(|i| (features_a[i] - features_b[i]).abs());
+            let feature = (edges.max(points) / std::f32::consts::SQRT_2).powf(FEATURE_EXPONENT);
+            scale.error(far).powf(1.0 - feature)
+        };
+        let pixels = colors.zip(features).map(error).collect();
+        Some(Image::from_pixels(self.lab.width(), self.lab.height(), pixels))
+    }
+}
+
+/// Returns the error of every pixel in [0, 1]; `None` if the sizes differ or there are no pixels. The order of the two pictures
+/// does not matter. Alpha is ignored.
 pub fn map(a: &Image<Rgba8>, b: &Image<Rgba8>) -> Option<Image<f32>> {
-    if a.size() != b.size() || a.pixels().is_empty() {
+    if a.size() != b.size() {
         return None;
     }
-    let [a, b] = [a, b].map(opponent);
-    let (color, features) = rayon::join(|| color_errors(&a, &b), || feature_errors(&a, &b));
-    let pixels = color.pixels().iter().zip(features.pixels()).map(|(c, f)| c.powf(1.0 - f) as f32).collect();
-    Some(Image::from_pixels(color.width(), color.height(), pixels))
+    Perceived::new(a).difference(&Perceived::new(b))
 }
 
 /// The mean of the errors of [`map`], or of those of a part of it.
@@ -79,117 +141,231 @@ fn white() -> Color {
     transform(&XYZ_FROM_RGB, [1.0; 3])
 }
 
-/// XYZ relative to white.
-fn relative_xyz(rgb: Color) -> Color {
-    let (xyz, white) = (transform(&XYZ_FROM_RGB, rgb), white());
-    [0, 1, 2].map(|i| xyz[i] / white[i])
+/// Opponent colours of codes: a sum over the three channels.
+struct Opponents {
+    /// Lightness (Y), red against green (Cx) and blue against yellow (Cz), per channel and code, all linear in light. Red
+    /// carries the constant.
+    of_code: [[[f32; 3]; 256]; 3],
 }
 
-/// Codes as Y, Cx, Cz: lightness, red against green, blue against yellow, all linear in light.
-fn opponent(picture: &Image<Rgba8>) -> Image<Color> {
-    let light = &Tables::get().linear_of_code;
-    picture.map(|[r, g, b, _]| {
-        let [x, y, z] = relative_xyz([r, g, b].map(|code| f64::from(light[code as usize])));
-        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
-    })
+impl Opponents {
+    fn new() -> Self {
+        let light = &Tables::get().linear_of_code;
+        let white = white();
+        let of_code = from_fn(|channel| {
+            from_fn(|code| {
+                let xyz = XYZ_FROM_RGB.map(|row| row[channel] * f64::from(light[code]));
+                let [x, y, z] = [0, 1, 2].map(|i| xyz[i] / white[i]);
+                let constant = if channel == 0 { 16.0 } else { 0.0 };
+                [116.0 * y - constant, 500.0 * (x - y), 200.0 * (y - z)].map(|value| value as f32)
+            })
+        });
+        Self { of_code }
+    }
+
+    /// Returns the opponent colours of a row, plane by plane.
+    fn planes(&self, row: &[Rgba8]) -> [Vec<f32>; 3] {
+        let [red, green, blue] = &self.of_code;
+        let mut planes = [const { Vec::new() }; 3];
+        planes.iter_mut().for_each(|plane| plane.reserve(row.len()));
+        for [r, g, b, _] in row {
+            let parts = [red[*r as usize], green[*g as usize], blue[*b as usize]];
+            for (i, plane) in planes.iter_mut().enumerate() {
+                plane.push(parts[0][i] + parts[1][i] + parts[2][i]);
+            }
+        }
+        planes
+    }
 }
 
-/// Back to linear red, green, blue within [0, 1].
-fn rgb_of_opponent([lightness, cx, cz]: Color) -> Color {
-    let y = (lightness + 16.0) / 116.0;
-    let (xyz, white) = ([cx / 500.0 + y, y, y - cz / 200.0], white());
-    transform(&RGB_FROM_XYZ, [0, 1, 2].map(|i| xyz[i] * white[i])).map(|channel| channel.clamp(0.0, 1.0))
+/// Back from opponent colours to light of sRGB primaries in [0, 1], and from there to L\*a\*b\* whose a\* and b\* are scaled by
+/// lightness: in the dark colours look less colourful (Hunt).
+struct LabFromOpponent {
+    rgb_from_relative_xyz: [[f32; 3]; 3],
+    relative_xyz_from_rgb: [[f32; 3]; 3],
 }
 
-/// L\*a\*b\* with a\* and b\* scaled by lightness: in the dark colours look less colourful.
-fn hunt_lab(rgb: Color) -> Color {
-    let delta: f64 = 6.0 / 29.0;
-    let [x, y, z] =
-        relative_xyz(rgb).map(|t| if t > delta.powi(3) { t.cbrt() } else { t / (3.0 * delta * delta) + 4.0 / 29.0 });
-    let lightness = 116.0 * y - 16.0;
-    [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
+impl LabFromOpponent {
+    fn new() -> Self {
+        let white = white();
+        Self {
+            rgb_from_relative_xyz: RGB_FROM_XYZ.map(|row| from_fn(|i| (row[i] * white[i]) as f32)),
+            relative_xyz_from_rgb: from_fn(|i| XYZ_FROM_RGB[i].map(|value| (value / white[i]) as f32)),
+        }
+    }
+
+    fn lab_of_opponent(&self, [lightness, cx, cz]: [f32; 3]) -> [f32; 3] {
+        let y = (lightness + 16.0) / 116.0;
+        let rgb = product(&self.rgb_from_relative_xyz, [cx / 500.0 + y, y, y - cz / 200.0]);
+        self.lab_of_rgb(rgb.map(|channel| channel.clamp(0.0, 1.0)))
+    }
+
+    fn lab_of_rgb(&self, rgb: [f32; 3]) -> [f32; 3] {
+        const DELTA: f32 = 6.0 / 29.0;
+        let [x, y, z] = product(&self.relative_xyz_from_rgb, rgb)
+            .map(|t| if t > DELTA * DELTA * DELTA { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 });
+        let lightness = 116.0 * y - 16.0;
+        [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
+    }
+}
+
+fn product(matrix: &[[f32; 3]; 3], v: [f32; 3]) -> [f32; 3] {
+    matrix.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
 /// Distance of two colours: in lightness as on a street grid, in the others straight (HyAB).
-fn distance(a: Color, b: Color) -> f64 {
-    (a[0] - b[0]).abs() + (a[1] - b[1]).hypot(a[2] - b[2])
+fn distance(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let (da, db) = (a[1] - b[1], a[2] - b[2]);
+    (a[0] - b[0]).abs() + (da * da + db * db).sqrt()
 }
 
-fn color_errors(a: &Image<Color>, b: &Image<Color>) -> Image<f64> {
-    let [a, b] = [a, b].map(|picture| blurred(picture).map(|color| hunt_lab(rgb_of_opponent(color))));
-    let greatest = distance(hunt_lab([0.0, 1.0, 0.0]), hunt_lab([0.0, 0.0, 1.0])).powf(COLOR_EXPONENT);
-    let knee = KNEE * greatest;
-    let error = |(a, b): (&Color, &Color)| {
-        let far = distance(*a, *b).powf(COLOR_EXPONENT);
-        if far < knee {
-            far * KNEE_ERROR / knee
+/// Maps distances of colours to errors in [0, 1].
+struct ErrorScale {
+    /// The greatest distance of two colours, raised to [`COLOR_EXPONENT`].
+    greatest: f32,
+    knee: f32,
+}
+
+impl ErrorScale {
+    fn new() -> Self {
+        let lab = LabFromOpponent::new();
+        let [green, blue] = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|rgb| lab.lab_of_rgb(rgb));
+        let greatest = distance(green, blue).powf(COLOR_EXPONENT);
+        Self { greatest, knee: KNEE * greatest }
+    }
+
+    fn error(&self, distance: f32) -> f32 {
+        let far = distance.powf(COLOR_EXPONENT);
+        if far < self.knee {
+            far * KNEE_ERROR / self.knee
         } else {
-            KNEE_ERROR + (far - knee) / (greatest - knee) * (1.0 - KNEE_ERROR)
+            KNEE_ERROR + (far - self.knee) / (self.greatest - self.knee) * (1.0 - KNEE_ERROR)
         }
-    };
-    let pixels = a.pixels().par_iter().zip(b.pixels()).map(error).collect();
-    Image::from_pixels(a.width(), a.height(), pixels)
+    }
 }
 
-/// A sum of Gaussians that an eye blurs a channel by: heights and squared widths in degrees as the paper has them.
-type Sight = [(f64, f64); 2];
+/// Gaussians whose sum blurs a channel: heights and squared widths in degrees as the paper has them, without those of height 0.
+type Sight = &'static [(f64, f64)];
 
 /// Of lightness, red against green, and blue against yellow.
-const SIGHTS: [Sight; 3] = [[(1.0, 0.0047), (0.0, 1e-5)], [(1.0, 0.0053), (0.0, 1e-5)], [(34.1, 0.04), (13.5, 0.025)]];
+const SIGHTS: [Sight; 3] = [&[(1.0, 0.0047)], &[(1.0, 0.0053)], &[(34.1, 0.04), (13.5, 0.025)]];
 
-/// Opponent colours as an eye at that distance sees them.
-fn blurred(picture: &Image<Color>) -> Image<Color> {
-    let widest = SIGHTS.as_flattened().iter().map(|(_, b)| *b).fold(0.0, f64::max);
-    let sigma = (widest / (2.0 * std::f64::consts::PI.powi(2))).sqrt();
+/// Planes that the pass along rows makes: lightness, red against green and blue against yellow (twice) blurred, and lightness
+/// smoothed, its slope and its bend.
+const FILTERED: usize = 7;
+
+/// Weights of all filters at whole distances from the pixel, in px.
+struct Filters {
+    /// Lightness, red against green, and the two Gaussians of blue against yellow; the same along both axes.
+    blurs: [Vec<f32>; 4],
+    smooth: Vec<f32>,
+    slope: Vec<f32>,
+    bend: Vec<f32>,
+    lab: LabFromOpponent,
+}
+
+impl Filters {
+    fn new() -> Self {
+        let sigma = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
+        let reach = (REACH * sigma).ceil() as i32;
+        let gaussian = |x: f64| (-x * x / (2.0 * sigma * sigma)).exp();
+        let smooth = taps(reach, gaussian);
+        let total: f64 = smooth.iter().sum();
+        let narrow = |weights: Vec<f64>| weights.into_iter().map(|weight| weight as f32).collect::<Vec<_>>();
+        let [lightness, red_green, blue_yellow] = SIGHTS.map(blur_weights);
+        let first = |weights: Vec<Vec<f32>>| weights.into_iter().next().unwrap_or_default();
+        let mut blue_yellow = blue_yellow.into_iter();
+        let [wide, wider] = from_fn(|_| blue_yellow.next().unwrap_or_default());
+        Self {
+            blurs: [first(lightness), first(red_green), wide, wider],
+            smooth: narrow(smooth.iter().map(|weight| weight / total).collect()),
+            slope: narrow(balanced(&taps(reach, |x| -x * gaussian(x)))),
+            bend: narrow(balanced(&taps(reach, |x| (x * x / (sigma * sigma) - 1.0) * gaussian(x)))),
+            lab: LabFromOpponent::new(),
+        }
+    }
+
+    /// Filters the opponent colours of a row along it; `filtered` is [`FILTERED`] rows.
+    fn along_row(&self, [lightness, cx, cz]: &[Vec<f32>; 3], filtered: &mut [f32]) {
+        let relative: Vec<f32> = lightness.iter().map(|value| (value + 16.0) / 116.0).collect();
+        let [blur_lightness, blur_cx, blur_cz, blur_cz_again] = &self.blurs;
+        let passes = [
+            (lightness, blur_lightness),
+            (cx, blur_cx),
+            (cz, blur_cz),
+            (cz, blur_cz_again),
+            (&relative, &self.smooth),
+            (&relative, &self.slope),
+            (&relative, &self.bend),
+        ];
+        for ((plane, weights), sums) in passes.into_iter().zip(filtered.chunks_mut(lightness.len())) {
+            let padded = padded(plane, weights.len() / 2);
+            weighted_sums(weights, |tap| &padded[tap..], sums);
+        }
+    }
+
+    /// Filters row `y` along columns and finishes its pixels. `rows` holds [`FILTERED`] rows for each row of the picture.
+    fn along_columns(
+        &self,
+        rows: &[f32],
+        (width, height): (usize, usize),
+        y: usize,
+        (lab, features): (&mut [[f32; 3]], &mut [[f32; 2]]),
+    ) {
+        let [smooth_rows, slope_rows, bend_rows] = [4, 5, 6];
+        let passes = [
+            (0, &self.blurs[0]),
+            (1, &self.blurs[1]),
+            (2, &self.blurs[2]),
+            (3, &self.blurs[3]),
+            (slope_rows, &self.smooth),
+            (smooth_rows, &self.slope),
+            (bend_rows, &self.smooth),
+            (smooth_rows, &self.bend),
+        ];
+        let mut sums = vec![0.0; passes.len() * width];
+        for ((filter, weights), sums) in passes.into_iter().zip(sums.chunks_mut(width)) {
+            let reach = weights.len() / 2;
+            let row = |tap: usize| {
+                let at = (y + tap).saturating_sub(reach).min(height - 1);
+                &rows[(at * FILTERED + filter) * width..][..width]
+            };
+            weighted_sums(weights, row, sums);
+        }
+        let sum = |pass: usize, x: usize| sums[pass * width + x];
+        for (x, (lab, features)) in lab.iter_mut().zip(features).enumerate() {
+            *lab = self.lab.lab_of_opponent([sum(0, x), sum(1, x), sum(2, x) + sum(3, x)]);
+            let length = |x: f32, y: f32| (x * x + y * y).sqrt();
+            *features = [length(sum(4, x), sum(5, x)), length(sum(6, x), sum(7, x))];
+        }
+    }
+}
+
+/// Weights along one axis of each Gaussian of a sum; over both axes all of them together sum to 1.
+fn blur_weights(sight: Sight) -> Vec<Vec<f32>> {
+    use std::f64::consts::PI;
+    /// Weights below this share of the greatest are less than the rounding of a sum in f32.
+    const NEGLIGIBLE: f64 = 1e-9;
+    let widest = SIGHTS.iter().copied().flatten().map(|(_, b)| *b).fold(0.0, f64::max);
+    let sigma = (widest / (2.0 * PI.powi(2))).sqrt();
     let reach = (REACH * sigma * PIXELS_PER_DEGREE).ceil() as i32;
-    let channels: Vec<Image<f64>> = SIGHTS
-        .par_iter()
-        .enumerate()
-        .map(|(channel, sight)| {
-            // Each Gaussian is separable, their sum is not. Weights of both together sum to one.
-            let axes = sight.map(|(a, b)| {
-                let height = (a * (std::f64::consts::PI / b).sqrt()).sqrt();
-                taps(reach, |x| height * (-(std::f64::consts::PI * x / PIXELS_PER_DEGREE).powi(2) / b).exp())
-            });
-            let total: f64 = axes.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum();
-            let plane = picture.map(|color| color[channel]);
-            let [mut one, other] = axes.map(|axis| convolve(&plane, &axis, &axis));
-            for (sum, other) in one.pixels_mut().iter_mut().zip(other.pixels()) {
-                *sum = (*sum + other) / total;
-            }
-            one
-        })
-        .collect();
-    Image::from_fn(picture.width(), picture.height(), |x, y| [0, 1, 2].map(|channel| channels[channel].at(x, y)))
+    let axes = sight.iter().map(|(a, b)| {
+        let height = (a * (PI / b).sqrt()).sqrt();
+        taps(reach, |x| height * (-(PI * x / PIXELS_PER_DEGREE).powi(2) / b).exp())
+    });
+    let axes: Vec<_> = axes.collect();
+    let total: f64 = axes.iter().map(|axis| axis.iter().sum::<f64>().powi(2)).sum();
+    let trimmed = |axis: Vec<f64>| {
+        let least = NEGLIGIBLE * axis[axis.len() / 2];
+        let weights = axis.into_iter().filter(|weight| *weight >= least);
+        weights.map(|weight| (weight / total.sqrt()) as f32).collect()
+    };
+    axes.into_iter().map(trimmed).collect()
 }
 
 /// A function at whole places from −`reach` to `reach`.
 fn taps(reach: i32, weight: impl Fn(f64) -> f64) -> Vec<f64> {
     (-reach..=reach).map(|x| weight(f64::from(x))).collect()
-}
-
-fn feature_errors(a: &Image<Color>, b: &Image<Color>) -> Image<f64> {
-    let sigma = 0.5 * FEATURE_WIDTH * PIXELS_PER_DEGREE;
-    let reach = (REACH * sigma).ceil() as i32;
-    let gaussian = |x: f64| (-x * x / (2.0 * sigma * sigma)).exp();
-    let smooth = taps(reach, gaussian);
-    let smooth: Vec<f64> = smooth.iter().map(|weight| weight / smooth.iter().sum::<f64>()).collect();
-    let slope = balanced(&taps(reach, |x| -x * gaussian(x)));
-    let bend = balanced(&taps(reach, |x| (x * x / (sigma * sigma) - 1.0) * gaussian(x)));
-    let strengths = |picture: &Image<Color>, filter: &[f64]| {
-        let lightness = picture.map(|color| (color[0] + 16.0) / 116.0);
-        let (across, down) =
-            rayon::join(|| convolve(&lightness, filter, &smooth), || convolve(&lightness, &smooth, filter));
-        let pixels = across.pixels().iter().zip(down.pixels()).map(|(x, y)| x.hypot(*y)).collect();
-        Image::from_pixels(across.width(), across.height(), pixels)
-    };
-    let [edges_a, points_a, edges_b, points_b] =
-        [(a, &slope), (a, &bend), (b, &slope), (b, &bend)].map(|(picture, filter)| strengths(picture, filter));
-    Image::from_fn(a.width(), a.height(), |x, y| {
-        let edges = (edges_a.at(x, y) - edges_b.at(x, y)).abs();
-        let points = (points_a.at(x, y) - points_b.at(x, y)).abs();
-        (edges.max(points) / std::f64::consts::SQRT_2).powf(FEATURE_EXPONENT)
-    })
 }
 
 /// Weights whose positive ones sum to 1 and whose negative ones sum to −1.
@@ -199,37 +375,35 @@ fn balanced(weights: &[f64]) -> Vec<f64> {
     weights.iter().map(|weight| weight / if *weight > 0.0 { positive } else { negative }).collect()
 }
 
-/// Weighted sums along rows, then along columns; the outermost pixels repeat.
-fn convolve(plane: &Image<f64>, across: &[f64], down: &[f64]) -> Image<f64> {
-    let (width, height) = plane.size();
-    let along = |weights: &[f64], value: &dyn Fn(i64) -> f64, at: u32| -> f64 {
-        let reach = (weights.len() / 2) as i64;
-        weights.iter().zip(i64::from(at) - reach..).map(|(weight, at)| weight * value(at)).sum()
-    };
-    let rows: Vec<f64> = (0..height)
-        .into_par_iter()
-        .flat_map_iter(|y| {
-            let row = plane.row(y);
-            let value = move |at: i64| row[at.clamp(0, i64::from(width) - 1) as usize];
-            (0..width).map(move |x| along(across, &value, x))
-        })
-        .collect();
-    let rows = Image::from_pixels(width, height, rows);
-    let pixels = (0..height)
-        .into_par_iter()
-        .flat_map_iter(|y| {
-            let mut sums = vec![0.0; width as usize];
-            let reach = (down.len() / 2) as i64;
-            for (weight, at) in down.iter().zip(i64::from(y) - reach..) {
-                let row = rows.row(at.clamp(0, i64::from(height) - 1) as u32);
-                for (sum, value) in sums.iter_mut().zip(row) {
-                    *sum += weight * value;
-                }
-            }
-            sums
-        })
-        .collect();
-    Image::from_pixels(width, height, pixels)
+/// Returns a row with its outermost values repeated `reach` times.
+fn padded(row: &[f32], reach: usize) -> Vec<f32> {
+    let [first, last] = [row.first(), row.last()].map(|value| value.copied().unwrap_or_default());
+    let mut padded = vec![first; reach + row.len()];
+    padded[reach..].copy_from_slice(row);
+    padded.resize(row.len() + 2 * reach, last);
+    padded
+}
+
+/// Computes at each place the sum over all taps of weight times value, the values of a tap being `values(tap)`.
+fn weighted_sums<'a>(weights: &[f32], values: impl Fn(usize) -> &'a [f32], sums: &mut [f32]) {
+    /// Places whose sums stay in registers while the taps go by: avoids a load and a store for each tap.
+    const PLACES: usize = 16;
+    let in_chunks = sums.len() / PLACES * PLACES;
+    let mut chunks = sums.chunks_exact_mut(PLACES);
+    for (chunk, sums) in chunks.by_ref().enumerate() {
+        let mut together = [0.0_f32; PLACES];
+        for (tap, weight) in weights.iter().enumerate() {
+            let values = &values(tap)[chunk * PLACES..][..PLACES];
+            together.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+        }
+        sums.copy_from_slice(&together);
+    }
+    let rest = chunks.into_remainder();
+    rest.fill(0.0);
+    for (tap, weight) in weights.iter().enumerate() {
+        let values = &values(tap)[in_chunks..][..rest.len()];
+        rest.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
+    }
 }
 
 #[cfg(test)]
