@@ -147,6 +147,14 @@ fn pixel_names_the_triangle_that_is_not_seen_and_why() {
     assert_eq!(report["absent"][0]["cause"], "back-facing");
 }
 
+/// A measurement says on which machine it was made, and under which load.
+fn assert_machine(machine: &serde_json::Value) {
+    assert!(machine["threads"].as_u64().unwrap() >= 1);
+    if cfg!(target_os = "linux") {
+        assert!(machine["load_at_start"].is_f64() && machine["load_at_end"].is_f64(), "{machine}");
+    }
+}
+
 #[test]
 fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
     let folder = folder();
@@ -161,9 +169,18 @@ fn the_report_is_a_page_a_table_and_json_of_every_upscaler() {
     let columns = csv.lines().next().unwrap().split(',').count();
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     let scene = &json["scenes"][0];
-    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 36));
+    assert_eq!((scene["rows"].as_array().unwrap().len(), columns), (rows, 39));
     assert_eq!(scene["rows"][0]["error"]["mse"].as_f64(), Some(0.0), "native");
     assert_eq!(scene["rows"][0]["motion"]["worst"]["mse"].as_f64(), Some(0.0), "native in motion");
+    assert_eq!(scene["noise"]["pairs"], 5, "two rounds are one block of each of five recipes that are drawn twice");
+    assert!(scene["noise"]["p90"].as_f64().unwrap() >= 0.0);
+    assert_machine(&json["machine"]);
+    for row in scene["rows"].as_array().unwrap() {
+        let label = row["label"].as_str().unwrap();
+        assert!(row["native_within_noise"].is_boolean() && row.get("within_noise_of").is_some(), "{label}");
+        assert_eq!(row["motion"]["frames"], 16, "{label}");
+    }
+    assert!(page.contains("90th percentile of 5 A/A pairs"));
     assert_eq!(scene["shares"].as_array().unwrap().len(), 5);
     for upscaling in upscale::Upscaling::every() {
         assert!(page.contains(&upscaling.label()), "{}", upscaling.label());
@@ -903,12 +920,18 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
         let report: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
         assert_eq!((report["execution"].as_str(), report["threads"].as_u64()), (Some(execution), Some(1)));
         assert!(report["frame_ms"]["median"].as_f64().unwrap() > 0.0);
+        assert_eq!(report["noise"]["pairs"], 1, "three frames are one block");
+        assert_machine(&report["machine"]);
         let stages = report["stages"].as_array().unwrap();
         assert!(stages.iter().any(|s| s["stage"] == stage), "{stages:?}");
     }
     let turning = run(&folder(), &[&size[..], &["--turn", "-0.5"]].concat());
     assert_success(&turning);
     assert!(stdout(&turning).contains("3 frames, turned by -0.5° from frame to frame"), "{}", stdout(&turning));
+    assert!(stdout(&turning).contains("90th percentile of 1 A/A pair"), "{}", stdout(&turning));
+    let upscaled = run(&folder(), &[&size[..], &["--set", "upscaler.method=nearest", "--json"]].concat());
+    let report: serde_json::Value = serde_json::from_str(stdout(&upscaled)).unwrap();
+    assert_eq!((&report["turn"]["frames"], &report["error"]["motion"]["frames"]), (&16.into(), &16.into()));
     assert_failure(&run(&folder(), &["bench", "--threads", "0"]), 2, "--threads");
     assert_failure(&run(&folder(), &["bench", "--turn", "nan"]), 2, "--turn");
 }
@@ -946,6 +969,9 @@ fn diff_counts_the_pixels_that_two_pictures_differ_in() {
     let json: serde_json::Value = serde_json::from_str(stdout(&told)).unwrap();
     assert!(count > 0);
     assert_eq!(json["changed_pixels"], count);
+    assert_eq!(json["times"]["noise"]["pairs"], 2, "one round of both recipes twice");
+    assert!(json["times"]["within_noise"].is_boolean() && json["partial"] == false);
+    assert_machine(&json["machine"]);
     assert_eq!(json["fields"], serde_json::json!([["fill_rule", "top-left", "inclusive"]]));
     let marked = picture(&folder, "marked.png");
     for ((pixel, changed), of_b) in marked.pixels().iter().zip(&changed).zip(after.pixels()) {
@@ -953,6 +979,9 @@ fn diff_counts_the_pixels_that_two_pictures_differ_in() {
     }
     let none = run(&folder, &[&common[..], &["--against", "execution=classic"]].concat());
     assert!(stdout(&none).contains("color: 0 of 6144 pixels changed (0.0000 %)"), "{}", stdout(&none));
+    let verdict = ["within noise", "larger than the noise"].iter().filter(|words| stdout(&none).contains(**words));
+    assert_eq!(verdict.count(), 1, "{}", stdout(&none));
+    assert!(stdout(&none).contains("90th percentile of 2 A/A pairs"), "{}", stdout(&none));
 }
 
 #[test]

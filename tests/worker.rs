@@ -6,12 +6,13 @@ use std::time::{Duration, Instant};
 
 use rasterscope::chain::{Recipe, run};
 use rasterscope::inspect::Buffer;
+use rasterscope::measure::motion::Turn;
 use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::engine::{Request, Shown};
 use rasterscope::ui::look::Look;
-use rasterscope::ui::worker::{Answer, Job, MEASURE_ROUNDS, Worker};
+use rasterscope::ui::worker::{Answer, Job, MEASURE_ROUNDS, MeasureRequest, Worker};
 use rasterscope::upscale::Upscaling;
 
 /// Longer than any answer takes, even on a busy machine.
@@ -34,6 +35,10 @@ fn request(scene: &str, (width, height): (u32, u32)) -> Request {
 
 fn show(request: &Request) -> Job {
     Job::Show(Box::new(request.clone()))
+}
+
+fn measure(of: Request, turn: Turn) -> Job {
+    Job::Measure(Box::new(MeasureRequest { number: 1, of, reference: Reference::Native, turn }))
 }
 
 /// The answers up to the first that `last` accepts, that one included.
@@ -155,7 +160,7 @@ fn another_pick_keeps_the_frame() {
 #[test]
 fn a_measurement_times_every_method_once_per_round() {
     let mut worker = Worker::spawn(|| ());
-    worker.send(Job::Measure(1, Box::new(request("triangle", (32, 24))), Reference::Native));
+    worker.send(measure(request("triangle", (32, 24)), Turn { degrees: 0.5, frames: 2 }));
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::Measured(_)));
     let samples: Vec<_> = answers
         .iter()
@@ -166,18 +171,36 @@ fn a_measurement_times_every_method_once_per_round() {
         .collect();
     let methods: Vec<_> = Upscaling::every().collect();
     assert_eq!(samples.len(), MEASURE_ROUNDS * methods.len());
+    let mut sorted = methods.clone();
+    sorted.sort_unstable();
     for round in samples.chunks(methods.len()) {
-        assert!(round.iter().map(|(upscaling, ..)| upscaling).eq(&methods), "{round:?}");
+        let mut of: Vec<_> = round.iter().map(|(upscaling, ..)| *upscaling).collect();
+        of.sort_unstable();
+        assert!(of.into_iter().eq(sorted.iter().copied()), "{round:?}");
     }
-    assert!(samples.is_sorted_by(|a, b| a.2 < b.2), "progress grows");
-    assert_eq!(samples.last().map(|sample| sample.2), Some(1.0));
+    let progress = answers.iter().filter_map(|answer| match answer {
+        Answer::Sample { progress, .. } | Answer::Judged { progress, .. } => Some(*progress),
+        _ => None,
+    });
+    let progress: Vec<_> = progress.collect();
+    assert!(progress.is_sorted(), "progress grows");
+    assert_eq!(progress.last(), Some(&1.0));
     assert!(samples.iter().all(|sample| sample.1 > 0.0));
+    let noises = answers.iter().filter(|answer| matches!(answer, Answer::Noise { noise, .. } if noise.pairs >= 5));
+    assert_eq!(noises.count(), MEASURE_ROUNDS, "a noise floor after each round");
+    for method in methods {
+        let of_method = answers.iter().filter_map(|answer| match answer {
+            Answer::Judged { upscaling, error, .. } if *upscaling == method => Some(error.motion.frames),
+            _ => None,
+        });
+        assert_eq!(of_method.collect::<Vec<_>>(), [1, 2], "{}: frame by frame", method.label());
+    }
 }
 
 #[test]
 fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
     let mut worker = Worker::spawn(|| ());
-    worker.send(Job::Measure(1, Box::new(request("chess", (320, 240))), Reference::Native));
+    worker.send(measure(request("chess", (320, 240)), Turn::default()));
     answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
     worker.send(Job::CancelMeasure);
     let wanted = request("triangle", (16, 16));
@@ -191,7 +214,7 @@ fn a_cancelled_measurement_stops_and_the_worker_goes_on() {
 fn requests_come_before_measuring() {
     let mut worker = Worker::spawn(|| ());
     let measured = request("chess", (320, 240));
-    worker.send(Job::Measure(1, Box::new(measured), Reference::Native));
+    worker.send(measure(measured, Turn::default()));
     answers_until(&mut worker, |answer| matches!(answer, Answer::Sample { .. }));
     worker.send(show(&request("triangle", (16, 16))));
     let answers = answers_until(&mut worker, |answer| matches!(answer, Answer::View(_)));

@@ -122,26 +122,6 @@ impl Renderer {
         frame
     }
 
-    /// Draws a view for its time: if the upscaler reads the past, after another frame between which and this one the view turned a
-    /// little, so that what pixels showed then has to be found.
-    pub fn render_in_motion(
-        &mut self,
-        scene: &Arc<Scene>,
-        camera: &Camera,
-        recipe: &Recipe,
-        viewport: Viewport,
-    ) -> Frame {
-        /// From frame to frame: all around in twelve seconds of 60 frames each.
-        const TURN_DEGREES: f32 = 0.5;
-        if recipe.upscaler.upscaler().reads().past {
-            let mut before = *camera;
-            before.orbit(-TURN_DEGREES.to_radians(), 0.0);
-            let frame = self.render(scene, &before, recipe, viewport, KeepDepth::No);
-            self.recycle(frame);
-        }
-        self.render(scene, camera, recipe, viewport, KeepDepth::No)
-    }
-
     fn render_tiled(
         &mut self,
         past: Option<Arc<History>>,

@@ -1,13 +1,15 @@
 //! `rasterscope bench`: what frames of one view cost, as a table or as JSON.
 
+use std::sync::atomic::Ordering;
+
 use clap::{Args, ValueEnum};
-use rasterscope::chain::{Recipe, Renderer};
+use rasterscope::chain::Recipe;
 use rasterscope::math::lanes::Lanes;
 use rasterscope::measure::against::Figures;
 use rasterscope::measure::bench::{BenchReport, Frames, bench};
 use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
+use rasterscope::measure::noise;
 use rasterscope::measure::timing::Summary;
-use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::upscale::Upscaling;
 use serde::Serialize;
 
@@ -19,7 +21,7 @@ use super::failure::Failure;
 use super::interrupt;
 use super::output;
 use super::parse;
-use super::scene_args::{FrameArgs, View};
+use super::scene_args::FrameArgs;
 
 /// What `bench` takes.
 #[derive(Args, Debug)]
@@ -35,7 +37,8 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "N", default_value_t = 31, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
 
-    /// Orbit the camera by this angle per frame, for times and for the error in motion; 0 measures the still view
+    /// Orbit the camera by this angle per frame; the same 16 frames are timed again and again and judged; 0 measures the still
+    /// view
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true, value_parser = parse::degrees,
           conflicts_with_all = ["scrub", "window", "verify"])]
     turn: f32,
@@ -101,11 +104,14 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     let threads = args.threads.map_or(0, usize::from);
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
-    let moving = (&view.camera, args.turn);
-    let frames = Frames { count: args.frames as usize, cancel: interrupt::flag() };
+    let interrupted = interrupt::flag();
+    let shot = Shot { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
+    let frames = Frames { count: args.frames as usize, cancel: interrupted };
     let report = pool.install(|| {
-        let report = bench(&view.scene, moving, &view.recipe, size, frames, Renderer::on(lanes))?;
-        let error = if report.partial { None } else { MeasuredError::of(&view, size, args.turn) };
+        let mut report = bench(&shot, &view.recipe, frames, lanes)?;
+        let mut go_on = |_| !interrupted.load(Ordering::Relaxed);
+        let error = if report.partial { None } else { MeasuredError::of(&shot, &view.recipe, &mut go_on) };
+        report.partial |= interrupted.load(Ordering::Relaxed);
         Some(Report { report, error })
     });
     let report = report.ok_or_else(interrupt::nothing)?;
@@ -129,8 +135,6 @@ struct Report {
 /// Error against the native frames of the same cameras.
 #[derive(Serialize)]
 struct MeasuredError {
-    /// Motion of the camera over the measured frames.
-    turn: Turn,
     /// Figures of the settled still view.
     still: Figures,
     /// Figures over the moving frames.
@@ -138,19 +142,16 @@ struct MeasuredError {
 }
 
 impl MeasuredError {
-    /// Measures the upscaler of a view; `None` for the native method, which is the reference.
-    fn of(view: &View, viewport: Viewport, turn_degrees: f32) -> Option<Self> {
-        let recipe = view.recipe;
+    /// Measures the upscaler of a recipe over the frames of a sequence; `None` for the native method, which is the reference,
+    /// and if `go_on` says so.
+    fn of(shot: &Shot<'_>, recipe: &Recipe, go_on: &mut dyn FnMut(f32) -> bool) -> Option<Self> {
         if recipe.upscaler.is_native() {
             return None;
         }
-        let native = Recipe { upscaler: Upscaling::NATIVE, ..recipe };
-        let error = |turn| {
-            let shot = Shot { scene: &view.scene, camera: &view.camera, viewport, turn };
-            between(&shot, [&native, &recipe])
-        };
-        let turn = Turn::by(turn_degrees);
-        Some(Self { turn, still: error(Turn::by(0.0))?.mean, motion: error(turn)? })
+        let native = Recipe { upscaler: Upscaling::NATIVE, ..*recipe };
+        let still = between(&Shot { turn: Turn::STILL, ..*shot }, [&native, recipe], go_on)?;
+        let motion = if shot.turn.is_still() { still } else { between(shot, [&native, recipe], go_on)? };
+        Some(Self { still: still.mean, motion })
     }
 }
 
@@ -160,7 +161,9 @@ fn table(report: &Report) -> String {
         scene,
         size: [width, height],
         threads,
-        turn_degrees,
+        machine,
+        turn,
+        noise,
         execution,
         frame_ms,
         stages,
@@ -169,12 +172,16 @@ fn table(report: &Report) -> String {
         bytes,
         ..
     } = report;
-    let turning =
-        if *turn_degrees == 0.0 { String::new() } else { format!(", turned by {turn_degrees}° from frame to frame") };
+    let turning = if turn.is_still() {
+        String::new()
+    } else {
+        format!(", turned by {}° from frame to frame, {} views in turn", turn.degrees, turn.frames)
+    };
     let mut text = format!(
-        "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames{turning}\n\n",
+        "{scene}, {width} × {height} px, {execution}, {threads} {}, {} frames{turning}\n{}\n\n",
         if *threads == 1 { "thread" } else { "threads" },
-        frame_ms.n
+        frame_ms.n,
+        machine.summary()
     );
     if report.partial {
         text += "partial: interrupted before all frames were drawn\n\n";
@@ -184,14 +191,24 @@ fn table(report: &Report) -> String {
     text += &line("whole frame", frame_ms);
     text.extend(stages.iter().map(|stage| line(stage.stage, &stage.ms)));
     text += &line("writing as many bytes", &writing.ms);
+    if let Some(noise) = noise {
+        text += &format!(
+            "\nnoise floor of the whole frame: {}, {:.3} ms; closer medians are {}\n",
+            noise.words(),
+            noise.ms(frame_ms.median),
+            noise::WITHIN
+        );
+    }
     text.push('\n');
-    if let Some(MeasuredError { turn, still, motion }) = error {
+    if let Some(MeasuredError { still, motion }) = error {
         let codes = still.codes;
         text += &format!(
             "still, against native: PSNR {:.2} dB, SSIM {:.6}, FLIP {:.4}\n",
             codes.psnr_db, codes.ssim, still.flip
         );
-        text += &motion_line(motion, *turn);
+        if !turn.is_still() {
+            text += &motion_line(motion, *turn);
+        }
         text.push('\n');
     }
     text.extend(counts.iter().map(|(name, count)| format!("{name:24} {count:10}\n")));

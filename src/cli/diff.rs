@@ -1,6 +1,8 @@
 //! `rasterscope diff`: what other settings do to a view: which pixels change, how far the pictures are apart, what it costs.
 
+use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use clap::Args;
 use rasterscope::chain::{Frame, Recipe, Renderer};
@@ -9,14 +11,15 @@ use rasterscope::inspect::fields::{FieldChange, changes};
 use rasterscope::inspect::what_if::Changes;
 use rasterscope::inspect::{Buffer, capture, view};
 use rasterscope::measure::error::{ImageError, compare};
+use rasterscope::measure::machine::Machine;
 use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
+use rasterscope::measure::noise;
 use rasterscope::measure::pair::{PairTimer, PairTimes};
-use rasterscope::pipeline::viewport::Viewport;
 use serde::Serialize;
 
 use super::failure::Failure;
 use super::scene_args::{FrameArgs, View};
-use super::{output, parse};
+use super::{interrupt, output, parse};
 
 /// What `diff` takes.
 #[derive(Args, Debug)]
@@ -33,10 +36,10 @@ pub(crate) struct DiffArgs {
     buffer: Buffer,
 
     /// Rounds of timing; none leaves timing out
-    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(0..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u32).range(0..=100_000))]
     rounds: u32,
 
-    /// Orbit the camera by this angle per frame while the error in motion is measured; 0 measures the still view alone
+    /// Orbit the camera by this angle per frame, for the error in motion and for times; 0 measures the still view alone
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true,
           value_parser = parse::degrees)]
     turn: f32,
@@ -52,7 +55,7 @@ pub(crate) struct DiffArgs {
 
 /// What differs, as JSON.
 #[derive(Serialize)]
-struct Told {
+struct DiffReport {
     scene: String,
     size: [u32; 2],
     /// What differs between A and B: key, value in A, value in B.
@@ -61,9 +64,15 @@ struct Told {
     changed_pixels: u64,
     changed_share: f64,
     picture_error: Option<ImageError>,
+    /// Motion of the camera over the frames that are judged and timed.
     turn: Turn,
+    /// `None` if it was interrupted.
     motion_error: Option<MotionError>,
+    /// `None` without rounds of timing, and if it was interrupted.
     times: Option<PairTimes>,
+    machine: Machine,
+    /// Whether it was interrupted before everything was measured.
+    partial: bool,
 }
 
 /// Draws both, compares, times them, and says what differs.
@@ -74,7 +83,16 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let frame = |recipe: &Recipe| Renderer::default().render_settled(&view.scene, &view.camera, recipe, size);
     let (before, after) = (frame(&a), frame(&b));
     let (changed, marked) = compared(args.buffer, &view, (&a, &before), (&b, &after))?;
-    let told = Told {
+    let shot = Shot { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
+    let (machine, interrupted) = (Machine::at_start(), interrupt::flag());
+    let shown = stderr().is_terminal();
+    let mut go_on = |share: f32| {
+        if shown {
+            show(share);
+        }
+        !interrupted.load(Ordering::Relaxed)
+    };
+    let report = DiffReport {
         scene: view.scene.name.clone(),
         size: [size.width, size.height],
         fields: changes(&a, &b).into_iter().map(|FieldChange { key, before, after }| [key, before, after]).collect(),
@@ -82,21 +100,26 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
         changed_pixels: changed.count,
         changed_share: changed.share(),
         picture_error: compare(before.image(), after.image()),
-        turn: Turn::by(args.turn),
-        motion_error: between(
-            &Shot { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) },
-            [&a, &b],
-        ),
-        times: timed(args.rounds as usize, &view, (a, b), size),
+        turn: shot.turn,
+        motion_error: between(&shot, [&a, &b], &mut go_on),
+        times: timed(args.rounds as usize, &shot, (a, b), &mut go_on),
+        machine: machine.at_end(),
+        partial: interrupted.load(Ordering::Relaxed),
     };
     if let Some(path) = &args.output {
         write_png(path, &marked)?;
     }
-    if args.json {
-        return output::print_json(&told);
+    if shown {
+        let _ = write!(stderr(), "\r{:20}\r", "");
     }
-    let written = args.output.as_deref().map(output::display);
-    output::print(&(text(&told) + &written.map(|path| format!("{path}: the changed pixels\n")).unwrap_or_default()))
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        let written = args.output.as_deref().map(output::display);
+        let written = written.map(|path| format!("{path}: the changed pixels\n")).unwrap_or_default();
+        output::print(&(text(&report) + &written))?;
+    }
+    interrupt::outcome(report.partial)
 }
 
 /// Which pixels of a buffer differ, and the buffer of B with only those in colour.
@@ -118,53 +141,72 @@ fn compared(
     Ok((changed, marked))
 }
 
-fn timed(rounds: usize, view: &View, (a, b): (Recipe, Recipe), size: Viewport) -> Option<PairTimes> {
+fn timed(
+    rounds: usize,
+    shot: &Shot<'_>,
+    (a, b): (Recipe, Recipe),
+    go_on: &mut dyn FnMut(f32) -> bool,
+) -> Option<PairTimes> {
     let mut timer = (rounds > 0).then(|| PairTimer::new(a, b, rounds))?;
-    loop {
-        if let Some(times) = timer.step(&view.scene, &view.camera, size) {
+    while go_on(timer.progress()) {
+        if let Some(times) = timer.step(shot) {
             return Some(times);
         }
     }
+    None
 }
 
-fn text(told: &Told) -> String {
-    let [width, height] = told.size;
-    let mut text = format!("{}, {width} × {height} px\n", told.scene);
-    for [key, before, after] in &told.fields {
+/// Writes on a terminal which share of the present part is done. Where that cannot be written nobody misses it.
+fn show(share: f32) {
+    let _ = write!(stderr(), "\rmeasuring: {:3.0} %", share * 100.0);
+}
+
+fn text(report: &DiffReport) -> String {
+    let [width, height] = report.size;
+    let mut text = format!("{}, {width} × {height} px\n", report.scene);
+    for [key, before, after] in &report.fields {
         text += &format!("{key}: {before} → {after}\n");
     }
-    if told.fields.is_empty() {
+    if report.fields.is_empty() {
         text += "A and B have the same settings\n";
     }
     let pixels = u64::from(width) * u64::from(height);
-    let name = rasterscope::pipeline::settings::Choice::id(told.buffer);
-    let (count, share) = (told.changed_pixels, told.changed_share * 100.0);
+    let name = rasterscope::pipeline::settings::Choice::id(report.buffer);
+    let (count, share) = (report.changed_pixels, report.changed_share * 100.0);
     text += &format!("{name}: {count} of {pixels} pixels changed ({share:.4} %)\n");
-    if let Some(ImageError { mse, psnr_db, ssim, max_abs, .. }) = told.picture_error {
+    if let Some(ImageError { mse, psnr_db, ssim, max_abs, .. }) = report.picture_error {
         text += &format!("picture: MSE {mse:.4}, PSNR {psnr_db:.2} dB, SSIM {ssim:.6}, largest difference {max_abs}\n");
     }
-    if let Some(motion) = told.motion_error.filter(|_| told.turn.degrees != 0.0) {
-        text += &motion_line(&motion, told.turn);
+    if let Some(motion) = report.motion_error.filter(|_| !report.turn.is_still()) {
+        text += &motion_line(&motion, report.turn);
     }
-    if let Some(times) = &told.times {
-        let verdict = if times.is_clear() { "larger than the noise" } else { "within the noise" };
+    if let Some(times) = &report.times {
         text += &format!(
-            "time: A {:.3} ms, B {:.3} ms, change {:+.3} ms, {verdict} (±{:.3} ms; medians of {} rounds)\n",
+            "time: A {:.3} ms, B {:.3} ms, change {:+.3} ms, {}; medians of {} rounds\n",
             times.a_ms.median,
             times.b_ms.median,
             times.change_ms.median,
-            times.noise(),
+            noise::label(times.within_noise),
             times.a_ms.n
         );
+        text += &format!(
+            "noise floor: {}, {:.3} ms\n{}\n",
+            times.noise.words(),
+            times.noise_ms(),
+            report.machine.summary()
+        );
+    }
+    if report.partial {
+        text += "partial: interrupted before everything was measured\n";
     }
     text
 }
 
 /// Returns the error over a sequence as one line.
 pub(super) fn motion_line(motion: &MotionError, turn: Turn) -> String {
-    let MotionError { mean, worst } = motion;
+    let MotionError { mean, worst, .. } = motion;
     format!(
         "in motion ({} frames, {}° per frame): PSNR {:.2} dB, SSIM {:.6}, FLIP {:.4}; worst frame: PSNR {:.2} dB, FLIP {:.4}\n",
-        turn.frames, turn.degrees, mean.codes.psnr_db, mean.codes.ssim, mean.flip, worst.codes.psnr_db, worst.flip
+        motion.frames, turn.degrees, mean.codes.psnr_db, mean.codes.ssim, mean.flip, worst.codes.psnr_db, worst.flip
     )
 }

@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 use clap::Args;
 use rasterscope::chain::{Recipe, execution};
 use rasterscope::measure::leaving_out::{Saving, Savings, savings};
+use rasterscope::measure::noise;
 use rasterscope::pipeline::plan::Part;
 use rasterscope::pipeline::settings::Execution;
 use rasterscope::pipeline::viewport::Viewport;
@@ -114,21 +115,25 @@ fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Resu
 }
 
 fn savings_text(savings: &Savings) -> String {
-    let Savings { planned_ms, noise_ms, planning_ms, savings, .. } = savings;
+    let Savings { planned_ms, noise, planning_ms, savings, .. } = savings;
     let mut text = format!(
-        "\nA frame as planned: {:.3} ms (median of {}); the same against itself: {:+.3} ms (p10 {:+.3}, p90 {:+.3})\n",
-        planned_ms.median, planned_ms.n, noise_ms.median, noise_ms.p10, noise_ms.p90
+        "\nA frame as planned: {:.3} ms (median of {}); noise floor {}, {:.3} ms\n",
+        planned_ms.median,
+        planned_ms.n,
+        noise.words(),
+        noise.ms(planned_ms.median)
     );
     text += &format!("Making the plans takes {:.2} µs of it\n", planning_ms.median * 1e3);
     if savings.is_empty() {
         return text + "Nothing that could be forced is left out.\n";
     }
     text += &format!("{:21} {:>10} {:>10} {:>10}  draws\n", "left out, saving ms", "median", "p10", "p90");
-    for Saving { part, draws, saved_ms, same_picture } in savings {
+    for Saving { part, draws, saved_ms, within_noise, same_picture } in savings {
         let name = part.map_or("all of these", Part::name);
         let picture = if *same_picture { "" } else { ", and ANOTHER PICTURE" };
+        let noise = if *within_noise { format!(", {}", noise::WITHIN) } else { String::new() };
         text += &format!(
-            "{name:21} {:+10.3} {:+10.3} {:+10.3}  {draws}{picture}\n",
+            "{name:21} {:+10.3} {:+10.3} {:+10.3}  {draws}{noise}{picture}\n",
             saved_ms.median, saved_ms.p10, saved_ms.p90
         );
     }

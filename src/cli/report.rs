@@ -44,8 +44,8 @@ pub(crate) struct ReportArgs {
     #[command(flatten)]
     memory: MemoryArgs,
 
-    /// Rounds that count; each draws everything once
-    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    /// Rounds that count; each draws one of the frames of the sequence by every upscaler
+    #[arg(long, value_name = "N", default_value_t = 16, value_parser = clap::value_parser!(u16).range(1..=1000))]
     rounds: u16,
 
     /// Threads to draw with; all that the machine has if not given
@@ -56,7 +56,7 @@ pub(crate) struct ReportArgs {
     #[arg(long, value_name = "REFERENCE", default_value = "native", value_parser = parse::choice::<Reference>())]
     reference: Reference,
 
-    /// Orbit the camera by this angle per frame while errors are measured; 0 measures the still view
+    /// Orbit the camera by this angle per frame, for errors and for times; 0 measures the still view
     #[arg(long, value_name = "DEGREES", default_value_t = Turn::default().degrees, allow_hyphen_values = true,
           value_parser = parse::degrees)]
     turn: f32,

@@ -1,22 +1,25 @@
 //! What frames of a view cost: time in all and per stage, counts, memory.
 
 use std::hint::black_box;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::machine::Machine;
+use super::motion::{Playback, Shot, Turn};
+use super::noise::{Noise, Pairs};
 use super::timing::{Summary, summarize};
-use crate::chain::{Frame, KeepDepth, Recipe, Renderer};
+use crate::chain::{Frame, Recipe, Renderer};
+use crate::math::lanes::Lanes;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::tiled::TiledReport;
 use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, Scene};
+use crate::scene::Scene;
 
 /// Frames before those that count: memory is found, caches and clocks settle.
-const WARM_UP_FRAMES: usize = 3;
+const WARM_UP_FRAMES: i64 = 3;
 
 /// Milliseconds of one stage.
 #[derive(Clone, Debug, Serialize)]
@@ -45,12 +48,16 @@ pub struct BenchReport {
     pub size: [u32; 2],
     /// Threads that could be used.
     pub threads: usize,
-    /// How far the view turned from frame to frame.
-    pub turn_degrees: f32,
+    /// Machine and build, with the load at the start and at the end.
+    pub machine: Machine,
+    /// Motion of the camera over the frames, which are timed again and again.
+    pub turn: Turn,
     /// How frames were executed.
     pub execution: &'static str,
     /// Whether it was cancelled before all frames were drawn.
     pub partial: bool,
+    /// Noise floor: every other frame against the frames between; `None` for a single frame.
+    pub noise: Option<Noise>,
     /// Milliseconds of a whole frame.
     pub frame_ms: Summary,
     /// Milliseconds of its stages, in their order.
@@ -87,63 +94,79 @@ pub struct Frames<'a> {
     pub cancel: &'a AtomicBool,
 }
 
-/// Draws a view again and again, turned by some degrees from frame to frame, on the threads of the present rayon pool. `None` if
-/// it was cancelled before a frame that counts was complete.
+/// One timed frame.
+struct Sample {
+    total: Duration,
+    stages: Vec<(&'static str, Duration)>,
+    /// Bytes of the frame's pictures.
+    bytes: usize,
+    execution: &'static str,
+    counts: Vec<(&'static str, u64)>,
+}
+
+/// Draws the frames of a sequence again and again, with the history that they have in it, on the threads of the present rayon
+/// pool. `None` if it was cancelled before a frame that counts was complete.
 pub fn bench(
-    scene: &Arc<Scene>,
-    (camera, turn_degrees): (&Camera, f32),
+    shot: &Shot<'_>,
     recipe: &Recipe,
-    viewport: Viewport,
     Frames { count, cancel }: Frames<'_>,
-    mut renderer: Renderer,
+    lanes: Lanes,
 ) -> Option<BenchReport> {
-    let mut samples: Vec<(Duration, Vec<(&'static str, Duration)>)> = Vec::with_capacity(count);
-    let mut last: Option<Frame> = None;
-    for number in 0..WARM_UP_FRAMES + count {
+    let machine = Machine::at_start();
+    let scene = shot.scene;
+    let (mut playback, mut renderer) = (Playback::on(*recipe, lanes), Renderer::on(lanes));
+    let mut samples: Vec<Sample> = Vec::with_capacity(count);
+    for round in -WARM_UP_FRAMES..count as i64 {
         if cancel.load(Ordering::Relaxed) {
             break;
         }
-        if let Some(frame) = last.take() {
-            renderer.recycle(frame);
+        let number = shot.turn.frame_of_round(round);
+        let sample = playback.draw(shot, number, &mut renderer, |frame| Sample {
+            total: frame.times.total,
+            stages: stages(frame, recipe),
+            bytes: frame.image().bytes() + frame.drawn.depth.as_ref().map_or(0, crate::image::Image::bytes),
+            execution: frame.execution.id(),
+            counts: counts(scene, frame),
+        });
+        if round >= 0 {
+            samples.push(sample);
         }
-        let mut turned = *camera;
-        if turn_degrees != 0.0 {
-            turned.orbit((turn_degrees * number as f32).to_radians(), 0.0);
-        }
-        let frame = renderer.render(scene, &turned, recipe, viewport, KeepDepth::No);
-        if number >= WARM_UP_FRAMES {
-            samples.push((frame.times.total, stages(&frame, recipe)));
-        }
-        last = Some(frame);
     }
-    let frame = last?;
-    let summary = |times: &mut dyn Iterator<Item = Duration>| {
-        summarize(&times.map(|time| time.as_secs_f64() * 1e3).collect::<Vec<_>>())
-    };
-    let frame_ms = summary(&mut samples.iter().map(|(total, _)| *total))?;
-    let names: Vec<&'static str> = samples.first()?.1.iter().map(|(name, _)| *name).collect();
+    let summary = |times: &mut dyn Iterator<Item = Duration>| summarize(&times.map(ms).collect::<Vec<_>>());
+    let frame_ms = summary(&mut samples.iter().map(|sample| sample.total))?;
+    let mut pairs = Pairs::default();
+    pairs.add_alternating(&samples.iter().map(|sample| ms(sample.total)).collect::<Vec<_>>());
+    let names: Vec<&'static str> = samples.first()?.stages.iter().map(|(name, _)| *name).collect();
     let stages = names.into_iter().enumerate().filter_map(|(place, stage)| {
-        let ms = summary(&mut samples.iter().map(|(_, stages)| stages[place].1))?;
+        let ms = summary(&mut samples.iter().map(|sample| sample.stages[place].1))?;
         Some(StageSummary { stage, ms })
     });
-    let pixels = f64::from(viewport.width) * f64::from(viewport.height);
-    let bytes = frame.image().bytes() + frame.drawn.depth.as_ref().map_or(0, crate::image::Image::bytes);
-    let writing = summary(&mut times_of_writing(bytes, samples.len()).into_iter())?;
+    let Viewport { width, height } = shot.viewport;
+    let last = samples.last()?;
+    let writing = summary(&mut times_of_writing(last.bytes, samples.len()).into_iter())?;
+    let renderer_bytes = renderer.bytes() + playback.bytes();
     Some(BenchReport {
         scene: scene.name.clone(),
-        size: [viewport.width, viewport.height],
+        size: [width, height],
         threads: rayon::current_num_threads(),
-        turn_degrees,
-        execution: frame.execution.id(),
+        machine: machine.at_end(),
+        turn: shot.turn,
+        execution: last.execution,
         partial: samples.len() < count,
+        noise: pairs.noise(),
         stages: stages.collect(),
         writing: Writing { frame_over_writing: frame_ms.median / writing.median, ms: writing },
-        counts: counts(scene, &frame),
-        bytes: Bytes { frame: bytes, renderer: renderer.bytes(), scene: scene.memory().shared_bytes },
+        counts: last.counts.clone(),
+        bytes: Bytes { frame: last.bytes, renderer: renderer_bytes, scene: scene.memory().shared_bytes },
         ns_per_triangle: frame_ms.median * 1e6 / scene.triangle_count().max(1) as f64,
-        ns_per_pixel: frame_ms.median * 1e6 / pixels,
+        ns_per_pixel: frame_ms.median * 1e6 / (f64::from(width) * f64::from(height)),
         frame_ms,
     })
+}
+
+/// Returns a time in milliseconds.
+fn ms(time: Duration) -> f64 {
+    time.as_secs_f64() * 1e3
 }
 
 /// Sets all of some bytes to one value, again and again, each of the pool's threads its share.
@@ -156,7 +179,8 @@ fn times_of_writing(bytes: usize, times: usize) -> Vec<Duration> {
         black_box(&mut memory);
         start.elapsed()
     };
-    (0..WARM_UP_FRAMES + times).map(&mut write).skip(WARM_UP_FRAMES).collect()
+    let warm_up = WARM_UP_FRAMES as usize;
+    (0..warm_up + times).map(&mut write).skip(warm_up).collect()
 }
 
 fn stages(frame: &Frame, recipe: &Recipe) -> Vec<(&'static str, Duration)> {

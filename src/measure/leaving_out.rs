@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
+use super::noise::{Noise, Pairs};
 use super::timing::{Summary, summarize};
 use crate::chain::{KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
@@ -25,6 +26,8 @@ pub struct Saving {
     pub draws: usize,
     /// Milliseconds of a frame with it, less those of the planned frame of the same round.
     pub saved_ms: Summary,
+    /// Whether the median saving is too small to be told from none.
+    pub within_noise: bool,
     /// Whether both pictures are the same.
     pub same_picture: bool,
 }
@@ -34,28 +37,14 @@ pub struct Saving {
 pub struct Savings {
     /// Milliseconds of a frame as planned.
     pub planned_ms: Summary,
-    /// Differences between planned frames of the same round: what is noise.
-    pub noise_ms: Summary,
+    /// Noise floor, from planned frames that are drawn twice per round.
+    pub noise: Noise,
     /// Milliseconds to make the plans of a frame: all that a view pays which leaves nothing out.
     pub planning_ms: Summary,
     /// Parts that every draw runs as planned, but for those that are outside the view.
     pub needed: Vec<Part>,
     /// For each part that can be forced and would otherwise not run for some draw, and for all of them together.
     pub savings: Vec<Saving>,
-}
-
-impl Savings {
-    /// How far the median of differences may be off by chance, ms: twice its standard error (Kendall and Stuart: 1.2533 σ/√n for
-    /// a normal distribution), σ being taken from the tenth and ninetieth percentile of differences that mean nothing.
-    pub fn noise_of_median(&self) -> f64 {
-        /// From the tenth to the ninetieth percentile of a normal distribution, in units of σ.
-        const P10_TO_P90: f64 = 2.563;
-        /// What the error of a median is greater by than that of a mean: √(π/2).
-        const MEDIAN_TO_MEAN: f64 = 1.2533;
-        const STANDARD_ERRORS: f64 = 2.0;
-        let sigma = (self.noise_ms.p90 - self.noise_ms.p10) / P10_TO_P90;
-        STANDARD_ERRORS * MEDIAN_TO_MEAN * sigma / (self.noise_ms.n as f64).sqrt()
-    }
 }
 
 /// Rounds before those that count.
@@ -133,9 +122,19 @@ pub fn savings(
     let against = |way: &Way| {
         summarize(&way.ms.iter().zip(&planned.ms).map(|(with, without)| with - without).collect::<Vec<_>>())
     };
+    let planned_ms = summarize(&planned.ms)?;
+    let mut pairs = Pairs::default();
+    pairs.add(&planned.ms, &again.ms);
+    let noise = pairs.noise()?;
     let saving = |way: &Way| {
-        let same_picture = way.picture == planned.picture;
-        Some(Saving { part: way.part, draws: way.draws, saved_ms: against(way)?, same_picture })
+        let saved_ms = against(way)?;
+        Some(Saving {
+            part: way.part,
+            draws: way.draws,
+            saved_ms,
+            within_noise: noise.covers_change(saved_ms.median, planned_ms.median),
+            same_picture: way.picture == planned.picture,
+        })
     };
     let in_view: Vec<_> = first_plans.iter().filter(|plan| plan.runs(Part::Vertices)).collect();
     let is_needed = |part: &Part| match part {
@@ -143,8 +142,8 @@ pub fn savings(
         _ => !in_view.is_empty() && in_view.iter().all(|plan| plan.runs(*part)),
     };
     Some(Savings {
-        planned_ms: summarize(&planned.ms)?,
-        noise_ms: against(again)?,
+        planned_ms,
+        noise,
         planning_ms: summarize(&planning_ms)?,
         needed: Part::ALL.into_iter().filter(is_needed).collect(),
         savings: forced.iter().map(saving).collect::<Option<_>>()?,
@@ -183,7 +182,11 @@ mod tests {
         let cancel = AtomicBool::new(false);
         let told = std::cell::Cell::new(0.0);
         let found = savings(&scene, &scene.home, &recipe, size, 3, &|share| told.set(share), &cancel).unwrap();
-        assert_eq!((found.planned_ms.n, told.get()), (3, 1.0));
+        assert_eq!((found.planned_ms.n, found.noise.pairs, told.get()), (3, 1, 1.0));
+        for saving in &found.savings {
+            let is_small = saving.saved_ms.median.abs() <= found.noise.p90 * found.planned_ms.median;
+            assert_eq!(saving.within_noise, is_small, "{saving:?}");
+        }
         let parts: Vec<_> = found.savings.iter().map(|saving| saving.part).collect();
         assert!(parts.contains(&Some(Part::Normals)) && parts.last() == Some(&None), "{parts:?}");
         assert!(found.savings.iter().all(|saving| saving.same_picture && saving.draws > 0));

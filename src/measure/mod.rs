@@ -14,7 +14,11 @@ pub mod flip;
 
 pub mod leaving_out;
 
+pub mod machine;
+
 pub mod motion;
+
+pub mod noise;
 
 pub mod pair;
 
@@ -23,6 +27,8 @@ pub mod reference;
 pub mod region;
 
 pub mod response;
+
+pub mod rounds;
 
 pub mod scaling;
 

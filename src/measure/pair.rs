@@ -1,104 +1,102 @@
-//! What a change of the recipe does to the time of a frame: frames of both, in turn, and what the clock itself does.
-//!
-//! Every round draws the first recipe once and the second twice, forwards and then backwards, so that drift of the
-//! machine's speed hits all alike. What two frames of the same recipe differ by is the noise that the change has to beat.
-
-use std::sync::Arc;
+//! What a change of the recipe does to the time of a frame: frames by both recipes, interleaved, with the noise floor.
 
 use serde::Serialize;
 
+use super::motion::Shot;
+use super::noise::Noise;
+use super::rounds::RoundTimer;
 use super::timing::{Summary, summarize};
-use crate::chain::{KeepDepth, Recipe, Renderer};
-use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, Scene};
-
-/// Rounds that do not count: caches and clocks settle, and methods that read the past get one.
-const WARM_UP_ROUNDS: usize = 2;
+use crate::chain::Recipe;
 
 /// Times of two recipes, milliseconds per frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct PairTimes {
-    /// Of the first recipe.
+    /// Times of the first recipe.
     pub a_ms: Summary,
-    /// Of the second.
+    /// Times of the second recipe.
     pub b_ms: Summary,
     /// The second less the first, of the same round.
     pub change_ms: Summary,
-    /// The second again less the second, of the same round: what no change at all comes to.
-    pub noise_ms: Summary,
+    /// Noise floor, from both recipes timed against themselves in the same rounds.
+    pub noise: Noise,
+    /// Whether the median change is too small to be told from no change.
+    pub within_noise: bool,
 }
 
 impl PairTimes {
-    /// Whether the change is larger than what about eight in ten rounds without any change came to.
-    pub fn is_clear(&self) -> bool {
-        self.change_ms.median.abs() > self.noise()
+    /// Summarizes the times of two recipes, round by round; `None` without a round.
+    pub fn of(a_ms: &[f64], b_ms: &[f64], noise: Noise) -> Option<Self> {
+        let changes: Vec<_> = a_ms.iter().zip(b_ms).map(|(a, b)| b - a).collect();
+        let (a_ms, b_ms, change_ms) = (summarize(a_ms)?, summarize(b_ms)?, summarize(&changes)?);
+        let within_noise = noise.covers_change(change_ms.median, a_ms.median.min(b_ms.median));
+        Some(Self { a_ms, b_ms, change_ms, noise, within_noise })
     }
 
-    /// The larger of |p10| and |p90| of the rounds without a change, ms: about eight in ten of them lie within.
-    pub fn noise(&self) -> f64 {
-        self.noise_ms.p10.abs().max(self.noise_ms.p90.abs())
+    /// Returns the noise floor in milliseconds at the shorter of both times.
+    pub fn noise_ms(&self) -> f64 {
+        self.noise.ms(self.a_ms.median.min(self.b_ms.median))
     }
 }
 
 /// Times two recipes round by round.
 #[derive(Debug)]
 pub struct PairTimer {
-    recipes: [Recipe; 3],
-    renderers: [Renderer; 3],
-    ms: [Vec<f64>; 3],
-    round: usize,
-    rounds: usize,
+    timer: RoundTimer,
 }
 
 impl PairTimer {
-    /// Will time `a` and `b` in so many rounds that count, at least one.
+    /// Prepares to time `a` and `b` in `rounds` rounds that count, at least one.
     pub fn new(a: Recipe, b: Recipe, rounds: usize) -> Self {
-        let (renderers, ms) = (Default::default(), Default::default());
-        Self { recipes: [a, b, b], renderers, ms, round: 0, rounds: rounds.max(1) }
+        Self { timer: RoundTimer::new(&[a, b], rounds) }
     }
 
-    /// Draws one round. The times are there with the last one, and again with each that follows.
-    pub fn step(&mut self, scene: &Arc<Scene>, camera: &Camera, viewport: Viewport) -> Option<PairTimes> {
-        let mut order = [0, 1, 2];
-        if !self.round.is_multiple_of(2) {
-            order.reverse();
-        }
-        for entry in order {
-            let renderer = &mut self.renderers[entry];
-            let frame = renderer.render(scene, camera, &self.recipes[entry], viewport, KeepDepth::No);
-            if self.round >= WARM_UP_ROUNDS {
-                self.ms[entry].push(frame.times.total.as_secs_f64() * 1e3);
-            }
-            renderer.recycle(frame);
-        }
-        self.round += 1;
-        if self.round < WARM_UP_ROUNDS + self.rounds { None } else { self.times() }
+    /// Returns the share of the frames that are drawn, in [0, 1].
+    pub fn progress(&self) -> f32 {
+        let (done, of) = self.timer.progress();
+        done as f32 / of.max(1) as f32
     }
 
-    fn times(&self) -> Option<PairTimes> {
-        let [a, b, again] = &self.ms;
-        let less = |some: &[f64], others: &[f64]| {
-            summarize(&some.iter().zip(others).map(|(one, other)| one - other).collect::<Vec<_>>())
-        };
-        Some(PairTimes { a_ms: summarize(a)?, b_ms: summarize(b)?, change_ms: less(b, a)?, noise_ms: less(again, b)? })
+    /// Draws at most one frame; returns the times once all rounds are complete.
+    pub fn step(&mut self, shot: &Shot<'_>) -> Option<PairTimes> {
+        self.timer.step(shot);
+        if !self.timer.is_complete() {
+            return None;
+        }
+        PairTimes::of(&self.timer.ms(0), &self.timer.ms(1), self.timer.noise()?)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::measure::motion::Turn;
+    use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
     #[test]
     fn times_are_there_after_the_last_round_and_are_of_all_that_count() {
         let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
         let mut timer = PairTimer::new(Recipe::default(), Recipe { wireframe: true, ..Recipe::default() }, 3);
-        let size = Viewport { width: 32, height: 24 };
-        for _ in 0..4 {
-            assert_eq!(timer.step(&scene, &scene.home, size), None);
+        let viewport = Viewport { width: 32, height: 24 };
+        let shot = Shot { scene: &scene, camera: &scene.home, viewport, turn: Turn::STILL };
+        // Four frames in each of five rounds, two of which warm up.
+        for _ in 0..4 * 5 - 1 {
+            assert_eq!(timer.step(&shot), None);
         }
-        let times = timer.step(&scene, &scene.home, size).unwrap();
-        assert_eq!([times.a_ms, times.b_ms, times.change_ms, times.noise_ms].map(|summary| summary.n), [3; 4]);
-        assert!(times.a_ms.median > 0.0 && times.noise() >= 0.0);
+        let times = timer.step(&shot).unwrap();
+        assert_eq!([times.a_ms, times.b_ms, times.change_ms].map(|summary| summary.n), [3; 3]);
+        assert_eq!(times.noise.pairs, 2);
+        assert!(times.a_ms.median > 0.0 && times.noise_ms() >= 0.0);
+    }
+
+    #[test]
+    fn a_small_change_is_within_noise_and_a_large_one_is_not() {
+        let noise = Noise { pairs: 10, p90: 0.02 };
+        let of = |b: f64| PairTimes::of(&[4.0; 5], &[b; 5], noise).unwrap();
+        assert!(of(4.02).within_noise && of(3.98).within_noise);
+        assert!(!of(4.8).within_noise && !of(3.2).within_noise);
+        assert_eq!(of(4.8).noise_ms(), 0.08);
     }
 }

@@ -70,22 +70,22 @@ pub fn table(rows: &[Row], Viewport { width, height }: Viewport, threads: usize)
         text += &format!(
             "{scene:16} {:9.3} {:8.3} {:9.2} {:7.3}",
             planned_ms.median,
-            savings.noise_of_median(),
+            savings.noise.ms(planned_ms.median),
             planning_ms.median * 1e3,
             planning_ms.median / planned_ms.median * 100.0
         );
         text.extend(COLUMNS.map(|(part, _)| format!(" {:>11}", cell(savings, part))));
         text += &format!(" {:>11}\n", all(savings));
     }
-    text + "\nneeded: every draw in view runs it. –: not needed, and nothing is there that could run. ± noise: by how much a median may be\n\
-            off by chance, from how planned frames of one round differ; savings within it stand in brackets. plans: the time to decide\n\
+    text + "\nneeded: every draw in view runs it. –: not needed, and nothing is there that could run. ± noise: 90th percentile of how\n\
+            far pairs of medians of the planned frame are apart; savings within noise stand in brackets. plans: the time to decide\n\
             what is left out, which is all that a frame pays that needs everything.\n"
 }
 
 fn cell(savings: &Savings, part: Part) -> String {
     let found = savings.savings.iter().find(|saving| saving.part == Some(part));
     match found {
-        Some(saving) => signed(savings, saving),
+        Some(saving) => signed(saving),
         None if savings.needed.contains(&part) => "needed".to_owned(),
         None => "–".to_owned(),
     }
@@ -93,26 +93,31 @@ fn cell(savings: &Savings, part: Part) -> String {
 
 /// All parts together: measured where there are several, else what the only one saves.
 fn all(savings: &Savings) -> String {
-    savings.savings.last().map_or_else(|| "nothing".to_owned(), |saving| signed(savings, saving))
+    savings.savings.last().map_or_else(|| "nothing".to_owned(), signed)
 }
 
-fn signed(savings: &Savings, saving: &Saving) -> String {
+fn signed(saving: &Saving) -> String {
     let ms = saving.saved_ms.median;
     let fault = if saving.same_picture { "" } else { "!PICTURE" };
-    if ms.abs() > savings.noise_of_median() { format!("{ms:+.3}{fault}") } else { format!("({ms:+.3}){fault}") }
+    if saving.within_noise { format!("({ms:+.3}){fault}") } else { format!("{ms:+.3}{fault}") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::noise::Noise;
     use crate::measure::timing::summarize;
 
     fn savings(parts: &[(Option<Part>, f64, bool)]) -> Savings {
         let ms = |ms: f64| summarize(&[ms]).unwrap();
-        let saving = |&(part, saved, same_picture)| Saving { part, draws: 1, saved_ms: ms(saved), same_picture };
+        let noise = Noise { pairs: 7, p90: 0.2 };
+        let saving = |&(part, saved, same_picture)| {
+            let within_noise = noise.covers_change(saved, 2.0);
+            Saving { part, draws: 1, saved_ms: ms(saved), within_noise, same_picture }
+        };
         Savings {
             planned_ms: ms(2.0),
-            noise_ms: summarize(&[-0.4, 0.4]).unwrap(),
+            noise,
             planning_ms: ms(0.003),
             needed: vec![Part::Vertices],
             savings: parts.iter().map(saving).collect(),
@@ -136,8 +141,8 @@ mod tests {
         let words = |scene: &str| -> Vec<&str> {
             text.lines().find(|line| line.starts_with(scene)).unwrap().split_whitespace().skip(1).collect()
         };
-        // 2 · 1.2533 · (0.64 / 2.563) / √2: the percentiles of two numbers lie a tenth of the way from them.
-        assert_eq!(words("one")[..4], ["2.000", "0.443", "3.00", "0.150"]);
+        // A fifth of 2 ms is noise.
+        assert_eq!(words("one")[..4], ["2.000", "0.400", "3.00", "0.150"]);
         assert_eq!(words("one")[4..], ["needed", "–", "(-0.250)!PICTURE", "–", "–", "+0.500", "–", "+0.750"]);
         assert_eq!(words("two")[4..], ["needed", "–", "–", "–", "–", "–", "–", "nothing"]);
     }

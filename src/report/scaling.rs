@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::PARTIAL;
 use super::html::{document, escaped, partial, tiles};
 use super::plot::{Axis, MARK, Plot, svg};
-use super::stability::machine::Machine;
+use crate::measure::machine::Machine;
 use crate::measure::scaling::{Point, Quantity, Scaling, Series};
 
 /// What this page has of its own.
@@ -216,7 +216,7 @@ pub fn csv(scaling: &Scaling) -> String {
 /// The page.
 pub fn page(scaling: &Scaling) -> String {
     let [width, height] = scaling.size;
-    let machine = Machine::here();
+    let machine = Machine::at_start();
     let figures = [
         (format!("{width} × {height}"), "pixels, but where they vary"),
         (scaling.threads.to_string(), "threads, but where they vary"),
@@ -224,11 +224,9 @@ pub fn page(scaling: &Scaling) -> String {
     ];
     let mut body = format!(
         "<h1>What a frame costs</h1>\n<p class=\"soft\">Whole frames of generated scenes against one quantity at a time. \
-         Rasterscope {} on {}, {}.{}</p>\n{}{}",
+         Rasterscope {} on {}.</p>\n{}{}",
         escaped(machine.version),
-        escaped(&machine.platform),
-        escaped(machine.processor.as_deref().unwrap_or("unknown processor")),
-        if machine.optimized { "" } else { " The program was not optimised: its times say little." },
+        escaped(&machine.summary()),
         partial(scaling.partial),
         tiles(figures)
     );

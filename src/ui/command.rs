@@ -32,6 +32,7 @@ use crate::inspect::range::Fit;
 use crate::inspect::scrub::Unit;
 use crate::inspect::selection::TriangleSelection;
 use crate::inspect::trace::Direction;
+use crate::measure::motion::Turn;
 use crate::report::stability::column::Column;
 use crate::scene::Camera;
 use crate::scene::obj::TrMeaning;
@@ -121,6 +122,8 @@ pub enum Command {
     Measure,
     /// Stop timing.
     CancelMeasure,
+    /// Judge and time upscalers over this motion of the camera.
+    MeasureOver(Turn),
     /// Plot frame times this way.
     ShowTimings(TimingsView),
     /// Take in no more recent frame times, or do so again.

@@ -392,6 +392,7 @@ impl Session {
             Command::CloseError => self.error = None,
             Command::CloseHint => self.hint_closed = true,
             Command::ShowTimings(view) => self.timings.view = view,
+            Command::MeasureOver(turn) => self.timings.turn = turn,
             Command::PauseTimings => self.timings.paused ^= true,
             Command::ClearTimings => self.timings.clear(),
             other => return Some(other),

@@ -6,11 +6,12 @@ use std::collections::{BTreeMap, VecDeque};
 
 use super::engine::Request;
 use super::look::Look;
+use super::worker::{MeasureRequest, MethodError};
 use crate::chain::Recipe;
-use crate::measure::against::Figures;
-use crate::measure::reference::Reference;
+use crate::measure::motion::Turn;
+use crate::measure::noise::Noise;
 use crate::measure::timing::{Summary, summarize};
-use crate::report::upscaling::tradeoff::dominated_by;
+use crate::report::upscaling::tradeoff::{Standing, standings};
 use crate::upscale::Upscaling;
 
 /// Recent frames kept of each upscaler.
@@ -39,10 +40,12 @@ pub struct Timings {
     recent: BTreeMap<Upscaling, VecDeque<f64>>,
     slowest: Vec<(Upscaling, f64)>,
     recent_of: Option<Request>,
+    /// Motion of the camera over the frames that the next measurement judges and times.
+    pub turn: Turn,
     measured: BTreeMap<Upscaling, Vec<f64>>,
-    errors: BTreeMap<Upscaling, Figures>,
-    measured_of: Option<Request>,
-    measured_against: Option<Reference>,
+    errors: BTreeMap<Upscaling, MethodError>,
+    noise: Option<Noise>,
+    measured_of: Option<MeasureRequest>,
 }
 
 /// What a method costs and how wrong it is.
@@ -52,10 +55,12 @@ pub struct TradeOff {
     pub upscaling: Upscaling,
     /// Frame times, ms.
     pub ms: Summary,
-    /// Error against the reference of the measurement.
-    pub error: Figures,
-    /// One that is at least as good in time and FLIP and better in one, if there is one.
-    pub dominated_by: Option<Upscaling>,
+    /// Error against the reference of the measurement; that in motion ranks the methods.
+    pub error: MethodError,
+    /// How the method stands among the others, by time and FLIP in motion.
+    pub standing: Standing<Upscaling>,
+    /// Whether the difference from the native time is within noise.
+    pub native_within_noise: bool,
 }
 
 impl Timings {
@@ -100,8 +105,8 @@ impl Timings {
     /// Every frame time that is known, as comma-separated values: one line per frame, with what it was taken on.
     pub fn csv(&self) -> String {
         let mut text = "scene,width,height,what,upscaler,frame,ms\n".to_owned();
-        let recent = ("recent", &self.recent_of, per_method(&self.recent));
-        let measured = ("measured", &self.measured_of, per_method(&self.measured));
+        let recent = ("recent", self.recent_of.as_ref(), per_method(&self.recent));
+        let measured = ("measured", self.measured_of.as_ref().map(|measured| &measured.of), per_method(&self.measured));
         for (what, of, series) in [recent, measured] {
             let Some(request) = of else { continue };
             let scene = request.scene.name.replace('"', "\"\"");
@@ -115,11 +120,11 @@ impl Timings {
         text
     }
 
-    /// Starts a measurement, whose errors are against this reference.
-    pub fn begin_measurement(&mut self, request: Request, reference: Reference) {
-        self.measured_against = Some(reference);
+    /// Starts a measurement.
+    pub fn begin_measurement(&mut self, request: MeasureRequest) {
         self.measured.clear();
         self.errors.clear();
+        self.noise = None;
         self.measured_of = Some(request);
     }
 
@@ -130,30 +135,56 @@ impl Timings {
         }
     }
 
-    /// Adds the error of a method's picture.
-    pub fn record_error(&mut self, upscaling: Upscaling, error: Figures) {
+    /// Takes the error of a method as far as it is known.
+    pub fn record_error(&mut self, upscaling: Upscaling, error: MethodError) {
         if self.measured_of.is_some() {
             self.errors.insert(upscaling, error);
         }
     }
 
-    /// Every method of the measurement whose time and error are known, in the order of the methods.
-    pub fn tradeoff(&self) -> Vec<TradeOff> {
-        let known = self.errors.iter().filter_map(|(upscaling, error)| {
-            let ms = summarize(self.measured.get(upscaling)?)?;
-            Some(TradeOff { upscaling: *upscaling, ms, error: *error, dominated_by: None })
-        });
-        let mut known: Vec<_> = known.collect();
-        let points: Vec<_> = known.iter().map(|point| (point.ms.median, point.error.flip)).collect();
-        for (place, by) in dominated_by(&points).into_iter().enumerate() {
-            known[place].dominated_by = by.map(|by| known[by].upscaling);
+    /// Takes the noise floor of the rounds so far.
+    pub fn record_noise(&mut self, noise: Noise) {
+        if self.measured_of.is_some() {
+            self.noise = Some(noise);
         }
-        known
+    }
+
+    /// Returns the noise floor of the measurement; `None` before the first round is complete.
+    pub fn noise(&self) -> Option<Noise> {
+        self.noise
+    }
+
+    /// Whether the difference of a method's measured time from the native one is within noise.
+    pub fn is_within_noise_of_native(&self, upscaling: Upscaling) -> bool {
+        let median = |u| summarize(self.measured.get(&u)?).map(|summary| summary.median);
+        let times = self.noise.zip(median(Upscaling::NATIVE)).zip(median(upscaling));
+        !upscaling.is_native() && times.is_some_and(|((noise, native), own)| noise.covers(native, own))
+    }
+
+    /// Returns every method of the measurement whose time and error are known, in the order of the methods; none before the
+    /// first round is complete.
+    pub fn tradeoff(&self) -> Vec<TradeOff> {
+        let Some(noise) = self.noise else { return Vec::new() };
+        let known = self
+            .errors
+            .iter()
+            .filter_map(|(upscaling, error)| Some((*upscaling, summarize(self.measured.get(upscaling)?)?, *error)));
+        let known: Vec<_> = known.collect();
+        let points: Vec<_> = known.iter().map(|(_, ms, error)| (ms.median, error.motion.mean.flip)).collect();
+        let point =
+            |((upscaling, ms, error), standing): (&(Upscaling, Summary, MethodError), Standing<usize>)| TradeOff {
+                upscaling: *upscaling,
+                ms: *ms,
+                error: *error,
+                standing: standing.map(|other| known[other].0),
+                native_within_noise: self.is_within_noise_of_native(*upscaling),
+            };
+        known.iter().zip(standings(&points, &noise)).map(point).collect()
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
-        *self = Self { view: self.view, paused: self.paused, ..Self::default() };
+        *self = Self { view: self.view, paused: self.paused, turn: self.turn, ..Self::default() };
     }
 
     /// Whether there is a measurement to show, begun or complete.
@@ -161,9 +192,9 @@ impl Timings {
         !self.measured.is_empty()
     }
 
-    /// What the errors of the measurement are against.
-    pub fn measured_against(&self) -> Option<Reference> {
-        self.measured_against
+    /// Returns what was measured; `None` without a measurement.
+    pub fn measured_of(&self) -> Option<&MeasureRequest> {
+        self.measured_of.as_ref()
     }
 
     /// Whether the measurement was made on what `request` shows, whatever its upscaler.
@@ -178,7 +209,7 @@ impl Timings {
             fragment_limit: None,
             ..r.clone()
         };
-        self.measured_of.as_ref().is_some_and(|measured| plain(measured).same_view(&plain(request)))
+        self.measured_of.as_ref().is_some_and(|measured| plain(&measured.of).same_view(&plain(request)))
     }
 
     /// Median of a method over the median of native, if both were measured on what `request` shows.
@@ -208,6 +239,9 @@ mod tests {
 
     use super::*;
     use crate::inspect::Buffer;
+    use crate::measure::against::figures;
+    use crate::measure::motion::MotionError;
+    use crate::measure::reference::Reference;
     use crate::pipeline::viewport::Viewport;
     use crate::scene::SceneSource;
     use crate::ui::engine::Shown;
@@ -225,6 +259,44 @@ mod tests {
             pick: None,
             look: Look::default(),
         }
+    }
+
+    fn measurement(of: Request) -> MeasureRequest {
+        MeasureRequest { number: 1, of, reference: Reference::Native, turn: Turn::default() }
+    }
+
+    #[test]
+    fn methods_are_ranked_by_their_error_in_motion_and_beyond_the_noise() {
+        let mut timings = Timings::default();
+        timings.begin_measurement(measurement(request()));
+        let black = crate::image::Image::filled(8, 8, [0, 0, 0, 255]);
+        let error = |still: u8, moving: u8| {
+            let of = |code| figures(&crate::image::Image::filled(8, 8, [code, code, code, 255]), &black).unwrap().0;
+            MethodError { still: of(still), motion: MotionError::of(&[of(moving)]).unwrap() }
+        };
+        let [temporal, nearest] =
+            [("checkerboard-temporal", 1), ("nearest", 2)].map(|(id, scale)| Upscaling::new(id, scale).unwrap());
+        for (upscaling, ms, error) in
+            [(Upscaling::NATIVE, 4.0, error(0, 0)), (temporal, 3.0, error(0, 200)), (nearest, 3.01, error(40, 40))]
+        {
+            timings.record_measured(upscaling, ms);
+            timings.record_error(upscaling, error);
+        }
+        assert!(timings.tradeoff().is_empty(), "no noise floor yet");
+        timings.record_noise(Noise { pairs: 25, p90: 0.02 });
+        let standing = |timings: &Timings, upscaling| {
+            timings.tradeoff().into_iter().find(|point| point.upscaling == upscaling).map(|point| point.standing)
+        };
+        assert_eq!(standing(&timings, temporal), Some(Standing::WithinNoise(nearest)));
+        assert_eq!(standing(&timings, nearest), Some(Standing::Front));
+        assert_eq!(standing(&timings, Upscaling::NATIVE), Some(Standing::Front));
+        assert!(!timings.is_within_noise_of_native(nearest));
+        timings.record_noise(Noise { pairs: 25, p90: 0.001 });
+        assert_eq!(standing(&timings, temporal), Some(Standing::Front));
+        timings.record_noise(Noise { pairs: 25, p90: 0.5 });
+        assert!(timings.is_within_noise_of_native(nearest) && !timings.is_within_noise_of_native(Upscaling::NATIVE));
+        timings.begin_measurement(measurement(request()));
+        assert_eq!(timings.noise(), None);
     }
 
     #[test]
@@ -276,7 +348,7 @@ mod tests {
         timings.record_recent(&request, 4.25);
         let recent = format!("\"{}\",8,6,recent,\"Native\",0,4.25", request.scene.name);
         assert_eq!(timings.csv().lines().nth(1), Some(&*recent));
-        timings.begin_measurement(request, Reference::Native);
+        timings.begin_measurement(measurement(request));
         timings.record_measured(Upscaling::NATIVE, 1.5);
         assert_eq!(timings.csv().lines().nth(1), Some(&*recent), "a measurement leaves them in");
         assert!(timings.csv().ends_with("measured,\"Native\",0,1.5\n"));

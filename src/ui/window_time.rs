@@ -15,10 +15,11 @@ use super::range;
 use super::start::{WindowStart, workbench};
 use super::watch;
 use super::what_if;
-use super::worker::Worker;
+use super::worker::{MeasureRequest, Worker};
 use crate::chain::Recipe;
 use crate::inspect::overlays::Overlay;
 use crate::lab::Page;
+use crate::measure::motion::Turn;
 use crate::measure::reference::Reference;
 use crate::measure::timing::{Summary, summarize};
 use crate::measure::window_cost::WindowCost;
@@ -144,7 +145,8 @@ fn cost(start: &WindowStart, size: Viewport, passes: usize, what: String, first:
 fn plot_something(app: &mut Workbench) {
     let request = app.session().request();
     let timings = &mut app.session_mut().timings;
-    timings.begin_measurement(request, Reference::Native);
+    let reference = Reference::Native;
+    timings.begin_measurement(MeasureRequest { number: 0, of: request, reference, turn: Turn::default() });
     for (place, upscaling) in Upscaling::every().enumerate() {
         for frame in 0..PLOTTED_FRAMES {
             timings.record_measured(upscaling, (1 + place + frame % 5) as f64);

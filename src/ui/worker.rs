@@ -4,6 +4,8 @@
 //! what can wait: timing the stages of the frame that is on screen, and measuring all upscalers when asked to. A panic
 //! in a stage is caught and reported, and the next request is served by a new engine.
 
+mod measurement;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvError, RecvTimeoutError, Sender, TryRecvError, channel};
 use std::time::Duration;
@@ -12,18 +14,11 @@ use super::compare::compute::{CompareRequest, Compared, Comparer};
 use super::engine::{Engine, Figuring, Request, StageFigures, View};
 use super::watch::watcher::Watcher;
 use super::what_if::drawer::{Drawer, Found, WhatIfRequest};
-use crate::chain::{Recipe, Renderer};
-use crate::image::{Image, Rgba8};
 use crate::inspect::watch::Watched;
-use crate::measure::against::{Figures, figures};
-use crate::measure::reference::{Gathering, Reference};
+use crate::measure::noise::Noise;
 use crate::upscale::Upscaling;
-
-/// Rounds of a measurement; every round times every method once, so that drift of the machine's speed hits all alike.
-pub const MEASURE_ROUNDS: usize = 25;
-
-/// Rounds before those, which do not count: caches and clocks settle.
-const WARM_UP_ROUNDS: usize = 2;
+use measurement::Measurement;
+pub use measurement::{MEASURE_ROUNDS, MeasureRequest, MethodError};
 
 /// A frame that stays this long is taken apart into stages; while the view moves, all time goes to new frames.
 const SETTLED: Duration = Duration::from_millis(120);
@@ -39,8 +34,8 @@ pub enum Job {
     WhatIf(Option<Box<WhatIfRequest>>),
     /// Tell what every new frame holds at these pixels.
     Watch(Vec<(u32, u32)>),
-    /// Time every upscaler on this request's scene, and judge its picture against the reference; the answers carry this number.
-    Measure(u64, Box<Request>, Reference),
+    /// Time and judge every upscaler.
+    Measure(Box<MeasureRequest>),
     /// Stop timing.
     CancelMeasure,
 }
@@ -69,14 +64,23 @@ pub enum Answer {
         /// Share of the measurement that is done.
         progress: f32,
     },
-    /// The error of a method's picture against native.
+    /// The error of a method, as far as it is known.
     Judged {
         /// The number of the measurement.
         of: u64,
         /// The method.
         upscaling: Upscaling,
-        /// Every measure.
-        error: Box<Figures>,
+        /// Error at rest and in motion.
+        error: Box<MethodError>,
+        /// Share of the measurement that is done.
+        progress: f32,
+    },
+    /// The noise floor of the rounds that are complete.
+    Noise {
+        /// The number of the measurement.
+        of: u64,
+        /// The noise floor of frame times.
+        noise: Noise,
     },
     /// The measurement of this number is complete.
     Measured(u64),
@@ -154,28 +158,6 @@ pub struct Loop {
     done: std::collections::VecDeque<Answer>,
 }
 
-#[derive(Debug)]
-struct Measurement {
-    number: u64,
-    request: Box<Request>,
-    methods: Vec<Upscaling>,
-    /// Frames timed.
-    next: usize,
-    /// Methods whose error is known.
-    judged: usize,
-    against: Against,
-    renderer: Renderer,
-}
-
-/// The picture that methods are judged against.
-#[derive(Debug)]
-enum Against {
-    /// Some of its samples are drawn.
-    Gathering(Box<Gathering>),
-    /// It is there.
-    Picture(Image<Rgba8>),
-}
-
 impl Loop {
     fn serve(mut self, inbox: &Receiver<Job>, outbox: &Sender<Answer>, wake: impl Fn()) {
         loop {
@@ -242,14 +224,7 @@ impl Loop {
                 }
                 self.to_ask = request;
             }
-            Job::Measure(number, request, reference) => {
-                let methods = Upscaling::every().collect();
-                let renderer = Renderer::default();
-                let Request { scene, camera, recipe, viewport, .. } = &*request;
-                let against = Against::Gathering(Box::new(reference.begin(scene, camera, recipe, *viewport)));
-                self.measurement =
-                    Some(Measurement { number, request, methods, next: 0, judged: 0, against, renderer });
-            }
+            Job::Measure(request) => self.measurement = Some(Measurement::new(request)),
             Job::CancelMeasure => self.measurement = None,
         }
     }
@@ -281,12 +256,12 @@ impl Loop {
             match catch_unwind(AssertUnwindSafe(|| measurement.step())) {
                 Ok(sample) => self.done.extend(sample),
                 Err(panic) => {
-                    self.done.extend([Answer::Panicked(panic_text(&*panic)), Answer::Measured(measurement.number)]);
+                    self.done.extend([Answer::Panicked(panic_text(&*panic)), Answer::Measured(measurement.number())]);
                     return true;
                 }
             }
             if measurement.is_complete() {
-                self.done.push_back(Answer::Measured(measurement.number));
+                self.done.push_back(Answer::Measured(measurement.number()));
             } else {
                 self.measurement = Some(measurement);
             }
@@ -350,61 +325,6 @@ impl Loop {
             }
             Err(panic) => self.done.push_back(Answer::Panicked(panic_text(&*panic))),
         }
-    }
-}
-
-impl Measurement {
-    fn total(&self) -> usize {
-        (WARM_UP_ROUNDS + MEASURE_ROUNDS) * self.methods.len()
-    }
-
-    fn is_complete(&self) -> bool {
-        self.next >= self.total() && self.judged >= self.methods.len()
-    }
-
-    /// How many methods should be judged by now: they are spread over the rounds, so that all come along alike.
-    fn judged_by_now(&self) -> usize {
-        let rounds = (self.next / self.methods.len().max(1)).saturating_sub(WARM_UP_ROUNDS);
-        (self.methods.len() * rounds).div_ceil(MEASURE_ROUNDS)
-    }
-
-    /// Times one frame of the next method in turn, or judges one between two rounds. Nothing to report during warm-up.
-    fn step(&mut self) -> Option<Answer> {
-        if self.judged < self.judged_by_now() {
-            return self.judge();
-        }
-        let upscaling = *self.methods.get(self.next % self.methods.len().max(1))?;
-        let round = self.next / self.methods.len();
-        self.next += 1;
-        let Request { scene, camera, recipe, viewport, .. } = &*self.request;
-        let recipe = Recipe { upscaler: upscaling, ..*recipe };
-        let frame = self.renderer.render_in_motion(scene, camera, &recipe, *viewport);
-        let milliseconds = frame.times.total.as_secs_f64() * 1e3;
-        self.renderer.recycle(frame);
-        let progress = self.next as f32 / self.total() as f32;
-        (round >= WARM_UP_ROUNDS).then_some(Answer::Sample { of: self.number, upscaling, milliseconds, progress })
-    }
-}
-
-impl Measurement {
-    /// Judges the next method; before the first, draws a sample of what they are judged against.
-    fn judge(&mut self) -> Option<Answer> {
-        let reference = match &mut self.against {
-            Against::Picture(picture) => picture,
-            Against::Gathering(gathering) => {
-                if !gathering.step() {
-                    self.against = Against::Picture(gathering.picture());
-                }
-                return None;
-            }
-        };
-        let upscaling = *self.methods.get(self.judged)?;
-        self.judged += 1;
-        let Request { scene, camera, recipe, viewport, .. } = &*self.request;
-        let recipe = Recipe { upscaler: upscaling, wireframe: false, ..*recipe };
-        let frame = self.renderer.render_settled(scene, camera, &recipe, *viewport);
-        let error = figures(frame.image(), reference).map(|(error, _)| Box::new(error));
-        Some(Answer::Judged { of: self.number, upscaling, error: error? })
     }
 }
 

@@ -9,6 +9,7 @@ use eframe::egui::{
 use egui_kittest::{Harness, kittest::Queryable as _};
 use rasterscope::chain::{Frame, KeepDepth, Renderer, run};
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::measure::motion::Turn;
 use rasterscope::scene::SceneSource;
 use rasterscope::ui::app::Workbench;
 use rasterscope::ui::engine::{Request, View};
@@ -29,10 +30,11 @@ impl Bench {
         Self::with_worker(scene, Worker::inline())
     }
 
-    /// The same with a small fixed picture, which is drawn faster and shown enlarged.
+    /// The same with a small fixed picture, which is drawn faster and shown enlarged, and with measurements of the still view.
     pub(crate) fn small(scene: &str) -> Self {
         let mut bench = Self::new(scene);
         bench.session_mut().state.size = PictureSize::Fixed(160, 90);
+        bench.session_mut().timings.turn = Turn::STILL;
         bench.session_mut().settle_silently();
         bench.rest();
         bench

@@ -20,7 +20,7 @@ fn every_upscaler_gets_a_row_with_all_its_frames() {
         assert!(times.iter().all(|t| *t > 0.0 && t.is_finite()));
         assert!(bench.mentions(&upscaling.label()), "{}", upscaling.label());
     }
-    assert!(bench.mentions("Measured · One triangle · 160 × 90 px"));
+    assert!(bench.mentions("Measured · One triangle · 160 × 90 px · noise floor ±"));
     bench.choose("Culling", "None");
     assert!(bench.mentions("Measured on another scene, view, size or setting"));
     bench.click("Clear");

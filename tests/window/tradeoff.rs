@@ -3,7 +3,10 @@
 use eframe::egui::{Modifiers, Pos2, Role, Vec2};
 use egui_kittest::kittest::Queryable as _;
 use rasterscope::measure::against::figures;
+use rasterscope::measure::motion::Turn;
+use rasterscope::report::upscaling::tradeoff::Standing;
 use rasterscope::ui::compare::Mode;
+use rasterscope::ui::session::PictureSize;
 use rasterscope::upscale::Upscaling;
 
 use crate::bench::Bench;
@@ -17,13 +20,14 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     let points = bench.session().timings.tradeoff();
     assert_eq!(points.len(), Upscaling::every().count());
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
-    assert_eq!((native.error.codes.mse, native.dominated_by), (0.0, None));
+    assert_eq!((native.error.still.codes.mse, native.standing), (0.0, Standing::Front));
     for point in &points {
-        if let Some(by) = point.dominated_by {
+        if let Standing::Beaten(by) = point.standing {
             let better = points.iter().find(|other| other.upscaling == by).expect("it is one of them");
-            assert!(better.ms.median <= point.ms.median && better.error.flip <= point.error.flip);
+            assert!(better.ms.median <= point.ms.median && better.error.still.flip <= point.error.still.flip);
         }
     }
+    assert!(bench.mentions("noise floor ±") && bench.mentions("· still ·"));
     // The error is that of the picture which the window draws by this method, too.
     let wanted = Upscaling::new("nearest", 4).expect("there is one");
     let before = bench.image();
@@ -32,7 +36,28 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     bench.rest();
     let (expected, _) = figures(&bench.image(), &before).expect("same size");
     let point = points.iter().find(|point| point.upscaling == wanted).expect("it is measured");
-    assert_eq!(point.error, expected);
+    assert_eq!((point.error.still, point.error.motion.mean), (expected, expected));
+}
+
+#[test]
+fn methods_are_judged_in_motion_unless_the_still_view_is_chosen() {
+    let mut bench = Bench::small("triangle");
+    bench.click("Error vs time");
+    bench.click("In motion (0.5° per frame)");
+    assert_eq!(bench.session().timings.turn, Turn::default());
+    bench.click("Still");
+    assert_eq!(bench.session().timings.turn, Turn::STILL);
+    bench.session_mut().state.size = PictureSize::Fixed(48, 27);
+    bench.session_mut().settle_silently();
+    bench.session_mut().timings.turn = Turn { degrees: 4.0, frames: 2 };
+    bench.rest();
+    bench.click("Measure error and time");
+    assert!(bench.mentions("in motion, 2 of 2 frames of 4°"));
+    let points = bench.session().timings.tradeoff();
+    assert!(points.iter().all(|point| point.error.motion.frames == 2));
+    let temporal = Upscaling::new("checkerboard-temporal", 1).expect("there is one");
+    let point = points.iter().find(|point| point.upscaling == temporal).expect("it is measured");
+    assert!(point.error.still.codes.mse == 0.0 && point.error.motion.mean.codes.mse > 0.0, "{:?}", point.error);
 }
 
 #[test]
@@ -93,7 +118,7 @@ fn a_measurement_says_which_reference_it_is_against() {
     assert!(bench.mentions("Errors are against: Converged, 256 samples"));
     let points = bench.session().timings.tradeoff();
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
-    assert!(native.error.codes.mse > 0.0, "edges of one sample per pixel are stairs");
+    assert!(native.error.still.codes.mse > 0.0, "edges of one sample per pixel are stairs");
     assert_eq!(points.len(), Upscaling::every().count());
 }
 

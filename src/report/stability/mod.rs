@@ -21,8 +21,6 @@ pub mod csv;
 
 pub mod html;
 
-pub mod machine;
-
 pub mod measure;
 
 pub mod metric;

@@ -13,10 +13,11 @@ use serde::Serialize;
 use super::case::{Body, Case};
 use super::catalogue::{self, Class, Family};
 use super::column::Column;
-use super::machine::Machine;
 use super::measure::{Expected, Outcome, answer, only_pair};
 use super::metric::{Measures, Metric, Verdict};
 use super::timing::{Time, time_class};
+use crate::measure::machine::Machine;
+use crate::measure::noise::{Noise, Pairs};
 use crate::pipeline::settings::{Arithmetic, Choice as _, Rasterizer};
 
 /// What to run.
@@ -103,8 +104,8 @@ pub struct Report {
     /// How long it took.
     #[serde(serialize_with = "seconds")]
     pub duration: Duration,
-    /// Median over the classes of how far two measurements of the same thing were apart, relative; nothing without times.
-    pub timing_noise: Option<f64>,
+    /// Noise floor, from the first configuration of each class timed against itself; `None` without times.
+    pub timing_noise: Option<Noise>,
     /// Class by class.
     pub classes: Vec<ClassReport>,
     /// Whether it was cancelled before all classes were judged and timed.
@@ -180,16 +181,16 @@ pub struct Worst {
 /// returns the classes that were judged, or `None` if there are none.
 pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBool) -> Option<Report> {
     let start = Instant::now();
-    let machine = Machine::here();
+    let machine = Machine::at_start();
     let cases: Vec<Vec<Case>> = plan.classes.iter().map(|class| class.cases(plan.seed)).collect();
     let judged = judge(plan, &cases, progress, cancel);
-    let (mut classes, mut noises) = (Vec::new(), Vec::new());
+    let (mut classes, mut pairs) = (Vec::new(), Pairs::default());
     for (done, (judged, cases)) in judged.into_iter().zip(&cases).enumerate() {
         let Some((mut report, units)) = judged else { continue };
         if plan.timed && !report.cells.is_empty() {
             progress(Progress { stage: Stage::Timing, done, of: plan.classes.len() });
             match time(&mut report, cases, &units, cancel) {
-                Some(noise) => noises.push(noise),
+                Some(of_class) => pairs.append(of_class),
                 None if cancel.load(Ordering::Relaxed) => {}
                 None => return None,
             }
@@ -203,7 +204,8 @@ pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBoo
     if partial && classes.is_empty() {
         return None;
     }
-    Some(Report { seed: plan.seed, machine, duration: start.elapsed(), timing_noise: median(noises), classes, partial })
+    let (machine, timing_noise) = (machine.at_end(), pairs.noise());
+    Some(Report { seed: plan.seed, machine, duration: start.elapsed(), timing_noise, classes, partial })
 }
 
 /// Judges all cases in all columns. With each class comes how many pixels, samples or depths each of its cases has. Classes
@@ -305,17 +307,17 @@ fn shown(case: &Case, culprits: &[usize], column: Column) -> Case {
     }
 }
 
-/// Times all columns of a class, and gives the noise.
-fn time(report: &mut ClassReport, cases: &[Case], units: &[u64], cancel: &AtomicBool) -> Option<f64> {
+/// Times all columns of a class, and returns its A/A pairs.
+fn time(report: &mut ClassReport, cases: &[Case], units: &[u64], cancel: &AtomicBool) -> Option<Pairs> {
     let columns: Vec<Column> = report.cells.iter().map(|cell| cell.column).collect();
-    let (times, noise) = time_class(report.class, cases, units, &columns, cancel)?;
+    let (times, pairs) = time_class(report.class, cases, units, &columns, cancel)?;
     for (cell, time) in report.cells.iter_mut().zip(times) {
         cell.time = Some(time);
         if let Some(stiffness) = time.stiffness {
             cell.measures.note(Metric::Stiffness, stiffness);
         }
     }
-    Some(noise)
+    Some(pairs)
 }
 
 fn verdict(class: &Class, cell: &Cell) -> Verdict {
@@ -326,11 +328,6 @@ fn verdict(class: &Class, cell: &Cell) -> Verdict {
     } else {
         Verdict::Measured
     }
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ const CELL_WIDTH: usize = 22;
 /// The whole report, many lines.
 pub fn text(report: &Report) -> String {
     let mut lines = vec![
-        format!("Stability report, seed {}, {:.1} s on {}", report.seed, report.duration.as_secs_f64(), machine(report)),
+        format!("Stability report, seed {}, {:.1} s on {}", report.seed, report.duration.as_secs_f64(), report.machine.summary()),
         "Each cell: the measure that the table is named for, then nanoseconds per pixel; * stands for PASS, ! for REFUSED."
             .to_owned(),
     ];
@@ -31,14 +31,6 @@ pub fn text(report: &Report) -> String {
     lines.push(totals(report));
     lines.extend(report.partial.then(|| PARTIAL.to_owned()));
     lines.join("\n") + "\n"
-}
-
-/// What times rest on, in a few words.
-pub(super) fn machine(report: &Report) -> String {
-    let machine = &report.machine;
-    let processor = machine.processor.as_deref().unwrap_or("an unknown processor");
-    let build = if machine.optimized { "" } else { ", not optimised" };
-    format!("{processor}, {} threads, {}{build}", machine.threads, machine.platform)
 }
 
 /// Columns by what their table is headed with: the arithmetic, where there is a choice.
@@ -83,6 +75,6 @@ fn totals(report: &Report) -> String {
         report.classes.iter().flat_map(|class| &class.cells).map(|cell| cell.verdict).collect();
     let count = |verdict: Verdict| verdicts.iter().filter(|v| **v == verdict).count();
     let [pass, measured, refused] = [Verdict::Pass, Verdict::Measured, Verdict::Refused].map(count);
-    let noise = report.timing_noise.map(|noise| format!("; times are good to about {:.1} %", noise * 100.0));
+    let noise = report.timing_noise.map(|noise| format!("; noise floor of times {}", noise.words()));
     format!("{pass} PASS, {measured} MEASURED, {refused} REFUSED{}", noise.unwrap_or_default())
 }

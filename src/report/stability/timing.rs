@@ -2,7 +2,7 @@
 //!
 //! All configurations of a class run in turn, round after round, in another order each time, so that whatever disturbs the
 //! machine disturbs all of them. Short ones are repeated until the clock can tell. The first configuration runs twice per
-//! round, as if it were two: how far the two are apart is the noise below which differences mean nothing.
+//! round, as if it were two, for the noise floor.
 
 use std::hint::black_box;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,6 +16,7 @@ use super::column::Column;
 use super::oracle::{Region, Snap};
 use super::spans::pixel_count;
 use super::subject::{self, DepthBuffer, Interpolator};
+use crate::measure::noise::Pairs;
 use crate::measure::timing::summarize;
 use crate::pipeline::settings::FillRule;
 use crate::pipeline::viewport::Viewport;
@@ -63,14 +64,14 @@ pub struct Time {
 type Work<'a> = Box<dyn Fn() + 'a>;
 
 /// Times every column of a class, of which there is at least one. `units` is how many pixels, samples or depths each case
-/// has. Also gives the relative distance of two measurements of the same thing. Nothing if it was cancelled.
+/// has. Also returns the A/A pairs of the first column. `None` if it was cancelled.
 pub(super) fn time_class(
     class: &Class,
     cases: &[Case],
     units: &[u64],
     columns: &[Column],
     cancel: &AtomicBool,
-) -> Option<(Vec<Time>, f64)> {
+) -> Option<(Vec<Time>, Pairs)> {
     let twins = twins(class, cases, units);
     let units = cases.iter().zip(units).map(|(case, units)| timed_units(case, *units)).sum();
     let twin_pixels: u64 = twins.iter().map(Twin::pixels).sum();
@@ -93,11 +94,11 @@ pub(super) fn time_class(
             rounds: spent.len(),
         }
     });
-    let noise = match (seconds.first().map(|s| spread(s, 1)), seconds.last().map(|s| spread(s, 1))) {
-        (Some(Some(first)), Some(Some(again))) => (again.median / first.median - 1.0).abs(),
-        _ => 0.0,
-    };
-    Some((times.collect(), noise))
+    let mut pairs = Pairs::default();
+    if let [first, .., again] = &seconds[..] {
+        pairs.add(first, again);
+    }
+    Some((times.collect(), pairs))
 }
 
 /// Seconds as nanoseconds per unit.

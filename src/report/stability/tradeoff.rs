@@ -8,7 +8,8 @@ use super::column::Column;
 use super::metric::Metric;
 use super::sweep::{Cell, ClassReport, Report};
 use super::timing::Spread;
-use crate::report::upscaling::tradeoff::dominated_by;
+use crate::measure::noise::Noise;
+use crate::report::upscaling::tradeoff::{Standing, standings};
 
 /// A configuration by its time and its error.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +22,7 @@ pub struct Point {
     pub error: f64,
     /// Answers that were no number, which no error counts.
     pub not_finite: f64,
-    /// Whether no other is both as fast and as right, and better in one of the two.
+    /// Whether the point is on the Pareto front; a lead in time within noise does not count.
     pub optimal: bool,
     /// Class by class: its name, nanoseconds, and error.
     pub by_class: Vec<(&'static str, f64, f64)>,
@@ -71,14 +72,16 @@ fn points(
         })
     };
     let mut points: Vec<Point> = columns.filter_map(point).collect();
-    mark_optimal(&mut points);
+    if let Some(noise) = &report.timing_noise {
+        mark_optimal(&mut points, noise);
+    }
     points
 }
 
-fn mark_optimal(points: &mut [Point]) {
+fn mark_optimal(points: &mut [Point], noise: &Noise) {
     let places: Vec<(f64, f64)> = points.iter().map(|point| (point.ns.median, point.error)).collect();
-    for (point, by) in points.iter_mut().zip(dominated_by(&places)) {
-        point.optimal = point.not_finite == 0.0 && by.is_none();
+    for (point, standing) in points.iter_mut().zip(standings(&places, noise)) {
+        point.optimal = point.not_finite == 0.0 && standing == Standing::Front;
     }
 }
 
@@ -94,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn optimal_is_what_nobody_beats() {
+    fn points_on_the_pareto_front_are_optimal() {
         let column = Column::of(Family::Depth)[0];
         let point = |ns: f64, error: f64| Point {
             column,
@@ -106,8 +109,12 @@ mod tests {
         };
         let mut points = [point(1.0, 0.5), point(2.0, 0.1), point(3.0, 0.1), point(4.0, 0.0), point(5.0, 0.7)];
         points[1].not_finite = 1.0;
-        mark_optimal(&mut points);
-        assert_eq!(points.map(|point| point.optimal), [true, false, false, true, false]);
+        let noise = Noise { pairs: 10, p90: 0.02 };
+        mark_optimal(&mut points, &noise);
+        assert_eq!(points.each_ref().map(|point| point.optimal), [true, false, false, true, false]);
+        points[0].ns.median = 3.99;
+        mark_optimal(&mut points, &noise);
+        assert!(!points[0].optimal, "a lead of 0.25 % over the one without error");
     }
 
     #[test]

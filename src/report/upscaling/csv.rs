@@ -7,7 +7,8 @@ use crate::report::PARTIAL;
 /// The columns.
 const HEAD: &str = "scene,triangles,width,height,threads,reference,method,scale,anchor,light,label,drawn,rounds,frame_ms,\
     frame_ms_p10,frame_ms_p90,frame_ms_max,geometry_ms,pixels_ms,upscale_ms,mse,psnr_db,ssim,flip,max_abs,differing_pixels,\
-    turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,noise";
+    turn_degrees,motion_frames,motion_mse,motion_psnr_db,motion_ssim,motion_flip,worst_psnr_db,worst_flip,dominated_by,within_noise_of,\
+    native_within_noise,noise,noise_pairs";
 
 /// The whole table with its head. Text is quoted; what does not apply is left empty.
 pub fn csv(report: &Report) -> String {
@@ -58,7 +59,10 @@ fn line(report: &Report, scene: &SceneReport, row: &Row) -> String {
         worst.codes.psnr_db.to_string(),
         worst.flip.to_string(),
         row.dominated_by.as_deref().map(quoted).unwrap_or_default(),
-        scene.noise.to_string(),
+        row.within_noise_of.as_deref().map(quoted).unwrap_or_default(),
+        row.native_within_noise.to_string(),
+        scene.noise.p90.to_string(),
+        scene.noise.pairs.to_string(),
     ]
     .join(",")
 }

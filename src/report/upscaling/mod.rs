@@ -6,7 +6,7 @@
 //!                             └── skipping: passing over ────────────┘
 //! ```
 //!
-//! [`sweep`] draws each recipe once for its error and many times for its time; [`tradeoff`] tells which are beaten by
+//! [`sweep`] draws each recipe over a sequence of frames, for its error and for its time; [`tradeoff`] finds out which are beaten by
 //! another in both; [`skipping`] draws fewer pixels the simple way, by passing them over inside the loop, so that
 //! its cost can be set beside that of visiting fewer. The report is plain data; [`page`] and [`csv`] write it.
 

@@ -9,6 +9,8 @@ use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
 use crate::measure::error::ImageError;
 use crate::measure::motion::Turn;
+use crate::measure::noise::WITHIN;
+use crate::measure::rounds::WARM_UP_ROUNDS;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 use crate::upscale::Anchor;
@@ -48,17 +50,17 @@ fn head(report: &Report) -> String {
 
 fn section(report: &Report, scene: &SceneReport) -> io::Result<String> {
     let native = scene.rows.iter().find(|row| row.recipe.upscaler.is_native());
-    let best = scene.rows.iter().filter(|row| row.dominated_by.is_none()).count();
+    let best = scene.rows.iter().filter(|row| row.is_on_front()).count();
     Ok(format!(
         "<section>\n<h2>{}</h2>\n<p class=\"soft\">{} triangles. Down and to the left is better; {best} of {} ways are beaten by no \
-         other in both, and the dashed line joins them. Grey ones are beaten. Bars run from the 10th to the 90th percentile, thin \
-         lines join one method's enlargements. Times closer than {:.1} % are the same: that far apart lay two runs of one \
-         recipe. {}</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
+         other in both, and the dashed line joins them. Grey ones are beaten, or faster than a better one by a difference within \
+         noise. Bars run from the 10th to the 90th percentile, thin lines join one method's enlargements. Noise floor of the \
+         times: {}. {}</p>\n<div class=\"panels\"><figure>{}</figure>{}</div>\n{}<h3>In numbers</h3>\n{}<h3>Where they differ most</h3>\n\
          <p class=\"soft\">{} × {} px from column {}, row {}, as they are, enlarged without smoothing.</p>\n{}</section>\n",
         escaped(&scene.scene),
         scene.triangles,
         scene.rows.len(),
-        scene.noise * 100.0,
+        scene.noise.words(),
         anchors(&scene.rows),
         plot::tradeoff(scene),
         scene.shares.as_deref().map(shares).unwrap_or_default(),
@@ -118,7 +120,7 @@ fn sixteenth(rows: &[Row], native: &Row) -> String {
             let times = |of_native: f64, own: f64| format!("{:.1}×", of_native / own.max(f64::MIN_POSITIVE));
             let cells = [
                 format!("{:.3}", row.frame_ms.median),
-                times(native.frame_ms.median, row.frame_ms.median),
+                faster(native, row),
                 times(native.parts_ms.pixels, row.parts_ms.pixels),
                 format!("{:.3}", row.parts_ms.upscale),
                 format!("{:.4}", row.motion.mean.flip),
@@ -156,7 +158,7 @@ fn table(report: &Report, rows: &[Row], native: Option<&Row>) -> String {
 /// Returns how the camera moves while errors are measured.
 fn motion(report: &Report) -> String {
     let Turn { degrees, frames } = report.turn;
-    if degrees == 0.0 {
+    if report.turn.is_still() {
         return "The view is still: errors in motion equal those of the still view.".to_owned();
     }
     format!(
@@ -168,14 +170,15 @@ fn motion(report: &Report) -> String {
 
 fn line(row: &Row, native: Option<&Row>) -> String {
     let (ms, codes, parts) = (row.frame_ms, row.error.codes, row.parts_ms);
-    let faster = native.map_or_else(|| "–".to_owned(), |native| format!("{:.2}×", native.frame_ms.median / ms.median));
+    let faster = native.map_or_else(|| "–".to_owned(), |native| faster(native, row));
     let psnr = |codes: ImageError| match codes.mse {
         0.0 => "identical".to_owned(),
         _ => format!("{:.2}", codes.psnr_db),
     };
-    let (style, by) = match &row.dominated_by {
-        Some(by) => ("beaten", by.as_str()),
-        None => ("best", "nobody"),
+    let (style, by) = match (&row.dominated_by, &row.within_noise_of) {
+        (Some(by), _) => ("beaten", escaped(by)),
+        (None, Some(of)) => ("beaten", format!("{WITHIN} of {}", escaped(of))),
+        (None, None) => ("best", "nobody".to_owned()),
     };
     let cells = [
         row.recipe.upscaler.anchor().id().to_owned(),
@@ -203,8 +206,14 @@ fn line(row: &Row, native: Option<&Row>) -> String {
         plot::color(row),
         escaped(&row.label),
         cells.map(|cell| format!("<td>{cell}</td>")).concat(),
-        escaped(by)
+        by
     )
+}
+
+/// Returns how many times as fast as native a row is; greyed out and labelled where the difference is within noise.
+fn faster(native: &Row, row: &Row) -> String {
+    let text = format!("{:.2}×", native.frame_ms.median / row.frame_ms.median.max(f64::MIN_POSITIVE));
+    if row.native_within_noise { format!("<span class=\"noise\">{text} {WITHIN}</span>") } else { text }
 }
 
 /// Native, and every other method at its greatest enlargement.
@@ -244,19 +253,16 @@ fn base64(bytes: &[u8]) -> String {
 }
 
 fn method(report: &Report) -> String {
-    let machine = &report.machine;
-    let processor = machine.processor.as_deref().unwrap_or("unknown processor");
-    let load = machine.load.map(|load| format!(" Load when it began: {load:.2}.")).unwrap_or_default();
-    let build = if machine.optimized { "" } else { " The program was not optimised: its times say little." };
     format!(
-        "<section>\n<h2>How it was measured</h2>\n<p>{}, {}, {} threads.{load}{build}</p>\n<p>Each round draws every recipe once, in an \
-         order that is dealt anew, after a round that does not count; all in one process with the same memory. Medians over {} \
-         rounds. The first recipe runs twice per round as if it were two, and the gap between the two is the noise floor. \
-         Methods that read earlier frames are timed while the camera orbits by half a degree per frame. {} Reading files and measuring errors is not timed.</p>\n<p>FLIP is the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 \
-         black against white. PSNR and MSE count sRGB codes. SSIM has a Gaussian window of 11 × 11 px, σ 1.5, on luma. A reference of \
-         one sample per pixel is aliased itself: a method that smooths is charged for that.</p>\n</section>\n",
-        escaped(&machine.platform),
-        escaped(processor),
+        "<section>\n<h2>How it was measured</h2>\n<p>{}; {} threads draw.</p>\n<p>Each round draws one frame of the sequence by every \
+         recipe, in an order that is shuffled anew, after {WARM_UP_ROUNDS} rounds that do not count; all in one process. Medians over {} \
+         rounds, which go through the frames whose error is measured, with the same history. Recipes spread over the list are \
+         drawn twice per round as if they were two; the noise floor is the 90th percentile of the relative differences of such \
+         pairs, each of medians over a block of rounds. {} Reading files and measuring errors is not timed.</p>\n<p>FLIP is \
+         the mean over all pixels, at 67 pixels per degree: 0 is equal, 1 black against white. PSNR and MSE count sRGB codes. \
+         SSIM has a Gaussian window of 11 × 11 px, σ 1.5, on luma. A reference of one sample per pixel is aliased itself: a \
+         method that smooths is charged for that.</p>\n</section>\n",
+        escaped(&report.machine.summary()),
         report.threads,
         report.rounds,
         motion(report)

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use super::skipping::{Share, Split};
 use super::sweep::{Row, SceneReport};
+use crate::measure::noise::WITHIN;
 use crate::report::html::escaped;
 use crate::report::plot::{
     Axis, BOTTOM, HEIGHT, LEFT, LETTER, LINE, MARK, Plot, RIGHT, TOP, WIDTH, ZERO_LANE, svg, tick,
@@ -40,9 +41,9 @@ fn place(plot: &Plot, row: &Row) -> (f64, f64) {
     (plot.x(row.frame_ms.median), plot.y(row.motion.mean.flip))
 }
 
-/// The staircase through the points that nobody beats.
+/// The Pareto front.
 fn front(plot: &Plot, rows: &[Row]) -> String {
-    let mut best: Vec<&Row> = rows.iter().filter(|row| row.dominated_by.is_none()).collect();
+    let mut best: Vec<&Row> = rows.iter().filter(|row| row.is_on_front()).collect();
     best.sort_by(|a, b| a.frame_ms.median.total_cmp(&b.frame_ms.median));
     let mut path = String::new();
     let mut last = None;
@@ -60,8 +61,12 @@ fn front(plot: &Plot, rows: &[Row]) -> String {
 /// A point with its bar from the 10th to the 90th percentile.
 fn drawn(plot: &Plot, row: &Row) -> String {
     let ((x, y), color) = (place(plot, row), color(row));
-    let style = if row.dominated_by.is_some() { "beaten" } else { "" };
-    let by = row.dominated_by.as_ref().map(|by| format!(", beaten by {by}")).unwrap_or_default();
+    let style = if row.is_on_front() { "" } else { "beaten" };
+    let by = match (&row.dominated_by, &row.within_noise_of) {
+        (Some(by), _) => format!(", beaten by {by}"),
+        (None, Some(of)) => format!(", {WITHIN} of {of}"),
+        (None, None) => String::new(),
+    };
     let title = format!("{}: {:.2} ms, FLIP in motion {:.4}{by}", row.label, row.frame_ms.median, row.motion.mean.flip);
     format!(
         "<g class=\"{style}\"><title>{}</title><line class=\"bar m{color}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{y:.1}\" \
@@ -72,7 +77,7 @@ fn drawn(plot: &Plot, row: &Row) -> String {
     )
 }
 
-/// Names beside marks, as far as there is room; those that nobody beats first.
+/// Names beside marks, as far as there is room; those on the Pareto front first.
 fn labels(plot: &Plot, rows: &[Row]) -> String {
     let mut taken: Vec<[f64; 4]> = Vec::new();
     for row in rows {
@@ -80,7 +85,7 @@ fn labels(plot: &Plot, rows: &[Row]) -> String {
         taken.push([x - 6.0, y - 6.0, x + 6.0, y + 6.0]);
     }
     let mut order: Vec<&Row> = rows.iter().collect();
-    order.sort_by_key(|row| row.dominated_by.is_some());
+    order.sort_by_key(|row| !row.is_on_front());
     let mut svg = String::new();
     for row in order {
         let (x, y) = place(plot, row);

@@ -1,26 +1,74 @@
-//! Which of several ways are beaten by another one in time and in error.
+//! Which methods are beaten by another one in time and in error, and where the noise of the times forbids a verdict.
 
-/// For each of some ways, given as (time, error), the place of one that is at least as good in both and better in one;
-/// of several the one with the least error. `None` if nobody beats it.
-pub fn dominated_by(points: &[(f64, f64)]) -> Vec<Option<usize>> {
+use crate::measure::noise::Noise;
+
+/// How a method stands among others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Standing<M> {
+    /// On the Pareto front: every other method has a clearly longer time or a larger error.
+    Front,
+    /// This other method has less error, or as much and a shorter time, and the difference of both times is within noise.
+    WithinNoise(M),
+    /// This other method is at least as good in both respects and better in one, clearly so if that is time.
+    Beaten(M),
+}
+
+impl<M> Standing<M> {
+    /// Returns the same standing with the other method named in another way.
+    pub fn map<N>(self, name: impl FnOnce(M) -> N) -> Standing<N> {
+        match self {
+            Self::Front => Standing::Front,
+            Self::WithinNoise(other) => Standing::WithinNoise(name(other)),
+            Self::Beaten(other) => Standing::Beaten(name(other)),
+        }
+    }
+}
+
+/// Returns how each method stands, given as (time in ms, error), with the numbers of other methods. Of several methods that beat one, the one with the least
+/// error is named.
+pub fn standings(points: &[(f64, f64)], noise: &Noise) -> Vec<Standing<usize>> {
     let beats = |(time, error): (f64, f64), (other_time, other_error): (f64, f64)| {
-        time <= other_time && error <= other_error && (time < other_time || error < other_error)
+        let is_faster = time < other_time && !noise.covers(time, other_time);
+        time <= other_time && error <= other_error && (is_faster || error < other_error)
     };
-    let beaten = |point: &(f64, f64)| {
-        let better = (0..points.len()).filter(|other| beats(points[*other], *point));
+    let may_beat = |(time, error): (f64, f64), (other_time, other_error): (f64, f64)| {
+        let is_better = error < other_error || error == other_error && time < other_time;
+        noise.covers(time, other_time) && is_better
+    };
+    let find = |of: usize, relation: &dyn Fn((f64, f64), (f64, f64)) -> bool| {
+        let better = (0..points.len()).filter(|other| relation(points[*other], points[of]));
         better.min_by(|a, b| points[*a].1.total_cmp(&points[*b].1))
     };
-    points.iter().map(beaten).collect()
+    let standing = |of: usize| match (find(of, &beats), find(of, &may_beat)) {
+        (Some(by), _) => Standing::Beaten(by),
+        (None, Some(by)) => Standing::WithinNoise(by),
+        (None, None) => Standing::Front,
+    };
+    (0..points.len()).map(standing).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use Standing::{Beaten, Front, WithinNoise};
+
+    const QUIET: Noise = Noise { pairs: 10, p90: 0.0 };
 
     #[test]
-    fn the_staircase_stays_and_what_lies_above_it_goes() {
+    fn the_pareto_front_stays_and_what_lies_above_it_is_beaten() {
         let points = [(1.0, 9.0), (2.0, 4.0), (3.0, 5.0), (4.0, 1.0), (2.0, 4.0), (5.0, 4.5)];
-        assert_eq!(dominated_by(&points), [None, None, Some(1), None, None, Some(3)]);
-        assert_eq!(dominated_by(&[]), []);
+        assert_eq!(standings(&points, &QUIET), [Front, Front, Beaten(1), Front, Front, Beaten(3)]);
+        assert_eq!(standings(&[], &QUIET), []);
+    }
+
+    #[test]
+    fn a_lead_in_time_within_noise_does_not_count() {
+        let noise = Noise { pairs: 10, p90: 0.02 };
+        // The first is faster than the second by 0.5 %, which has less error: nothing speaks clearly for the first.
+        assert_eq!(standings(&[(1.0, 9.0), (1.005, 4.0)], &noise), [WithinNoise(1), Front]);
+        assert_eq!(standings(&[(1.0, 9.0), (1.005, 4.0)], &QUIET), [Front, Front]);
+        // Equal errors: the slower one by 0.5 % is not beaten, the one by 20 % is.
+        assert_eq!(standings(&[(1.0, 4.0), (1.005, 4.0), (1.2, 4.0)], &noise), [Front, WithinNoise(0), Beaten(0)]);
+        assert_eq!(standings(&[(1.0, 9.0), (1.2, 4.0)], &noise), [Front, Front]);
     }
 }

@@ -10,7 +10,7 @@ use crate::ui::engine::Request;
 use crate::ui::panels::bottom::Tab;
 use crate::ui::session::{Level, Measuring};
 use crate::ui::task::Task;
-use crate::ui::worker::{Answer, Job};
+use crate::ui::worker::{Answer, Job, MeasureRequest};
 
 impl Workbench {
     /// Takes what the renderer and the loader have ready.
@@ -39,12 +39,17 @@ impl Workbench {
             Answer::WhatIf(found) => self.session.what_if.found = Some(*found),
             Answer::Stages(figures) => self.session.stages = Some(*figures),
             // Late news of a measurement that another has replaced.
-            Answer::Sample { of, .. } | Answer::Judged { of, .. } | Answer::Measured(of) if of != self.measurement => {}
+            Answer::Sample { of, .. } | Answer::Judged { of, .. } | Answer::Noise { of, .. } | Answer::Measured(of)
+                if of != self.measurement => {}
             Answer::Sample { upscaling, milliseconds, progress, .. } => {
                 self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
                 self.session.timings.record_measured(upscaling, milliseconds);
             }
-            Answer::Judged { upscaling, error, .. } => self.session.timings.record_error(upscaling, *error),
+            Answer::Judged { upscaling, error, progress, .. } => {
+                self.session.measuring = self.session.measuring.map(|_| Measuring { progress });
+                self.session.timings.record_error(upscaling, *error);
+            }
+            Answer::Noise { noise, .. } => self.session.timings.record_noise(noise),
             Answer::Measured(_) => self.session.measuring = None,
             Answer::Panicked(text) => {
                 self.asked_at = None;
@@ -118,14 +123,19 @@ impl Workbench {
     /// Starts timing all upscalers on what is shown.
     pub fn measure(&mut self) {
         let request = Request { triangle_limit: None, fragment_limit: None, ..self.session.request() };
-        let reference = self.session.comparison.reference;
-        self.session.timings.begin_measurement(request.clone(), reference);
+        let request = MeasureRequest {
+            number: self.measurement + 1,
+            of: request,
+            reference: self.session.comparison.reference,
+            turn: self.session.timings.turn,
+        };
+        self.session.timings.begin_measurement(request.clone());
         self.session.measuring = Some(Measuring { progress: 0.0 });
         if self.tab != Tab::ErrorTime {
             self.tab = Tab::FrameTime;
         }
-        self.measurement += 1;
-        self.worker.send(Job::Measure(self.measurement, Box::new(request), reference));
+        self.measurement = request.number;
+        self.worker.send(Job::Measure(Box::new(request)));
     }
 
     /// Looks for something in the frame on screen, on a thread of its own.
@@ -155,6 +165,7 @@ mod tests {
 
     use super::*;
     use crate::chain::Recipe;
+    use crate::measure::motion::Turn;
     use crate::scene::SceneSource;
     use crate::ui::session::{PictureSize, Session};
     use crate::ui::worker::{MEASURE_ROUNDS, Worker};
@@ -166,6 +177,7 @@ mod tests {
         let home = scene.home;
         let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
         session.state.size = PictureSize::Fixed(16, 12);
+        session.timings.turn = Turn::STILL;
         let mut bench = Workbench::new(session, Worker::inline());
         bench.measure();
         bench.measure();

@@ -5,6 +5,7 @@
 use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollArea, Ui};
 use egui_plot::{Bar, BarChart, HoverPosition, Line, Plot, PlotPoints, Points, uniform_grid_spacer};
 
+use crate::measure::noise::WITHIN;
 use crate::measure::timing::{Summary, summarize};
 use crate::ui::command::Command;
 use crate::ui::format;
@@ -23,6 +24,9 @@ const LEAST_FRAMES: f64 = 10.0;
 
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 56.0;
+
+/// Place of the median among the figures of a row.
+const MEDIAN_COLUMN: usize = 1;
 
 /// A method with its figures.
 struct Series {
@@ -72,8 +76,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(measuring.progress).desired_width(240.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure all upscalers"));
-        let help = "Times every upscaler in interleaved rounds on the present scene, view and size, those that read the frame \
-                    before while the view turns a little; takes some seconds";
+        let help = "Times every upscaler in interleaved rounds on the present scene, view and size, and judges it on the same \
+                    frames; “Error vs time” has the switch between moving and still";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
@@ -103,7 +107,8 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let text = if !timings.has_measurement() {
         format!("Recent frames · {} · {} × {} px", session.scene.name, viewport.width, viewport.height)
     } else if timings.measurement_fits(&session.request()) {
-        format!("Measured · {} · {} × {} px", session.scene.name, viewport.width, viewport.height)
+        let noise = timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default();
+        format!("Measured · {} · {} × {} px{noise}", session.scene.name, viewport.width, viewport.height)
     } else {
         "Measured on another scene, view, size or setting than the one on screen".to_owned()
     };
@@ -272,8 +277,13 @@ fn table(ui: &mut Ui, series: &[Series], session: &Session, commands: &mut Vec<C
             });
             let Summary { n, median, p10, p90, p99, max, .. } = s.summary;
             let times = [median, p10, p90, p99, max].map(|ms| format::fixed(ms, 2));
-            for text in std::iter::once(n.to_string()).chain(times) {
-                figure(ui, &text, FIGURE_POINTS, tokens(ui).text);
+            let is_noise = session.timings.is_within_noise_of_native(s.upscaling);
+            for (column, text) in std::iter::once(n.to_string()).chain(times).enumerate() {
+                if column == MEDIAN_COLUMN && is_noise {
+                    figure(ui, &text, FIGURE_POINTS, tokens(ui).text_weak).on_hover_text(format!("{WITHIN} of native"));
+                } else {
+                    figure(ui, &text, FIGURE_POINTS, tokens(ui).text);
+                }
             }
             ui.end_row();
         }

@@ -7,6 +7,7 @@ use eframe::egui::{Button, Grid, ProgressBar, RichText, Ui};
 use crate::chain::KeepDepth;
 use crate::chain::whole::FramePart;
 use crate::measure::leaving_out::{Saving, Savings};
+use crate::measure::noise;
 use crate::pipeline::plan::{DrawPlan, Part, Step, Unseen};
 use crate::ui::command::Command;
 use crate::ui::engine::View;
@@ -30,11 +31,13 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         commands.push(Command::MeasurePlan);
     }
     if let Some((savings, of)) = &session.savings.found {
-        let Savings { planned_ms, noise_ms, .. } = &**savings;
-        let spread = (noise_ms.p90 - noise_ms.p10) / 2.0;
+        let Savings { planned_ms, noise, .. } = &**savings;
         let text = format!(
-            "{}: {:.2} ms as planned, median of {} rounds; planned against planned differs by ± {spread:.2} ms",
-            of.scene.name, planned_ms.median, planned_ms.n
+            "{}: {:.2} ms as planned, median of {} rounds; noise floor {}",
+            of.scene.name,
+            planned_ms.median,
+            planned_ms.n,
+            noise.words()
         );
         ui.label(RichText::new(text).color(tokens(ui).text_weak));
     }
@@ -88,7 +91,7 @@ fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
     let of_part = |saving: &&Saving| saving.part == Some(part);
     let measured = found.and_then(|(savings, of)| Some((savings.savings.iter().find(of_part)?, of)));
     let fitting = measured.filter(|(_, of)| of.same_complete_frame(&view.request));
-    let Some((Saving { saved_ms, draws, same_picture, .. }, _)) = fitting else {
+    let Some((Saving { saved_ms, within_noise, draws, same_picture, .. }, _)) = fitting else {
         let nothing = ui.label(RichText::new("–").color(tokens(ui).text_weak));
         if measured.is_some() {
             nothing.on_hover_text("It was measured on another view");
@@ -97,10 +100,15 @@ fn saved(ui: &mut Ui, session: &Session, view: &View, part: Part) {
     };
     let picture = if *same_picture { "the picture stayed the same" } else { "THE PICTURE CHANGED, which is a fault" };
     let help = format!(
-        "Forced for {draws} draws, a frame took {:+.3} ms longer in the median round (p10 {:+.3}, p90 {:+.3}); {picture}",
-        saved_ms.median, saved_ms.p10, saved_ms.p90
+        "Forced for {draws} draws, a frame took {:+.3} ms longer in the median round (p10 {:+.3}, p90 {:+.3}), {}; {picture}",
+        saved_ms.median,
+        saved_ms.p10,
+        saved_ms.p90,
+        noise::label(*within_noise)
     );
-    ui.label(RichText::new(format!("{:+.2} ms", saved_ms.median)).monospace()).on_hover_text(help);
+    let color = if *within_noise { tokens(ui).text_weak } else { tokens(ui).text_strong };
+    let text = format!("{:+.2} ms", saved_ms.median);
+    ui.label(RichText::new(text).monospace().color(color)).on_hover_text(help);
 }
 
 /// The reasons for which draws leave a part out, each with its number of draws.

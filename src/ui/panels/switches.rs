@@ -8,6 +8,7 @@ use eframe::egui::{Button, Label, RichText, Ui};
 use super::{pick, plan, smooth};
 use crate::chain::{Recipe, execution};
 use crate::inspect::Stage;
+use crate::measure::noise::WITHIN;
 use crate::pipeline::background::Background;
 use crate::pipeline::observe::Fate;
 use crate::pipeline::plan::Part;
@@ -393,7 +394,11 @@ fn upscaling(ui: &mut Ui, session: &Session, recipe: &mut Recipe) {
     smooth::antialias(ui, &mut recipe.antialias);
     smooth::upscaler(ui, recipe);
     let share = session.timings.share_of_native(&session.request(), session.state.recipe.upscaler);
-    let share = share.map_or_else(|| "not measured".to_owned(), format::percent);
+    let is_noise = session.timings.is_within_noise_of_native(session.state.recipe.upscaler);
+    let share = share.map_or_else(
+        || "not measured".to_owned(),
+        |share| if is_noise { format!("{}, {WITHIN}", format::percent(share)) } else { format::percent(share) },
+    );
     let help = "Median frame time over that of native, from the last measurement of all upscalers on this very picture";
     value_row(ui, "Time against native", &share, help);
     if let Some(view) = &session.view {

@@ -5,7 +5,10 @@ use eframe::egui::{self, Button, Color32, Grid, ProgressBar, RichText, ScrollAre
 use egui_plot::{GridMark, HoverPosition, Line, Plot, PlotPoint, PlotPoints, PlotUi, Points};
 
 use crate::chain::Recipe;
+use crate::measure::motion::{MotionError, Turn};
+use crate::measure::noise::WITHIN;
 use crate::pipeline::settings::Choice as _;
+use crate::report::upscaling::tradeoff::Standing;
 use crate::ui::command::Command;
 use crate::ui::compare::bar::reference_list;
 use crate::ui::compare::{Change, Mode};
@@ -18,10 +21,20 @@ use crate::ui::widgets::{empty_state, figure};
 use crate::upscale::{self, Upscaling};
 
 /// Width of the table, in points.
-const TABLE_POINTS: f32 = 520.0;
+const TABLE_POINTS: f32 = 660.0;
 
 /// Width of a column of the table, in points.
 const FIGURE_POINTS: f32 = 62.0;
+
+/// Headings of the figures, with their explanations.
+const HEADINGS: [(&str, &str); 6] = [
+    ("ms", "Median time of a frame"),
+    ("FLIP", "Mean over the frames; ranks the methods"),
+    ("worst", "FLIP of the frame with the largest one"),
+    ("at rest", "FLIP of the settled still view"),
+    ("PSNR dB", "Of the mean squared error over the frames"),
+    ("SSIM", "Mean over the frames"),
+];
 
 /// A click this near to a point means it, in points.
 const NEAR_POINTS: f32 = 12.0;
@@ -38,33 +51,64 @@ pub fn controls(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
         ui.add(ProgressBar::new(measuring.progress).desired_width(200.0).show_percentage());
     } else {
         let measure = Button::new((crate::ui::theme::icon(Icon::Timer), "Measure error and time"));
-        let help = "Draws every upscaler in interleaved rounds, those that read the frame before while the view turns a little, and \
-                    measures its picture against the reference; takes some seconds";
+        let help = "Draws every upscaler in interleaved rounds and measures the same frames against the reference, each against that \
+                    of its own camera; in motion that takes a minute or more, still some seconds";
         if ui.add(measure).on_hover_text(help).clicked() {
             commands.push(Command::Measure);
         }
         let chosen = reference_list(ui, "Measure against", 150.0, session.comparison.reference);
         commands.extend(chosen.map(Command::Compare));
+        motion_switch(ui, session.timings.turn, commands);
     }
     let viewport = session.viewport();
     let fits = session.timings.measurement_fits(&session.request());
-    let text = match (session.timings.measured_against(), fits) {
+    let text = match (session.timings.measured_of(), fits) {
         (None, _) => "Click a point: it becomes B; with Shift it becomes A".to_owned(),
-        (Some(reference), true) => format!(
-            "Errors are against: {} · {} · {} × {} px · click a point: B; Shift: A",
-            reference.name(),
+        (Some(measured), true) => format!(
+            "Errors are against: {} · {} · {} × {} px · {}{} · click a point: B; Shift: A",
+            measured.reference.name(),
             session.scene.name,
             viewport.width,
-            viewport.height
+            viewport.height,
+            motion(session, measured.turn),
+            session.timings.noise().map(|noise| format!(" · noise floor {}", noise.words())).unwrap_or_default()
         ),
         (Some(_), false) => "Measured on another scene, view, size or setting than the one on screen".to_owned(),
     };
     ui.add(egui::Label::new(RichText::new(text).color(tokens(ui).text_weak)).truncate());
 }
 
+/// Draws the switch between frames in motion and the still view, which holds for the next measurement.
+fn motion_switch(ui: &mut Ui, present: Turn, commands: &mut Vec<Command>) {
+    let Turn { degrees, frames } = Turn::default();
+    let moving = format!("In motion ({degrees}° per frame)");
+    let help = format!(
+        "The camera orbits by {degrees}° per frame over {frames} frames, after {} more for methods that read earlier frames; the \
+         mean error over the frames ranks the methods",
+        Turn::WARM_UP
+    );
+    for (is_still, name, help) in [(false, &*moving, &*help), (true, "Still", "One view, drawn until it has settled")] {
+        let is_present = present.is_still() == is_still;
+        if ui.selectable_label(is_present, name).on_hover_text(help).clicked() && !is_present {
+            commands.push(Command::MeasureOver(if is_still { Turn::STILL } else { Turn::default() }));
+        }
+    }
+}
+
+/// Returns how the camera moved during the measurement, and over how many frames methods are judged so far.
+fn motion(session: &Session, turn: Turn) -> String {
+    if turn.is_still() {
+        return "still".to_owned();
+    }
+    let points = session.timings.tradeoff();
+    let fewest = points.iter().map(|point| point.error.motion.frames).min().unwrap_or_default();
+    format!("in motion, {fewest} of {} frames of {}°", turn.frames, turn.degrees)
+}
+
 /// Draws plot and table.
 pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     let points = session.timings.tradeoff();
+    let in_motion = session.timings.measured_of().is_some_and(|measured| !measured.turn.is_still());
     if points.is_empty() {
         // The tab stays as high as it is: the picture, whose size may be that of the canvas, is not to change.
         ui.set_min_height(ui.available_height());
@@ -79,7 +123,7 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
     ui.horizontal_top(|ui| {
         let width = (ui.available_width() - TABLE_POINTS - 16.0).max(220.0);
         let size = egui::vec2(width, ui.available_height());
-        if let Some(upscaling) = plot(ui, &points, size) {
+        if let Some(upscaling) = plot(ui, &points, in_motion, size) {
             let tile = usize::from(!ui.input(|i| i.modifiers.shift));
             choose(session, tile, upscaling, commands);
         }
@@ -104,15 +148,31 @@ fn color(ui: &Ui, upscaling: Upscaling) -> Color32 {
     colors[place.unwrap_or(0) % colors.len()]
 }
 
+/// Returns the error that ranks a method.
+fn flip(point: &TradeOff) -> f64 {
+    point.error.motion.mean.flip
+}
+
+/// Returns how a method stands, in words.
+fn standing(point: &TradeOff) -> String {
+    match point.standing {
+        Standing::Front => "Nobody beats it in both".to_owned(),
+        Standing::WithinNoise(other) => {
+            format!("No clear lead: less error with {}, and its time is {WITHIN}", other.label())
+        }
+        Standing::Beaten(by) => format!("Beaten by {}", by.label()),
+    }
+}
+
 /// Where a point stands: logarithms of both, and pictures without error in a lane below.
 fn place(point: &TradeOff, lane: f64) -> [f64; 2] {
-    let error = point.error.flip;
+    let error = flip(point);
     [point.ms.median.max(f64::MIN_POSITIVE).log10(), if error > 0.0 { error.log10() } else { lane }]
 }
 
 /// Draws all points; the one that was clicked.
-fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling> {
-    let least = points.iter().map(|point| point.error.flip).filter(|error| *error > 0.0).fold(1.0, f64::min);
+fn plot(ui: &mut Ui, points: &[TradeOff], in_motion: bool, size: egui::Vec2) -> Option<Upscaling> {
+    let least = points.iter().map(flip).filter(|error| *error > 0.0).fold(1.0, f64::min);
     let lane = least.log10() - LANE;
     let weak = tokens(ui).border;
     let colors: Vec<Color32> = points.iter().map(|point| color(ui, point.upscaling)).collect();
@@ -123,7 +183,7 @@ fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling>
         .width(size.x)
         .height(size.y)
         .x_axis_label("median ms")
-        .y_axis_label("FLIP")
+        .y_axis_label(if in_motion { "FLIP in motion" } else { "FLIP" })
         .allow_scroll(false)
         .x_grid_spacer(|input| log_marks(&input))
         .y_grid_spacer(move |input| {
@@ -148,7 +208,7 @@ fn plot(ui: &mut Ui, points: &[TradeOff], size: egui::Vec2) -> Option<Upscaling>
                 plot.line(step.color(front_color).width(1.0));
             }
             for (point, color) in points.iter().zip(&colors) {
-                draw(plot, point, lane, if point.dominated_by.is_some() { weak } else { *color });
+                draw(plot, point, lane, if point.standing == Standing::Front { *color } else { weak });
             }
         });
     name_points(ui, points, |point| {
@@ -170,15 +230,15 @@ fn name_points(ui: &Ui, points: &[TradeOff], position: impl Fn(&TradeOff) -> egu
         let rect = egui::Rect::from_center_size(position(point), egui::Vec2::splat(NEAR_POINTS));
         let label = point.upscaling.label();
         let node = ui.interact(rect, ui.scope_id().with(&label), egui::Sense::hover());
-        let words =
-            format!("Point: {label}, {}, FLIP {}", format::ms(point.ms.median), format::fixed(point.error.flip, 4));
+        let words = format!("Point: {label}, {}, FLIP {}", format::ms(point.ms.median), format::fixed(flip(point), 4));
         node.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &words));
     }
 }
 
-/// The staircase of those that nobody beats, step by step: a single line would be filled where it turns.
+/// The Pareto front, step by step: a single line would be filled where it turns.
 fn front(points: &[TradeOff], lane: f64) -> Vec<Line<'static>> {
-    let mut best: Vec<_> = points.iter().filter(|point| point.dominated_by.is_none()).map(|p| place(p, lane)).collect();
+    let mut best: Vec<_> =
+        points.iter().filter(|point| point.standing == Standing::Front).map(|p| place(p, lane)).collect();
     best.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let mut corners: Vec<[f64; 2]> = Vec::new();
     for point in best {
@@ -201,16 +261,16 @@ fn draw(plot: &mut PlotUi<'_>, point: &TradeOff, lane: f64, color: Color32) {
 
 fn table(ui: &mut Ui, points: &[TradeOff], session: &Session, commands: &mut Vec<Command>) {
     let mut order: Vec<_> = points.iter().collect();
-    order.sort_by(|a, b| a.error.flip.total_cmp(&b.error.flip));
+    order.sort_by(|a, b| flip(a).total_cmp(&flip(b)));
     let shown = |tile: usize| {
         let recipe = session.state.tiles.recipe(tile, session.state.recipe);
         session.comparison.is_on().then_some(recipe.upscaler)
     };
-    Grid::new("tradeoff").num_columns(7).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
+    Grid::new("tradeoff").num_columns(2 + HEADINGS.len()).striped(true).spacing([10.0, 3.0]).show(ui, |ui| {
         ui.label("");
         ui.label(RichText::new("Upscaler").small().color(tokens(ui).text_weak));
-        for heading in ["ms", "FLIP", "PSNR dB", "SSIM"] {
-            figure(ui, heading, FIGURE_POINTS, tokens(ui).text_weak);
+        for (heading, help) in HEADINGS {
+            figure(ui, heading, FIGURE_POINTS, tokens(ui).text_weak).on_hover_text(help);
         }
         ui.end_row();
         for point in order {
@@ -227,23 +287,25 @@ fn table(ui: &mut Ui, points: &[TradeOff], session: &Session, commands: &mut Vec
                     }
                 }
             });
-            let beaten = point.dominated_by;
-            let strength = if beaten.is_some() { tokens(ui).text_weak } else { tokens(ui).text };
-            let dot = if beaten.is_some() { tokens(ui).border } else { color(ui, point.upscaling) };
+            let is_best = point.standing == Standing::Front;
+            let strength = if is_best { tokens(ui).text } else { tokens(ui).text_weak };
+            let dot = if is_best { color(ui, point.upscaling) } else { tokens(ui).border };
             ui.horizontal(|ui| {
                 let (mark, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), egui::Sense::hover());
                 ui.painter().circle_filled(mark.center(), 4.0, dot);
-                let by = beaten
-                    .map_or_else(|| "Nobody beats it in both".to_owned(), |by| format!("Beaten by {}", by.label()));
-                ui.label(RichText::new(&label).color(strength)).on_hover_text(by);
+                ui.label(RichText::new(&label).color(strength)).on_hover_text(standing(point));
             });
-            let psnr = if point.error.codes.mse == 0.0 {
-                "same".to_owned()
+            let ms = format::fixed(point.ms.median, 2);
+            if point.native_within_noise {
+                figure(ui, &ms, FIGURE_POINTS, tokens(ui).text_weak).on_hover_text(format!("{WITHIN} of native"));
             } else {
-                format::fixed(point.error.codes.psnr_db, 2)
-            };
-            let (flip, ssim) = (format::fixed(point.error.flip, 4), format::fixed(point.error.codes.ssim, 4));
-            for text in [format::fixed(point.ms.median, 2), flip, psnr, ssim] {
+                figure(ui, &ms, FIGURE_POINTS, strength);
+            }
+            let MotionError { mean, worst, .. } = point.error.motion;
+            let psnr = if mean.codes.mse == 0.0 { "same".to_owned() } else { format::fixed(mean.codes.psnr_db, 2) };
+            let [mean_flip, worst, still] =
+                [mean.flip, worst.flip, point.error.still.flip].map(|flip| format::fixed(flip, 4));
+            for text in [mean_flip, worst, still, psnr, format::fixed(mean.codes.ssim, 4)] {
                 figure(ui, &text, FIGURE_POINTS, strength);
             }
             ui.end_row();

@@ -5,6 +5,7 @@ use eframe::egui::{self, Align2, Button, FontId, Label, Rect, RichText, Ui, vec2
 use super::drawer::Found;
 use super::{Change, Show};
 use crate::inspect::fields::{FieldChange, changes};
+use crate::measure::noise;
 use crate::measure::pair::PairTimes;
 use crate::ui::command::Command;
 use crate::ui::format;
@@ -173,19 +174,20 @@ fn time(ui: &mut Ui, times: &PairTimes) {
     let change = times.change_ms.median;
     let sign = if change > 0.0 { "+" } else { "" };
     let text = format!("Δ time {sign}{}", format::ms(change));
-    let color = if times.is_clear() { tokens(ui).text_strong } else { tokens(ui).text_weak };
-    let verdict = if times.is_clear() { "larger than the noise" } else { "within the noise" };
+    let color = if times.within_noise { tokens(ui).text_weak } else { tokens(ui).text_strong };
     let help = format!(
-        "Medians of {} interleaved frames: A {}, B {}. The same settings against themselves differ by up to {} in about \
-         eight of ten rounds, so the change is {verdict}.",
+        "Medians of {} interleaved frames: A {}, B {}. The same settings against themselves differ by {}, so the change is \
+         {}.",
         times.a_ms.n,
         format::ms(times.a_ms.median),
         format::ms(times.b_ms.median),
-        format::ms(times.noise()),
+        times.noise.words(),
+        noise::label(times.within_noise),
     );
     ui.label(RichText::new(text).monospace().color(color)).on_hover_text(&help);
-    let noise = format!("± {}", format::ms(times.noise()));
-    ui.label(RichText::new(noise).monospace().small().color(tokens(ui).text_weak)).on_hover_text(help);
+    let floor =
+        if times.within_noise { noise::WITHIN.to_owned() } else { format!("± {}", format::ms(times.noise_ms())) };
+    ui.label(RichText::new(floor).monospace().small().color(tokens(ui).text_weak)).on_hover_text(help);
 }
 
 /// What the picked pixel says of itself in A and in B, where that differs.

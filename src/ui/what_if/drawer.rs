@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::image::{Image, Rgba8};
 use crate::inspect::what_if::Changes;
 use crate::measure::error::{ImageError, compare};
+use crate::measure::motion::{Shot, Turn};
 use crate::measure::pair::{PairTimer, PairTimes};
 use crate::ui::engine::{Engine, Request, Shown, View};
 
@@ -88,7 +89,8 @@ impl Drawer {
             known.error = compare(known.before.frame.image(), known.marked.frame.image());
         } else {
             let Request { scene, camera, viewport, .. } = &known.request.after;
-            known.times = Some(self.timer.as_mut()?.step(scene, camera, *viewport)?);
+            let shot = Shot { scene, camera, viewport: *viewport, turn: Turn::STILL };
+            known.times = Some(self.timer.as_mut()?.step(&shot)?);
             self.timer = None;
         }
         self.known.as_ref()

@@ -8,7 +8,6 @@ mod worst;
 
 use super::metric::{Metric, Verdict};
 use super::sweep::Report;
-use super::text::machine;
 use crate::pipeline::settings::Choice as _;
 use crate::report::html::{document, escaped, partial, tiles};
 
@@ -59,20 +58,18 @@ fn method(report: &Report) -> String {
         Some(noise) => format!(
             "Times are medians over rounds in which all configurations of a class run in turn, in another order each time, \
              after a warm-up; short runs are repeated until the clock can tell. One thread, no files. The first configuration \
-             runs twice per round as if it were two: half of the time the two were {:.1} % apart or less, and smaller \
-             differences mean nothing.",
-            noise * 100.0
+             runs twice per round as if it were two. Noise floor: {}.",
+            noise.words()
         ),
         None => "No times were taken.".to_owned(),
     };
-    let load = report.machine.load.map(|load| format!(" Load when it began: {load:.2}.")).unwrap_or_default();
     format!(
-        "<section>\n<h2>How it was measured</h2>\n<p>Seed {}. {}.{load} {times}</p>\n<p>Stiffness is the time of a case over \
+        "<section>\n<h2>How it was measured</h2>\n<p>Seed {}. {}. {times}</p>\n<p>Stiffness is the time of a case over \
          that of one compact triangle of as many pixels, by the same configuration in the same rounds.</p>\n\
          <details><summary>What must hold to PASS, class by class</summary><dl>{}</dl></details>\n\
          <details><summary>What the measures mean</summary><dl>{}</dl></details>\n</section>\n",
         report.seed,
-        escaped(&machine(report)),
+        escaped(&report.machine.summary()),
         bounds.collect::<String>(),
         metrics.collect::<String>()
     )

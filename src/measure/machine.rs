@@ -1,0 +1,93 @@
+//! The machine and the build that times were measured on, with its load: times mean nothing without them.
+
+use serde::Serialize;
+
+/// A machine, its load during a measurement, and a build.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Machine {
+    /// Operating system and processor architecture.
+    pub platform: String,
+    /// Model name of the processor; `None` where the system does not report it.
+    pub processor: Option<String>,
+    /// Hardware threads.
+    pub threads: usize,
+    /// Load average over one minute when the measurement began, in runnable processes; `None` where the system does not
+    /// report it.
+    pub load_at_start: Option<f64>,
+    /// The same when the measurement ended; `None` before that.
+    pub load_at_end: Option<f64>,
+    /// Whether the build is optimized: times of debug builds say little.
+    pub optimized: bool,
+    /// Version of this program.
+    pub version: &'static str,
+}
+
+impl Machine {
+    /// Returns the machine of this process at the start of a measurement.
+    pub fn at_start() -> Self {
+        let named = |line: &str| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned());
+        Self {
+            platform: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            processor: read("/proc/cpuinfo").and_then(|text| text.lines().find_map(named)),
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            load_at_start: load_average(),
+            load_at_end: None,
+            optimized: !cfg!(debug_assertions),
+            version: env!("CARGO_PKG_VERSION"),
+        }
+    }
+
+    /// Returns the same with the present load as the load at the end of the measurement.
+    pub fn at_end(self) -> Self {
+        Self { load_at_end: load_average(), ..self }
+    }
+
+    /// Returns processor, hardware threads, platform and load in one line without a full stop.
+    pub fn summary(&self) -> String {
+        let processor = self.processor.as_deref().unwrap_or("unknown processor");
+        let build = if self.optimized { "" } else { ", not optimized" };
+        let load = match (self.load_at_start, self.load_at_end) {
+            (Some(start), Some(end)) => format!(", load average {start:.2} at the start and {end:.2} at the end"),
+            (Some(load), None) | (None, Some(load)) => format!(", load average {load:.2}"),
+            (None, None) => String::new(),
+        };
+        format!("{processor}, {} threads, {}{build}{load}", self.threads, self.platform)
+    }
+}
+
+/// Returns the load average over the last minute; `None` where the system does not report it.
+fn load_average() -> Option<f64> {
+    read("/proc/loadavg")?.split_whitespace().next()?.parse().ok()
+}
+
+fn read(path: &str) -> Option<String> {
+    std::fs::read_to_string(path).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_summary_names_the_processor_and_the_load_at_both_ends() {
+        let machine = Machine {
+            processor: Some("Example 9000".to_owned()),
+            threads: 2,
+            load_at_start: Some(0.5),
+            optimized: true,
+            ..Machine::at_start()
+        };
+        assert!(machine.summary().starts_with("Example 9000, 2 threads, "), "{}", machine.summary());
+        assert!(machine.summary().ends_with(", load average 0.50"), "{}", machine.summary());
+        let ended = Machine { load_at_end: Some(1.25), ..machine };
+        assert!(ended.summary().ends_with("load average 0.50 at the start and 1.25 at the end"), "{}", ended.summary());
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_load_is_known_at_the_end_alone_where_the_measurement_ended() {
+        let started = Machine::at_start();
+        assert!(started.load_at_start.is_some() && started.load_at_end.is_none());
+        assert!(started.at_end().load_at_end.is_some_and(|load| load >= 0.0));
+    }
+}

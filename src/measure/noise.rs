@@ -1,0 +1,190 @@
+//! Noise floor of a timing run: how far two measurements of the same thing are apart.
+//!
+//! A run draws some recipes twice per round, interleaved with all others, as if each were two recipes: A/A. The rounds are
+//! split into blocks of consecutive rounds. Each block gives one pair, the medians of both series over the block, so that
+//! the pairs are spread over the run. The noise floor is the 90th percentile of the relative differences of all pairs.
+//!
+//! A median over the whole run rests on more frames than a median over a block: the floor is an upper estimate.
+
+use serde::Serialize;
+
+use super::timing::summarize;
+
+/// Label of a difference that is not larger than the noise floor.
+pub const WITHIN: &str = "within noise";
+
+/// Label of a difference that is larger than the noise floor.
+pub const ABOVE: &str = "larger than the noise";
+
+/// Rounds per block: the fewest whose median ignores an outlier.
+const ROUNDS_PER_BLOCK: usize = 3;
+
+/// Most blocks of a run; longer runs have longer blocks, and therefore a lower floor.
+const MOST_BLOCKS: usize = 10;
+
+/// Noise floor of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Noise {
+    /// Number of A/A pairs, at least 1.
+    pub pairs: usize,
+    /// 90th percentile of the relative differences of the pairs: 0.02 is 2 % of the shorter time.
+    pub p90: f64,
+}
+
+impl Noise {
+    /// Returns the noise floor at a time of `ms` milliseconds, in milliseconds.
+    pub fn ms(&self, ms: f64) -> f64 {
+        self.p90 * ms
+    }
+
+    /// Whether two times are too close to be told apart.
+    pub fn covers(&self, a_ms: f64, b_ms: f64) -> bool {
+        relative_difference(a_ms, b_ms) <= self.p90
+    }
+
+    /// Whether a change of a time of `of_ms` is too small to be told from no change, both in milliseconds.
+    pub fn covers_change(&self, change_ms: f64, of_ms: f64) -> bool {
+        change_ms.abs() <= self.ms(of_ms)
+    }
+
+    /// Returns the noise floor with the number of its pairs in words, for example “±1.8 % (90th percentile of 25 A/A pairs)”.
+    pub fn words(&self) -> String {
+        let pairs = if self.pairs == 1 { "1 A/A pair".to_owned() } else { format!("{} A/A pairs", self.pairs) };
+        format!("±{:.1} % (90th percentile of {pairs})", self.p90 * 100.0)
+    }
+}
+
+/// Returns the label of a difference that is within noise or is not.
+pub fn label(within_noise: bool) -> &'static str {
+    if within_noise { WITHIN } else { ABOVE }
+}
+
+/// A/A pairs of a run.
+#[derive(Clone, Debug, Default)]
+pub struct Pairs {
+    /// Relative differences, one per pair.
+    differences: Vec<f64>,
+}
+
+impl Pairs {
+    /// Adds the pairs of a recipe that was timed twice per round. Both series have one time per round, in the order of the
+    /// rounds; a round that only one of them has is ignored.
+    pub fn add(&mut self, first: &[f64], again: &[f64]) {
+        let rounds = first.len().min(again.len());
+        let blocks = (rounds / ROUNDS_PER_BLOCK).clamp(1, MOST_BLOCKS);
+        for block in 0..blocks {
+            let range = block * rounds / blocks..(block + 1) * rounds / blocks;
+            let medians = [first, again].map(|times| summarize(&times[range.clone()]).map(|summary| summary.median));
+            if let [Some(a), Some(b)] = medians {
+                self.differences.push(relative_difference(a, b));
+            }
+        }
+    }
+
+    /// Adds the pairs of one recipe that was timed frame after frame: every other frame belongs to the second series.
+    pub fn add_alternating(&mut self, times: &[f64]) {
+        let series = [0, 1].map(|first| times.iter().skip(first).step_by(2).copied().collect::<Vec<_>>());
+        self.add(&series[0], &series[1]);
+    }
+
+    /// Adds the pairs of another run.
+    pub fn append(&mut self, other: Self) {
+        self.differences.extend(other.differences);
+    }
+
+    /// Returns the noise floor; `None` without a pair.
+    pub fn noise(&self) -> Option<Noise> {
+        let summary = summarize(&self.differences)?;
+        Some(Noise { pairs: summary.n, p90: summary.p90 })
+    }
+}
+
+/// Returns the difference of two times as a share of the shorter one, so that their order does not matter. 0 for equal times.
+fn relative_difference(a: f64, b: f64) -> f64 {
+    if a == b { 0.0 } else { (a - b).abs() / a.min(b).max(f64::MIN_POSITIVE) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Times around `ms` that vary by up to `share` each way, the same in every run of the tests.
+    fn times(ms: f64, share: f64, count: usize, seed: u64) -> Vec<f64> {
+        let mut random = fastrand::Rng::with_seed(seed);
+        (0..count).map(|_| ms * (1.0 + share * (2.0 * random.f64() - 1.0))).collect()
+    }
+
+    /// The value that a sort finds in the middle of a few.
+    fn middle(values: &[f64]) -> f64 {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]) / 2.0
+    }
+
+    #[test]
+    fn the_floor_is_the_90th_percentile_of_the_medians_of_blocks() {
+        let (first, again) = (times(5.0, 0.04, 33, 1), times(5.0, 0.04, 33, 2));
+        let mut pairs = Pairs::default();
+        pairs.add(&first, &again);
+        // 33 rounds are ten blocks, of three rounds or four: block k begins at round ⌊3.3 k⌋.
+        let ends = [0, 3, 6, 9, 13, 16, 19, 23, 26, 29, 33];
+        let mut differences: Vec<f64> = ends
+            .windows(2)
+            .map(|ends| {
+                let [a, b] = [&first, &again].map(|times| middle(&times[ends[0]..ends[1]]));
+                (a - b).abs() / a.min(b)
+            })
+            .collect();
+        differences.sort_by(f64::total_cmp);
+        // Of ten sorted values, the 90th percentile lies a tenth of the way from the ninth to the tenth.
+        let expected = differences[8] + 0.1 * (differences[9] - differences[8]);
+        let noise = pairs.noise().unwrap();
+        assert_eq!(noise.pairs, 10);
+        assert!((noise.p90 - expected).abs() < 1e-15 && expected > 0.0, "{noise:?}, not {expected}");
+    }
+
+    #[test]
+    fn a_large_difference_stays_and_a_small_one_is_within_noise() {
+        let mut pairs = Pairs::default();
+        for seed in 0..5 {
+            pairs.add(&times(4.0, 0.03, 15, 2 * seed), &times(4.0, 0.03, 15, 2 * seed + 1));
+        }
+        let noise = pairs.noise().unwrap();
+        assert_eq!(noise.pairs, 25);
+        assert!((0.01..0.06).contains(&noise.p90), "{noise:?}");
+        let median = |ms, seed| summarize(&times(ms, 0.03, 15, seed)).unwrap().median;
+        let (base, larger, same) = (median(4.0, 100), median(4.0 * 1.2, 101), median(4.0 * 1.005, 102));
+        assert!(!noise.covers(base, larger) && !noise.covers(larger, base));
+        assert!(noise.covers(base, same) && noise.covers(same, base));
+        assert!(noise.covers_change(-0.005 * 4.0, 4.0) && !noise.covers_change(-0.2 * 4.0, 4.0));
+    }
+
+    #[test]
+    fn a_quiet_machine_has_no_noise_and_an_outlier_does_not_make_any() {
+        let mut hitch = vec![2.0; 30];
+        hitch[7] = 50.0;
+        let mut pairs = Pairs::default();
+        pairs.add(&hitch, &[2.0; 30]);
+        let noise = pairs.noise().unwrap();
+        assert_eq!(noise, Noise { pairs: 10, p90: 0.0 });
+        assert!(noise.covers(2.0, 2.0) && !noise.covers(2.0, 2.001));
+    }
+
+    #[test]
+    fn every_other_frame_of_one_series_is_the_second_series() {
+        let (mut alternating, mut apart) = (Pairs::default(), Pairs::default());
+        alternating.add_alternating(&[1.0, 10.0, 2.0, 20.0, 3.0, 30.0, 4.0]);
+        apart.add(&[1.0, 2.0, 3.0], &[10.0, 20.0, 30.0]);
+        assert_eq!(alternating.noise(), apart.noise());
+        assert_eq!(apart.noise(), Some(Noise { pairs: 1, p90: 9.0 }));
+        assert_eq!(apart.noise().unwrap().words(), "±900.0 % (90th percentile of 1 A/A pair)");
+    }
+
+    #[test]
+    fn without_a_pair_there_is_no_noise() {
+        let mut pairs = Pairs::default();
+        assert_eq!(pairs.noise(), None);
+        pairs.add_alternating(&[1.0]);
+        assert_eq!(pairs.noise(), None);
+    }
+}

@@ -1,0 +1,192 @@
+//! Frame times of several recipes, measured in rounds.
+//!
+//! A round draws one frame of a sequence by every recipe, in an order that is shuffled anew each time, so that a change of
+//! the machine's speed affects all alike. Some recipes are drawn twice per round as if they were two, which gives the noise
+//! floor. The frames are those of [`super::motion::Judge`], with the same history; frames that only build up history are drawn
+//! before the round and are not timed.
+
+use crate::chain::{FrameTimes, Recipe, Renderer};
+
+use super::motion::{Playback, Shot};
+use super::noise::{Noise, Pairs};
+
+/// Rounds before those that count: caches and clock frequencies settle.
+pub const WARM_UP_ROUNDS: usize = 2;
+
+/// Most recipes that are drawn twice per round; spread evenly over all recipes, as cheap and expensive ones differ in noise.
+const MOST_TWINS: usize = 5;
+
+/// Seed of the order within rounds.
+const SEED: u64 = 7;
+
+/// A recipe, or its second appearance.
+#[derive(Debug)]
+struct Entry {
+    recipe: usize,
+    playback: Playback,
+    times: Vec<FrameTimes>,
+}
+
+/// A timed frame that counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Timed {
+    /// Number of the recipe.
+    pub recipe: usize,
+    /// Times of the frame.
+    pub times: FrameTimes,
+}
+
+/// Times recipes round by round.
+#[derive(Debug)]
+pub struct RoundTimer {
+    /// The recipes in their order, then those that are drawn twice.
+    entries: Vec<Entry>,
+    recipes: usize,
+    renderer: Renderer,
+    random: fastrand::Rng,
+    order: Vec<usize>,
+    /// Entries of the present round that are drawn.
+    place: usize,
+    /// Number of the present round, warm-up included.
+    round: usize,
+    rounds: usize,
+}
+
+impl RoundTimer {
+    /// Prepares to time recipes in `rounds` rounds that count, at least one.
+    pub fn new(recipes: &[Recipe], rounds: usize) -> Self {
+        let twins = twins(recipes.len());
+        let entry = |recipe: usize| Entry { recipe, playback: Playback::new(recipes[recipe]), times: Vec::new() };
+        let entries: Vec<_> = (0..recipes.len()).chain(twins).map(entry).collect();
+        Self {
+            order: (0..entries.len()).collect(),
+            entries,
+            recipes: recipes.len(),
+            renderer: Renderer::default(),
+            random: fastrand::Rng::with_seed(SEED),
+            place: 0,
+            round: 0,
+            rounds: rounds.max(1),
+        }
+    }
+
+    /// Draws at most one frame. Returns its times if it counts and is not the second appearance of its recipe.
+    pub fn step(&mut self, shot: &Shot<'_>) -> Option<Timed> {
+        if self.is_complete() {
+            return None;
+        }
+        let round = self.round as i64 - WARM_UP_ROUNDS as i64;
+        let number = shot.turn.frame_of_round(round);
+        if self.place == 0 {
+            if self.entries.iter_mut().any(|entry| entry.playback.warm_up(shot, number)) {
+                return None;
+            }
+            self.random.shuffle(&mut self.order);
+        }
+        let entry = &mut self.entries[self.order[self.place]];
+        let times = entry.playback.draw(shot, number, &mut self.renderer, |frame| frame.times);
+        let is_twin = self.order[self.place] >= self.recipes;
+        let recipe = entry.recipe;
+        if round >= 0 {
+            entry.times.push(times);
+        }
+        self.place += 1;
+        if self.place == self.order.len() {
+            (self.place, self.round) = (0, self.round + 1);
+        }
+        (round >= 0 && !is_twin).then_some(Timed { recipe, times })
+    }
+
+    /// Whether all rounds are complete.
+    pub fn is_complete(&self) -> bool {
+        self.round >= WARM_UP_ROUNDS + self.rounds || self.entries.is_empty()
+    }
+
+    /// Number of complete rounds that count.
+    pub fn rounds(&self) -> usize {
+        self.round.saturating_sub(WARM_UP_ROUNDS)
+    }
+
+    /// Number of frames drawn that are or precede timed ones, and of all such frames.
+    pub fn progress(&self) -> (usize, usize) {
+        let count = self.entries.len();
+        (self.round * count + self.place, (WARM_UP_ROUNDS + self.rounds) * count)
+    }
+
+    /// Returns the times of a recipe, round by round.
+    pub fn times(&self, recipe: usize) -> &[FrameTimes] {
+        &self.entries[recipe].times
+    }
+
+    /// Returns the times of whole frames of a recipe in milliseconds, round by round.
+    pub fn ms(&self, recipe: usize) -> Vec<f64> {
+        ms(self.times(recipe))
+    }
+
+    /// Returns the noise floor of the rounds so far; `None` before the first that counts.
+    pub fn noise(&self) -> Option<Noise> {
+        let mut pairs = Pairs::default();
+        for twin in &self.entries[self.recipes..] {
+            pairs.add(&self.ms(twin.recipe), &ms(&twin.times));
+        }
+        pairs.noise()
+    }
+}
+
+fn ms(times: &[FrameTimes]) -> Vec<f64> {
+    times.iter().map(|times| times.total.as_secs_f64() * 1e3).collect()
+}
+
+/// Returns the numbers of the recipes that are drawn twice, of `count`.
+fn twins(count: usize) -> Vec<usize> {
+    let chosen = count.min(MOST_TWINS);
+    (0..chosen).map(|twin| twin * count.saturating_sub(1) / (chosen - 1).max(1)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::measure::motion::Turn;
+    use crate::pipeline::viewport::Viewport;
+    use crate::scene::builtin;
+    use crate::upscale::Upscaling;
+
+    #[test]
+    fn every_recipe_is_timed_once_per_round_and_twins_are_not_reported() {
+        let scene = Arc::new(builtin::by_id("triangle").unwrap().build());
+        let turn = Turn { degrees: 0.5, frames: 2 };
+        let shot = Shot { scene: &scene, camera: &scene.home, viewport: Viewport { width: 24, height: 16 }, turn };
+        let recipes: Vec<_> =
+            Upscaling::every().map(|upscaler| Recipe { upscaler, ..Recipe::default() }).take(7).collect();
+        let mut timer = RoundTimer::new(&recipes, 3);
+        assert_eq!(timer.noise(), None);
+        let mut timed = Vec::new();
+        while !timer.is_complete() {
+            timed.extend(timer.step(&shot));
+        }
+        assert_eq!((timer.rounds(), timed.len()), (3, 3 * 7));
+        for round in timed.chunks(7) {
+            let mut of: Vec<_> = round.iter().map(|timed| timed.recipe).collect();
+            of.sort_unstable();
+            assert!(of.into_iter().eq(0..7));
+        }
+        for recipe in 0..7 {
+            let reported = timed.iter().filter(|timed| timed.recipe == recipe);
+            assert!(ms(timer.times(recipe)).into_iter().eq(reported.map(|t| t.times.total.as_secs_f64() * 1e3)));
+        }
+        let noise = timer.noise().unwrap();
+        assert_eq!(noise.pairs, 5, "one block of three rounds for each of five twins");
+        let (done, of) = timer.progress();
+        assert_eq!((done, of), (5 * 12, 5 * 12));
+    }
+
+    #[test]
+    fn twins_are_spread_over_all_recipes() {
+        assert_eq!(twins(37), [0, 9, 18, 27, 36]);
+        assert_eq!(twins(2), [0, 1]);
+        assert_eq!(twins(1), [0]);
+        assert!(twins(0).is_empty());
+    }
+}
