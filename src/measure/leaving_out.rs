@@ -83,6 +83,9 @@ pub fn savings(
     };
     let mut ways = vec![way(None, Force::Nothing, 0), way(None, Force::Nothing, 0)];
     for part in Part::ALL {
+        if cancel.load(Ordering::Relaxed) {
+            return None;
+        }
         let Some(force) = part.force() else { continue };
         let draws = differing(&first_plans, &plans(force));
         if draws > 0 {

@@ -19,6 +19,8 @@ use crate::chain::{Frame, Recipe};
 use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::raster::Scissor;
 use crate::pipeline::settings::{Choice, choice};
+use crate::pipeline::triangle_list::box_around;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw};
 use crate::scene::{Scene, TriangleId};
 
@@ -86,6 +88,12 @@ impl Report {
 /// Triangles that are drawn between two looks at whether to go on.
 const TRIANGLES_AT_ONCE: usize = 256;
 
+/// Pixels of their boxes at most, so that cancelling takes less than a second; one triangle may have more.
+const PIXELS_AT_ONCE: u64 = 1 << 20;
+
+/// Rows in which triangles that are drawn all at once are drawn at once.
+const ROWS_AT_ONCE: usize = 32;
+
 /// Checks assertions on every fragment of a frame: of the samples at the centres of its drawn pixels. `tell` hears the share that
 /// is done; nothing comes back once `stop` is set.
 pub fn check(
@@ -108,14 +116,47 @@ pub fn check(
             return None;
         }
         tell(next as f32 / count as f32);
-        // Fragments that are sorted by depth must not be drawn in parts.
-        let end = if next < sorted_from { sorted_from.min(next + TRIANGLES_AT_ONCE) } else { count };
-        let triangles = next..end;
-        next = triangles.end;
-        let extent = Extent { triangles, scissor: Scissor::full(raster.width, raster.height) };
-        draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);
+        let whole = Scissor::full(raster.width, raster.height);
+        if next < sorted_from {
+            let end = next + drawn_at_once(&geometry.triangles[next..sorted_from], raster);
+            let triangles = next..end;
+            next = triangles.end;
+            let extent = Extent { triangles, scissor: whole };
+            draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);
+            continue;
+        }
+        // Fragments that are sorted by depth must not be drawn in parts, but rows do not depend on each other.
+        for top in (0..raster.height).step_by(ROWS_AT_ONCE) {
+            if stop.load(Ordering::Relaxed) {
+                return None;
+            }
+            let drawn = f64::from(top) / f64::from(raster.height) * (count - next) as f64;
+            tell((next as f64 + drawn) as f32 / count as f32);
+            let scissor = Scissor { top, bottom: (top + ROWS_AT_ONCE as u32).min(raster.height), ..whole };
+            let extent = Extent { triangles: next..count, scissor };
+            draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);
+        }
+        next = count;
     }
     Some(watch.report())
+}
+
+/// Returns how many of the triangles are drawn at once, from the first; none only of none.
+fn drawn_at_once(triangles: &[ScreenTriangle], viewport: Viewport) -> usize {
+    let mut pixels = 0;
+    let most = triangles.len().min(TRIANGLES_AT_ONCE);
+    let last = triangles[..most].iter().position(|triangle| {
+        pixels += box_pixels(triangle, viewport);
+        pixels > PIXELS_AT_ONCE
+    });
+    last.map_or(most, |last| last + 1)
+}
+
+/// Returns about how many pixels of the picture the box around a triangle has; one at least.
+fn box_pixels(triangle: &ScreenTriangle, viewport: Viewport) -> u64 {
+    let [left, right, top, bottom] = box_around(triangle.corners_px());
+    let side = |least: f32, greatest: f32, size: u32| (greatest.min(size as f32) - least.max(0.0)).max(0.0) as u64 + 1;
+    side(left, right, viewport.width) * side(top, bottom, viewport.height)
 }
 
 #[cfg(test)]

@@ -88,3 +88,43 @@ fn only_what_is_asked_for_is_checked_and_it_can_be_stopped() {
     assert_eq!(found.findings[0].checked, covered.count() as u64);
     assert_eq!(check(Assertion::ALL, true), None);
 }
+
+#[test]
+fn no_more_is_drawn_at_once_than_takes_a_moment() {
+    let large = Viewport { width: 4096, height: 4096 };
+    let mut split = 0;
+    for builtin in builtin::ALL {
+        let scene = builtin.build();
+        let settings = Recipe::default().pipeline;
+        let geometry = crate::pipeline::prepare(&scene, &scene.home, &settings, large, &mut ());
+        let mut rest = &geometry.triangles[..];
+        while !rest.is_empty() {
+            let count = drawn_at_once(rest, large);
+            let pixels = rest[..count - 1].iter().map(|triangle| box_pixels(triangle, large)).sum::<u64>();
+            assert!(count <= TRIANGLES_AT_ONCE && pixels <= PIXELS_AT_ONCE, "{}: {count}, {pixels} px", builtin.id);
+            split += u32::from(count < TRIANGLES_AT_ONCE.min(rest.len()));
+            rest = &rest[count..];
+        }
+    }
+    assert!(split > 10, "only {split} times large triangles end it sooner");
+}
+
+#[test]
+fn blended_triangles_are_checked_in_rows_and_stopped_between_them() {
+    let scene = builtin::by_id("stained-glass").unwrap().build();
+    let recipe = Recipe::default();
+    let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
+    let (shares, stop) = (std::cell::RefCell::new(Vec::new()), AtomicBool::new(false));
+    check(&scene, &recipe, &frame, Assertion::ALL, &|share| shares.borrow_mut().push(share), &stop).unwrap();
+    let shares = shares.into_inner();
+    assert!(shares.is_sorted(), "{shares:?}");
+    let last = shares[shares.len() - 1];
+    // Stopped before the last rows, it has no report.
+    let stop_at_last = |share: f32| stop.fetch_or(share >= last, Ordering::Relaxed);
+    let tell = |share| {
+        stop_at_last(share);
+    };
+    let rows = VIEW.height.div_ceil(ROWS_AT_ONCE as u32) as usize;
+    assert!(rows > 1 && shares.len() > rows, "{shares:?}");
+    assert_eq!(check(&scene, &recipe, &frame, Assertion::ALL, &tell, &stop), None);
+}

@@ -182,7 +182,9 @@ pub struct Worst {
 pub fn run(plan: &Plan, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBool) -> Option<Report> {
     let start = Instant::now();
     let machine = Machine::at_start();
-    let cases: Vec<Vec<Case>> = plan.classes.iter().map(|class| class.cases(plan.seed)).collect();
+    let is_cancelled = || cancel.load(Ordering::Relaxed);
+    let cases = plan.classes.iter().map(|class| (!is_cancelled()).then(|| class.cases(plan.seed)));
+    let cases = cases.collect::<Option<Vec<Vec<Case>>>>()?;
     let judged = judge(plan, &cases, progress, cancel);
     let (mut classes, mut pairs) = (Vec::new(), Pairs::default());
     for (done, (judged, cases)) in judged.into_iter().zip(&cases).enumerate() {
@@ -225,7 +227,10 @@ fn judge(
             return None;
         }
         let expected = Expected::new(case);
-        let outcomes: Vec<_> = columns[class].iter().map(|column| answer(case, &expected, *column)).collect();
+        let answered = columns[class]
+            .iter()
+            .map(|column| (!cancel.load(Ordering::Relaxed)).then(|| answer(case, &expected, *column)));
+        let outcomes = answered.collect::<Option<Vec<_>>>()?;
         progress(Progress { stage: Stage::Judging, done: done.fetch_add(1, Ordering::Relaxed) + 1, of });
         Some((expected.units(case), outcomes))
     };

@@ -60,8 +60,11 @@ pub struct Time {
     pub rounds: usize,
 }
 
-/// Something to be timed: runs all cases of a class once.
-type Work<'a> = Box<dyn Fn() + 'a>;
+/// Something to be timed: runs all cases of a class once, or fewer if it is cancelled meanwhile.
+type Work<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
+
+/// What is timed of one case.
+type Part<'a> = Box<dyn Fn() + 'a>;
 
 /// Times every column of a class, of which there is at least one. `units` is how many pixels, samples or depths each case
 /// has. Also returns the A/A pairs of the first column. `None` if it was cancelled.
@@ -117,8 +120,8 @@ fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>>
         if cancel.load(Ordering::Relaxed) {
             return None;
         }
-        work();
-        let once = timed(work, 1).max(Duration::from_nanos(1));
+        work(cancel);
+        let once = timed(work, 1, cancel).max(Duration::from_nanos(1));
         let times = (LEAST_SPELL.as_secs_f64() / once.as_secs_f64()).ceil().max(1.0);
         round += once.mul_f64(times);
         repeats.push(times as u32);
@@ -134,28 +137,29 @@ fn interleaved(works: &[Work<'_>], cancel: &AtomicBool) -> Option<Vec<Vec<f64>>>
             if cancel.load(Ordering::Relaxed) {
                 return None;
             }
-            let spent = timed(&works[*index], repeats[*index]);
+            let spent = timed(&works[*index], repeats[*index], cancel);
             seconds[*index].push(spent.as_secs_f64() / f64::from(repeats[*index]));
         }
     }
-    Some(seconds)
+    // The last time is none if it was cancelled meanwhile.
+    (!cancel.load(Ordering::Relaxed)).then_some(seconds)
 }
 
-fn timed(work: &Work<'_>, repeats: u32) -> Duration {
+fn timed(work: &Work<'_>, repeats: u32, cancel: &AtomicBool) -> Duration {
     let start = Instant::now();
     for _ in 0..repeats {
-        work();
+        work(cancel);
     }
     start.elapsed()
 }
 
 /// Asks the engine about all cases.
 fn work(cases: &[Case], column: Column) -> Work<'_> {
-    let parts: Vec<Work<'_>> = cases.iter().filter_map(|case| case_work(case, column)).collect();
-    Box::new(move || parts.iter().for_each(|part| part()))
+    let parts: Vec<Part<'_>> = cases.iter().filter_map(|case| case_work(case, column)).collect();
+    Box::new(move |cancel| parts.iter().take_while(|_| !cancel.load(Ordering::Relaxed)).for_each(|part| part()))
 }
 
-fn case_work(case: &Case, column: Column) -> Option<Work<'_>> {
+fn case_work(case: &Case, column: Column) -> Option<Part<'_>> {
     let viewport = case.viewport();
     Some(match (&case.body, column) {
         (Body::TriCoverage(body), Column::Coverage(by)) => {
@@ -193,7 +197,7 @@ fn case_work(case: &Case, column: Column) -> Option<Work<'_>> {
 }
 
 /// Weights at every pixel; setting up the triangles is not part of it.
-fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 2]]) -> Work<'_> {
+fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 2]]) -> Part<'_> {
     Box::new(move || {
         for triangle in triangles.iter().flatten() {
             for [column, row] in eval {
@@ -203,7 +207,7 @@ fn sampling<const N: usize>(triangles: [Option<Interpolator>; N], eval: &[[u32; 
     })
 }
 
-fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> Work<'a> {
+fn storing<'a>(buffer: DepthBuffer, distances: Vec<f32>) -> Part<'a> {
     Box::new(move || {
         for z in &distances {
             black_box(buffer.stored(black_box(*z)));
@@ -252,9 +256,9 @@ fn twins(class: &Class, cases: &[Case], pixels: &[u64]) -> Vec<Twin> {
 }
 
 fn twin_work(twins: &[Twin], column: Column) -> Work<'_> {
-    Box::new(move || {
+    Box::new(move |cancel| {
         let Column::Coverage(by) = column else { return };
-        for twin in twins {
+        for twin in twins.iter().take_while(|_| !cancel.load(Ordering::Relaxed)) {
             for _ in 0..twin.count {
                 black_box(subject::cover(by, black_box(twin.corners_px), FillRule::TopLeft, twin.viewport));
             }
@@ -267,6 +271,7 @@ mod tests {
     use std::cell::Cell;
 
     use super::*;
+    use crate::report::stability::case::Coverage;
 
     #[test]
     fn a_twin_has_about_as_many_pixels_as_asked_for() {
@@ -281,7 +286,7 @@ mod tests {
     #[test]
     fn every_work_is_run_as_often_in_each_round_and_rounds_are_as_many_as_said() {
         let runs = [Cell::new(0), Cell::new(0)];
-        let works = runs.each_ref().map(|runs| -> Work<'_> { Box::new(move || runs.set(runs.get() + 1)) });
+        let works = runs.each_ref().map(|runs| -> Work<'_> { Box::new(move |_| runs.set(runs.get() + 1)) });
         let seconds = interleaved(&works, &AtomicBool::new(false)).unwrap();
         let rounds = seconds[0].len();
         assert!((FEWEST_ROUNDS..=MOST_ROUNDS).contains(&rounds));
@@ -292,6 +297,28 @@ mod tests {
             assert!(counted >= rounds && counted.is_multiple_of(rounds), "{counted} in {rounds}");
         }
         assert_eq!(interleaved(&works, &AtomicBool::new(true)), None);
+    }
+
+    #[test]
+    fn a_class_that_takes_long_is_cancelled_between_its_cases() {
+        let viewport = Viewport { width: 64, height: 64 };
+        let many = vec![Twin::new(1_000_000, viewport); 10_000];
+        let first = Column::of(Family::Coverage)[0];
+        let begun = Instant::now();
+        twin_work(&many, first)(&AtomicBool::new(true));
+        let case = |id: &str| {
+            let body = Body::TriCoverage(Coverage {
+                width: 2_048,
+                height: 2_048,
+                rule: FillRule::TopLeft,
+                exactly_once: false,
+                triangles: vec![[[0.0, 0.0], [2_048.0, 1.0], [3.0, 2_048.0]]; 1_000],
+            });
+            Case { id: id.to_owned(), class: String::new(), note: String::new(), body }
+        };
+        work(&vec![case("a"); 100], first)(&AtomicBool::new(true));
+        // All of them would take minutes.
+        assert!(begun.elapsed() < Duration::from_secs(5), "{:?}", begun.elapsed());
     }
 
     #[test]
