@@ -127,11 +127,11 @@ pub fn check(
         }
         // Fragments that are sorted by depth must not be drawn in parts, but rows do not depend on each other.
         for top in (0..raster.height).step_by(ROWS_AT_ONCE) {
+            let drawn = f64::from(top) / f64::from(raster.height) * (count - next) as f64;
+            tell((next as f64 + drawn) as f32 / count as f32);
             if stop.load(Ordering::Relaxed) {
                 return None;
             }
-            let drawn = f64::from(top) / f64::from(raster.height) * (count - next) as f64;
-            tell((next as f64 + drawn) as f32 / count as f32);
             let scissor = Scissor { top, bottom: (top + ROWS_AT_ONCE as u32).min(raster.height), ..whole };
             let extent = Extent { triangles: next..count, scissor };
             draw(scene, geometry, settings, &extent, Until::Shade, &mut framebuffer, &mut watch);

@@ -112,7 +112,8 @@ fn no_more_is_drawn_at_once_than_takes_a_moment() {
 #[test]
 fn blended_triangles_are_checked_in_rows_and_stopped_between_them() {
     let scene = builtin::by_id("stained-glass").unwrap().build();
-    let recipe = Recipe::default();
+    let mut recipe = Recipe::default();
+    recipe.set_all(&["blending.order=exact".to_owned()]).unwrap();
     let frame = run(&scene, &scene.home, &recipe, VIEW, &mut ());
     let (shares, stop) = (std::cell::RefCell::new(Vec::new()), AtomicBool::new(false));
     check(&scene, &recipe, &frame, Assertion::ALL, &|share| shares.borrow_mut().push(share), &stop).unwrap();
