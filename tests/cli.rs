@@ -231,6 +231,44 @@ fn every_buffer_is_a_picture_of_its_own() {
 }
 
 #[test]
+fn t_junctions_are_counted_checked_and_named_at_the_pixels_that_they_open() {
+    let folder = folder();
+    // A triangle over an edge, and below it a fan whose rim dips off that edge by less than the tolerance.
+    let rim: Vec<f32> = (1..8).map(|i| i as f32 * 0.25 - 1.0).collect();
+    let mut model = "v -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\n".to_owned();
+    rim.iter().for_each(|x| model += &format!("v {x} -0.0002 0\n"));
+    model += "f 1 2 3\nf 5 1 4\nf 2 11 4\n";
+    (5..11).for_each(|i| model += &format!("f {} {i} 4\n", i + 1));
+    fs::write(folder.path().join("t.obj"), model).unwrap();
+    let camera = r#"{"eye":[0.03,0,4],"target":[0.03,0,0],"up":[0.1,1,0],"height":0.4,"near":0.1,"far":100}"#;
+    fs::write(folder.path().join("cam.json"), camera).unwrap();
+    let scene = ["t.obj", "--camera", "cam.json", "--size", "200x150"];
+    let run = |command: &[&str], rest: &[&str]| run(&folder, &[command, &scene, rest].concat());
+    let output = run(&["render"], &["--buffer", "hits", "-o", "out.png"]);
+    assert_success(&output);
+    let line = |start: &str| stdout(&output).lines().find(|line| line.starts_with(start)).unwrap().to_owned();
+    let counts = line("shared edges: ");
+    let cracks: usize = counts.split(' ').nth(2).unwrap().parse().unwrap();
+    assert!(cracks > 3 && counts.ends_with(&format!(" · {cracks} of them at T-junctions")), "{counts}");
+    assert_eq!(line("mesh: "), "mesh: 7 T-junctions · 0 unwelded vertices");
+    let crack = [48, 132, 255, 255];
+    let image = picture(&folder, "out.png");
+    let (x, y) = (0..150).flat_map(|y| (0..200).map(move |x| (x, y))).find(|(x, y)| image.at(*x, *y) == crack).unwrap();
+    assert!(line("first at ").starts_with(&format!("first at {x},{y}: T-junction: v")));
+    let output = run(&["pixel"], &["--at", &format!("{x},{y}")]);
+    assert_success(&output);
+    assert!(
+        stdout(&output).contains("A crack: no triangle covers the gap between triangles 0 and "),
+        "{}",
+        stdout(&output)
+    );
+    assert!(stdout(&output).contains("T-junction: v"));
+    let output = run(&["check"], &["--assert", "t-junctions"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(stdout(&output).contains(&format!("first at {x},{y}, triangle 0: T-junction: ")), "{}", stdout(&output));
+}
+
+#[test]
 fn the_hit_count_tells_its_cracks_and_double_hits_in_a_line_of_its_own() {
     let folder = folder();
     for (rule, told) in [

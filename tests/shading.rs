@@ -267,6 +267,7 @@ fn bleeding(scene: &Scene, recipe: &Recipe) -> [f64; 2] {
         frame: &frame,
         is_whole: true,
         watched: &Default::default(),
+        seams: None,
         shown: &|_, _| Value::Nothing,
         range: None,
     };

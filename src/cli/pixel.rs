@@ -1,11 +1,13 @@
 //! `rasterscope pixel`: why a pixel looks as it does, in words or as JSON.
 
 use std::hint::black_box;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Args;
 use rasterscope::inspect::{Survey, Trace, explain};
 use rasterscope::measure::timing::summarize;
+use rasterscope::scene::seams::Seams;
 
 use super::failure::Failure;
 use super::pixel_text::describe;
@@ -73,7 +75,8 @@ pub(crate) fn run(args: &PixelArgs) -> Result<(), Failure> {
         return Err(outside());
     }
     let Drawn { scene, recipe, frame, .. } = args.frame.draw(moment(args.triangles, args.fragments))?;
-    let survey = Survey::of(&scene, &recipe, &frame);
+    let mut survey = Survey::of(&scene, &recipe, &frame);
+    survey.set_seams(Arc::new(Seams::of(&scene)));
     let report = explain(&scene, &recipe, &frame, &survey, (x, y)).ok_or_else(outside)?;
     if !args.trace {
         return if args.json { output::print_json(&report) } else { output::print(&describe(&report)) };

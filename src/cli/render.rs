@@ -15,10 +15,11 @@ use rasterscope::inspect::intermediate::{self, Captured};
 use rasterscope::inspect::overlays::{Context, Layer, Sheet, compose, csv};
 use rasterscope::inspect::planes::planes;
 use rasterscope::inspect::view::{Range, Value};
-use rasterscope::inspect::{Buffer, Hits, Intermediate, Stage, capture, stages, view};
+use rasterscope::inspect::{Buffer, Intermediate, Stage, capture, stages, view};
 use rasterscope::measure::stages::stage_times;
 use rasterscope::measure::timing::summarize;
 use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::scene::seams::Seams;
 use rasterscope::scene::{Camera, Scene};
 
 use super::failure::Failure;
@@ -89,12 +90,20 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let stage = args.stage.map(|stage| stages::picture(&scene, &camera, &recipe, &frame, stage));
     let buffers = (stage.is_none() && buffer != Buffer::Color)
         .then(|| capture(&scene, &recipe, &frame).completed_for(buffer, &recipe, &frame));
-    let faults = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref()).map(Hits::summary);
+    let reads_seams = args.overlay.iter().any(|layer| layer.overlay.reads_seams());
+    let wants_seams = reads_seams || buffers.as_ref().is_some_and(|buffers| buffers.hits.is_some());
+    let seams = wants_seams.then(|| Seams::of(&scene));
+    let buffers = match &seams {
+        Some(seams) => buffers.map(|buffers| buffers.with_seams(&scene, &recipe, &frame, seams)),
+        None => buffers,
+    };
+    let hits = buffers.as_ref().and_then(|buffers| buffers.hits.as_ref());
     let shown = Shown {
         buffer,
         captured,
         stage: stage.as_ref(),
         buffers: buffers.as_ref(),
+        seams: seams.as_ref(),
         display: args.look.unwrap_or_default(),
         scene: &scene,
         recipe: &recipe,
@@ -125,8 +134,13 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(range) = ends {
         output::print(&format!("from {:?} (dark) to {:?} (bright)\n", range.low, range.high))?;
     }
-    if let Some(faults) = faults {
-        output::print(&format!("shared edges: {faults}\n"))?;
+    if let Some(hits) = hits {
+        output::print(&format!("shared edges: {}\n", hits.summary()))?;
+        let mesh = hits.mesh.map(|counts| format!("mesh: {}\n", counts.text()));
+        output::print(&mesh.unwrap_or_default())?;
+        let first = hits.faults.iter().find_map(|fault| Some((fault.x, fault.y, fault.junction?)));
+        let first = first.map(|(x, y, junction)| format!("first at {x},{y}: {}\n", junction.text()));
+        output::print(&first.unwrap_or_default())?;
     }
     output::print(&sheets.iter().map(totals).collect::<String>())?;
     args.times.map_or(Ok(()), |frames| print_times(&scene, &camera, &recipe, &frame, frames))
@@ -141,6 +155,8 @@ struct Shown<'a> {
     stage: Option<&'a Image<Rgba8>>,
     /// Where the buffer comes from, unless it is the colour.
     buffers: Option<&'a Buffers>,
+    /// Open seams of the scene, if something reads them.
+    seams: Option<&'a Seams>,
     display: Display,
     scene: &'a Scene,
     recipe: &'a Recipe,
@@ -187,6 +203,7 @@ impl Shown<'_> {
             frame: self.frame,
             is_whole: self.is_whole,
             watched: &watched,
+            seams: self.seams,
             shown: &|x, y| self.value(x, y),
             range: self.range(),
         };

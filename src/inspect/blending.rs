@@ -159,6 +159,7 @@ mod tests {
                 frame: &frame,
                 is_whole: true,
                 watched: &OnceLock::new(),
+                seams: None,
                 shown: &|_, _| Value::Nothing,
                 range: None,
             });

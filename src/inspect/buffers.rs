@@ -11,6 +11,7 @@ use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::viewport::ScreenTriangle;
+use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 
 choice! {
@@ -69,6 +70,18 @@ impl Buffers {
             return self;
         }
         Self { hits: Some(Hits::of(frame, &recipe.pipeline)), ..self }
+    }
+}
+
+impl Buffers {
+    /// Whether hits were counted, and the faults along open seams are not yet among them.
+    pub fn misses_seams(&self) -> bool {
+        self.hits.as_ref().is_some_and(|hits| hits.mesh.is_none())
+    }
+
+    /// With the faults along the open seams of the scene, if hits were counted.
+    pub fn with_seams(self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
+        Self { hits: self.hits.map(|hits| hits.with_seams(scene, recipe, frame, seams)), ..self }
     }
 }
 

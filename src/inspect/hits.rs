@@ -8,20 +8,27 @@
 //! instance that have an edge in common, one on each side of it, are at odds there. Other differences, such as those of an
 //! outline under the inclusive rule, are counted apart. Triangles that culling dropped take part in neither count, and faults
 //! of surfaces behind each other that cancel at a sample are not seen.
+//!
+//! Surfaces whose borders run along one another without sharing vertices come apart even if everything is drawn as it should
+//! be. Their faults are added by [`Hits::with_seams`], once the [`Seams`] of the scene are known.
 
 mod edges;
+
+mod seams;
 
 use serde::Serialize;
 
 use self::edges::{Meetings, edges_near, edges_of};
-use crate::chain::Frame;
+pub(super) use self::seams::{border_in_picture, junction_pixels};
+use crate::chain::{Frame, Recipe};
 use crate::image::Image;
 use crate::pipeline::grid::SampleGrid;
 use crate::pipeline::raster::{Scissor, Span, cover_within};
 use crate::pipeline::settings::{Arithmetic, FillRule, Rasterizer, Settings};
 use crate::pipeline::triangle_list::TriangleList;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::scene::TriangleId;
+use crate::scene::seams::{Junction, JunctionKind, SeamCounts, Seams};
+use crate::scene::{Scene, TriangleId};
 
 /// What is wrong at a sample along a shared edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -34,7 +41,7 @@ pub enum FaultKind {
 }
 
 /// A sample along a shared edge that is hit too seldom or too often.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
     /// Column in the full picture.
     pub x: u32,
@@ -49,6 +56,8 @@ pub struct Fault {
     /// Two triangles that share an edge here: of a crack, the one that is missing first; of a double hit, one that should not
     /// be there first.
     pub sharing: [TriangleId; 2],
+    /// The T-junction or unwelded vertex that opens the edge; `None` if the two triangles share its ends.
+    pub junction: Option<Junction>,
 }
 
 /// The hits of a frame.
@@ -60,6 +69,8 @@ pub struct Hits {
     pub faults: Vec<Fault>,
     /// Samples that are hit too seldom or too often, but not along a shared edge.
     pub elsewhere: usize,
+    /// Numbers of T-junctions and unwelded vertices of the scene; `None` until their faults are added.
+    pub mesh: Option<SeamCounts>,
 }
 
 impl Hits {
@@ -79,12 +90,30 @@ impl Hits {
         Search::new(triangles, settings, grid, Scissor::full(width, height)).run()
     }
 
+    /// Adds the faults along the open seams of the scene that the frame shows.
+    pub fn with_seams(mut self, scene: &Scene, recipe: &Recipe, frame: &Frame, seams: &Seams) -> Self {
+        let Viewport { width, height } = frame.raster;
+        let place = |fault: &Fault| (fault.y, fault.x);
+        let mut added = seams::faults(scene, recipe, frame, seams, Scissor::full(width, height));
+        added.retain(|fault| self.faults.binary_search_by_key(&place(fault), place).is_err());
+        self.faults.append(&mut added);
+        self.faults.sort_by_key(place);
+        self.mesh = Some(seams.counts());
+        self
+    }
+
+    /// Counts the faults at T-junctions, or those at unwelded vertices.
+    pub fn count_at(&self, kind: JunctionKind) -> usize {
+        self.faults.iter().filter(|fault| fault.junction.is_some_and(|junction| junction.kind == kind)).count()
+    }
+
     /// How many faults of a kind there are.
     pub fn count(&self, kind: FaultKind) -> usize {
         self.faults.iter().filter(|fault| fault.kind == kind).count()
     }
 
-    /// Both numbers of faults in words, and how many samples are wrong elsewhere if any are.
+    /// Both numbers of faults in words, how many of them are at T-junctions and unwelded vertices, and how many samples are
+    /// wrong elsewhere, if any are.
     pub fn summary(&self) -> String {
         let number = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
         let cracks = number(self.count(FaultKind::Crack), "crack", "cracks");
@@ -93,7 +122,14 @@ impl Hits {
             0 => String::new(),
             count => format!(" · {} elsewhere", number(count, "wrong pixel", "wrong pixels")),
         };
-        format!("{cracks} · {doubles}{elsewhere}")
+        let [junctions, unwelded] =
+            [(JunctionKind::TJunction, "at T-junctions"), (JunctionKind::Unwelded, "at unwelded vertices")].map(
+                |(kind, place)| match self.count_at(kind) {
+                    0 => String::new(),
+                    count => format!(" · {count} of them {place}"),
+                },
+            );
+        format!("{cracks} · {doubles}{junctions}{unwelded}{elsewhere}")
     }
 
     /// The first fault after the pixel `from`, or the last one before it; begins anew at the end.
@@ -121,6 +157,17 @@ pub fn fault_at(frame: &Frame, settings: &Settings, x: u32, y: u32) -> Option<Fa
     let scissor = Scissor { left, top, right: end(x, width), bottom: end(y, height) };
     let hits = Search::of(frame, settings, scissor).run();
     hits.faults.into_iter().find(|fault| (fault.x, fault.y) == (x, y))
+}
+
+/// Finds the fault along an open seam of the scene at a pixel of the picture that was drawn.
+pub(super) fn seam_fault_at(
+    scene: &Scene,
+    recipe: &Recipe,
+    frame: &Frame,
+    seams: &Seams,
+    (x, y): (u32, u32),
+) -> Option<Fault> {
+    seams::faults(scene, recipe, frame, seams, Scissor::pixel(x, y)).into_iter().next()
 }
 
 /// Published rasterizers move an outline no farther than past so many samples.
@@ -209,7 +256,7 @@ impl<'a> Search<'a> {
                 Some(self.fault(difference, sharing))
             })
             .collect();
-        Hits { counts, elsewhere: differences.len() - faults.len(), faults }
+        Hits { counts, elsewhere: differences.len() - faults.len(), faults, mesh: None }
     }
 
     fn count(&self, way: Way) -> Image<u32> {
@@ -341,6 +388,6 @@ impl<'a> Search<'a> {
         let id = |index: usize| self.triangles[index].id;
         let ids = |indices: &[usize]| indices.iter().copied().map(id).collect();
         let (hit_by, due) = (ids(&difference.drawn), ids(&difference.due));
-        Fault { x, y, kind: difference.kind(), hit_by, due, sharing: sharing.map(id) }
+        Fault { x, y, kind: difference.kind(), hit_by, due, sharing: sharing.map(id), junction: None }
     }
 }

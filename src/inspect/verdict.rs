@@ -137,6 +137,13 @@ fn fault_verdict(fault: &Fault, settings: &Settings) -> String {
     let [one, other] = fault.sharing.map(|id| id.0);
     let (hits, due) = (fault.hit_by.len(), fault.due.len());
     let cause = cause(settings);
+    if let Some(junction) = fault.junction {
+        let gap = match fault.kind {
+            FaultKind::Crack => format!("A crack: no triangle covers the gap between triangles {one} and {other} here"),
+            FaultKind::DoubleHit => format!("Hit twice: triangles {one} and {other} overlap here"),
+        };
+        return format!("{gap}. {}.", junction.text());
+    }
     match (fault.kind, hits) {
         (FaultKind::DoubleHit, _) => {
             let count = match (hits, due) {
@@ -247,7 +254,15 @@ mod tests {
     fn a_fault_is_told_with_its_triangles_and_its_cause() {
         let fault = |kind, hit_by: &[u32], due: &[u32], sharing: [u32; 2]| {
             let ids = |list: &[u32]| list.iter().copied().map(TriangleId).collect();
-            Fault { x: 0, y: 0, kind, hit_by: ids(hit_by), due: ids(due), sharing: sharing.map(TriangleId) }
+            Fault {
+                x: 0,
+                y: 0,
+                kind,
+                hit_by: ids(hit_by),
+                due: ids(due),
+                sharing: sharing.map(TriangleId),
+                junction: None,
+            }
         };
         let by_rule = |fill_rule| Settings { fill_rule, ..Settings::default() };
         let double = fault(FaultKind::DoubleHit, &[3, 4], &[3], [4, 3]);
@@ -272,6 +287,36 @@ mod tests {
             fault_verdict(&behind, &published),
             "A crack: 1 instead of 2 triangles cover this pixel, triangle 5 is missing; it shares an edge here with \
              triangle 6 and the rasterizer is “Scanline (as published)”."
+        );
+    }
+
+    #[test]
+    fn a_fault_at_an_open_seam_names_the_vertex_and_the_edge() {
+        use crate::scene::seams::{Corner, Junction, JunctionKind, TriangleEdge};
+        let fault = |kind, junction_kind| Fault {
+            x: 0,
+            y: 0,
+            kind,
+            hit_by: Vec::new(),
+            due: vec![TriangleId(0)],
+            sharing: [0, 7].map(TriangleId),
+            junction: Some(Junction {
+                kind: junction_kind,
+                vertex: Corner { triangle: TriangleId(7), corner: 1 },
+                edge: TriangleEdge { triangle: TriangleId(0), opposite: 2 },
+                distance: 4e-7,
+            }),
+        };
+        assert_eq!(
+            fault_verdict(&fault(FaultKind::Crack, JunctionKind::TJunction), &Settings::default()),
+            "A crack: no triangle covers the gap between triangles 0 and 7 here. T-junction: v1 of triangle 7 lies within \
+             the edge of triangle 0 opposite to v2, 4.00e-7 off it, and is no vertex of that triangle, so the two sides are \
+             rounded apart."
+        );
+        assert_eq!(
+            fault_verdict(&fault(FaultKind::DoubleHit, JunctionKind::Unwelded), &Settings::default()),
+            "Hit twice: triangles 0 and 7 overlap here. Unwelded vertex: v1 of triangle 7 lies 4.00e-7 from an end of the \
+             edge of triangle 0 opposite to v2, and is not the same vertex, so the two sides do not meet."
         );
     }
 

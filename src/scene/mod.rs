@@ -26,6 +26,8 @@ mod mips;
 
 pub mod obj;
 
+pub mod seams;
+
 pub mod source;
 
 pub mod texture;

@@ -5,9 +5,11 @@
 //! of its own, so screenshots and tests call it directly; [`super::worker`] puts it on a thread.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::look::{self, Look, Looked, Slow, Source};
 use super::scrub::reel::{Reel, timeline_of};
+use super::seam_search::SeamSearch;
 use crate::chain::{self, Frame, KeepDepth, Recipe, Renderer};
 use crate::image::{Image, Rgba8};
 use crate::inspect::bad_fragments::BadFragments;
@@ -21,6 +23,7 @@ use crate::pipeline::Until;
 use crate::pipeline::observe::Counters;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
+use crate::scene::seams::Seams;
 use crate::scene::{Camera, Scene};
 
 /// What the canvas shows of a frame.
@@ -98,6 +101,12 @@ impl Request {
         self.triangle_limit.map(|triangles| Moment { triangles, fragments: self.fragment_limit })
     }
 
+    /// Whether anything shows the open seams of the scene.
+    fn reads_seams(&self) -> bool {
+        let has_layer = self.look.layers.iter().any(|layer| layer.overlay.reads_seams());
+        self.shown == Shown::Buffer(Buffer::Hits) || self.pick.is_some() || has_layer
+    }
+
     /// Whether the frames of both, with all of their triangles, are the same.
     pub fn same_complete_frame(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene)
@@ -148,11 +157,16 @@ impl View {
     }
 }
 
+/// Longest wait for the open seams of a scene before an answer without them, once the frame is on screen: a newer request
+/// waits no longer.
+const SEAMS_WAIT: Duration = Duration::from_millis(50);
+
 /// Renders requests.
 #[derive(Debug, Default)]
 pub struct Engine {
     last: Option<View>,
     renderer: Renderer,
+    seams: SeamSearch,
     survey: Surveyed,
     reel: Option<Reel>,
 }
@@ -178,17 +192,25 @@ impl Engine {
                 (Arc::new(frame), rasterized, None, None, None)
             }
         };
+        // Whoever asks for the same again has seen the rest.
+        let is_asked_again = kept.as_ref().is_some_and(|(before, _)| before.same_view(&request));
+        let patience = if is_asked_again { SEAMS_WAIT } else { Duration::ZERO };
+        let reads_seams = request.reads_seams();
+        let seams = reads_seams.then(|| self.seams.seams(&request.scene, patience)).flatten();
         let captured = needed_capture(&request, &frame, kept_captured);
-        let buffers = needed_buffers(&request, &frame, kept_buffers);
-        let looked = {
+        let had_seams = kept_buffers.as_deref().is_none_or(|buffers| !buffers.misses_seams());
+        let buffers = needed_buffers(&request, &frame, kept_buffers, seams.as_deref());
+        // A picture of hits that were counted before the seams were known lacks their faults.
+        let kept = kept.filter(|_| had_seams || buffers.as_deref().is_some_and(Buffers::misses_seams));
+        let mut looked = {
             let (buffers, captured) = (buffers.as_deref(), captured.as_deref());
-            // Whoever asks for the same again has seen the rest.
-            let is_asked_again = kept.as_ref().is_some_and(|(before, _)| before.same_view(&request));
             let slow = if is_asked_again { Slow::Made } else { Slow::Postponed };
-            look::look(&request, Source { frame: &frame, buffers, captured, stage: None }, kept, slow)
+            let source = Source { frame: &frame, buffers, captured, stage: None, seams: seams.as_deref() };
+            look::look(&request, source, kept, slow)
         };
+        looked.is_unfinished |= reads_seams && seams.is_none();
         let report = request.pick.and_then(|pick| {
-            let survey = self.survey.of(&request, &frame);
+            let survey = self.survey.of(&request, &frame, seams.as_ref());
             explain(&request.scene, &request.recipe, &frame, survey, pick).map(Arc::new)
         });
         let (picture, range) = (looked.picture.clone(), looked.range);
@@ -214,25 +236,37 @@ impl Engine {
 struct Surveyed(Option<(Arc<Scene>, Recipe, Survey)>);
 
 impl Surveyed {
-    fn of(&mut self, request: &Request, frame: &Frame) -> &Survey {
+    fn of(&mut self, request: &Request, frame: &Frame, seams: Option<&Arc<Seams>>) -> &Survey {
         let Request { scene, recipe, .. } = request;
         self.0.take_if(|(of, by, survey)| !Arc::ptr_eq(of, scene) || by != recipe || !survey.fits(recipe, frame));
         let make = || (scene.clone(), *recipe, Survey::of(scene, recipe, frame));
-        &self.0.get_or_insert_with(make).2
+        let survey = &mut self.0.get_or_insert_with(make).2;
+        if let Some(seams) = seams {
+            survey.set_seams(seams.clone());
+        }
+        survey
     }
 }
 
 /// The quantities that are shown, if any are: those of the last answer as far as they suffice.
-fn needed_buffers(request: &Request, frame: &Frame, kept: Option<Arc<Buffers>>) -> Option<Arc<Buffers>> {
+fn needed_buffers(
+    request: &Request,
+    frame: &Frame,
+    kept: Option<Arc<Buffers>>,
+    seams: Option<&Seams>,
+) -> Option<Arc<Buffers>> {
     let (Request { scene, recipe, .. }, Shown::Buffer(buffer)) = (request, request.shown) else { return None };
-    match (buffer, kept) {
-        (Buffer::Color | Buffer::Depth, _) => None,
-        (Buffer::Hits, Some(kept)) if kept.hits.is_none() => {
-            Some(Arc::new(Arc::unwrap_or_clone(kept).completed_for(buffer, recipe, frame)))
-        }
-        (_, Some(kept)) => Some(kept),
-        (_, None) => Some(Arc::new(capture(scene, recipe, frame).completed_for(buffer, recipe, frame))),
+    if matches!(buffer, Buffer::Color | Buffer::Depth) {
+        return None;
     }
+    let mut buffers = kept.unwrap_or_else(|| Arc::new(capture(scene, recipe, frame)));
+    if buffer == Buffer::Hits && buffers.hits.is_none() {
+        buffers = Arc::new(Arc::unwrap_or_clone(buffers).completed_for(buffer, recipe, frame));
+    }
+    if let Some(seams) = seams.filter(|_| buffers.misses_seams()) {
+        buffers = Arc::new(Arc::unwrap_or_clone(buffers).with_seams(scene, recipe, frame, seams));
+    }
+    Some(buffers)
 }
 
 /// The number of every sample that is shown, if one is: that of the last answer if it is the same.

@@ -8,10 +8,12 @@ use super::theme::{Icon, RADIUS, ROW_HEIGHT, space, tokens};
 use super::widgets::{Status, chip, icon_button, swatch};
 use crate::inspect::view::fault_color;
 use crate::inspect::{FaultKind, Hits};
+use crate::scene::seams::SeamCounts;
 
 /// Draws the card that stands on the legend's frame.
 pub fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Command>) {
-    let rows = if hits.elsewhere > 0 { 3.0 } else { 2.0 };
+    let seams = seams_text(hits);
+    let rows = 2.0 + f32::from(hits.elsewhere > 0) + f32::from(seams.is_some());
     let height = rows * ROW_HEIGHT + 2.0 * space::XS;
     let bottom = legend.top() - space::XS;
     let card = Rect::from_min_max(pos2(legend.left(), bottom - height), pos2(legend.right(), bottom));
@@ -31,7 +33,23 @@ pub fn ui(ui: &mut Ui, legend: Rect, hits: &Hits, commands: &mut Vec<Command>) {
             ui.label(RichText::new(text).small().color(tokens(ui).text_weak)).on_hover_text(help);
         });
     }
+    if let Some(text) = seams {
+        row(&mut column, &mut |ui| {
+            let help = "T-junctions are vertices within the open edge of another triangle; unwelded vertices lie close together \
+                        without being the same. Along both, surfaces may come apart. The overlay “T-junctions” marks them.";
+            ui.label(RichText::new(&text).small().color(tokens(ui).text_weak)).on_hover_text(help);
+        });
+    }
     row(&mut column, &mut |ui| steps(ui, hits, commands));
+}
+
+/// T-junctions and unwelded vertices of the scene in words; `None` if it has none.
+fn seams_text(hits: &Hits) -> Option<String> {
+    match hits.mesh {
+        None => Some("Searching for T-junctions…".to_owned()),
+        Some(counts) if counts == SeamCounts::default() => None,
+        Some(counts) => Some(format!("Mesh: {}", counts.text())),
+    }
 }
 
 /// Both numbers: as a success if both are zero, else each beside the colour that marks its pixels.

@@ -15,6 +15,7 @@ use crate::inspect::overlays::{Context, Sheet, compose};
 use crate::inspect::stages;
 use crate::inspect::view::{Range, Value, value};
 use crate::measure::region::Region;
+use crate::scene::seams::Seams;
 
 /// How a quantity is shown, and which figures of it are wanted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -79,6 +80,8 @@ pub struct Source<'a> {
     pub captured: Option<&'a Captured>,
     /// The picture after a stage, if such a picture is shown.
     pub stage: Option<&'a Image<Rgba8>>,
+    /// Open seams of the scene, if something reads them and they are known.
+    pub seams: Option<&'a Seams>,
 }
 
 impl Source<'_> {
@@ -150,6 +153,7 @@ pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked
         frame,
         is_whole: request.triangle_limit.is_none(),
         watched: &watched,
+        seams: source.seams,
         shown: &value,
         range,
     };
@@ -159,7 +163,8 @@ pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked
         if let Some(known) = made.iter().find(|sheet| sheet.overlay == layer.overlay) {
             return known.clone();
         }
-        if slow == Slow::Postponed && layer.overlay.is_slow() {
+        let waits_for_seams = layer.overlay.reads_seams() && source.seams.is_none();
+        if waits_for_seams || slow == Slow::Postponed && layer.overlay.is_slow() {
             is_unfinished = true;
             return Arc::new(layer.overlay.unmade(&context));
         }
@@ -197,7 +202,7 @@ impl View {
     /// The exact value that is shown at a pixel inside the picture, whatever colours stand for it.
     pub fn value(&self, x: u32, y: u32) -> Value {
         let (buffers, stage) = (self.buffers.as_deref(), self.looked.stage.as_deref());
-        Source { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage }.value(
+        Source { frame: &self.frame, buffers, captured: self.captured.as_deref(), stage, seams: None }.value(
             self.request.shown,
             x,
             y,

@@ -16,6 +16,8 @@ pub mod fates;
 
 pub mod scrub;
 
+mod seam_search;
+
 pub mod theme;
 
 pub mod format;

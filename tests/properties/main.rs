@@ -8,6 +8,7 @@ mod coverage;
 mod depth;
 mod hits;
 mod interpolation;
+mod junctions;
 mod robustness;
 mod switches;
 mod transparency;

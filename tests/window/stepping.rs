@@ -2,9 +2,14 @@
 
 use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
+use glam::Vec3;
+use rasterscope::inspect::overlays::Overlay;
 use rasterscope::inspect::{Buffer, Stage, stages};
 use rasterscope::pipeline::settings::{Choice as _, FillRule};
+use rasterscope::scene::Camera;
+use rasterscope::ui::command::Command;
 use rasterscope::ui::engine::Shown;
+use rasterscope::ui::overlays::Change;
 
 use crate::bench::Bench;
 
@@ -76,6 +81,37 @@ fn faults_are_counted_stepped_through_and_explained() {
     bench.session_mut().pick = None;
     bench.click_at(middle);
     assert_eq!(bench.session().pick, places.last().copied());
+}
+
+#[test]
+fn j_goes_to_the_pixels_that_t_junctions_open_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("t.obj");
+    // A triangle over an edge, and below it two that meet in a vertex a little off that edge.
+    let model = "v -1 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0.1 -0.0002 0\nf 1 2 3\nf 5 1 4\nf 2 5 4\n";
+    std::fs::write(&path, model).unwrap();
+    let mut bench = Bench::small("shared-edges");
+    bench.drop_file(&path);
+    // Not level, as the gap between two rows of centres would show nothing.
+    let camera = Camera::look_at(Vec3::new(0.1, 0.02, 0.2), Vec3::new(0.1, 0.0, 0.0));
+    bench.session_mut().state.camera = Camera { up: Vec3::new(0.2, 1.0, 0.0), ..camera };
+    bench.rest();
+    bench.press(Key::J);
+    let hits = bench.view().buffers.as_ref().and_then(|buffers| buffers.hits.clone()).expect("hits are counted");
+    assert!(hits.faults.len() > 3 && bench.says("Mesh: 1 T-junction · 0 unwelded vertices"));
+    for fault in &hits.faults[..2] {
+        bench.press(Key::J);
+        assert_eq!(bench.session().pick, Some((fault.x, fault.y)));
+        assert!(bench.mentions("A crack: no triangle covers the gap between triangles 0 and "));
+        assert!(bench.mentions("T-junction: v"));
+    }
+    // The overlay leads to the vertex itself.
+    bench.session_mut().apply(Command::Overlays(Change::Toggle(Overlay::Junctions)));
+    bench.rest();
+    bench.press(Key::J);
+    let sheet = bench.view().looked.sheets[0].clone();
+    assert_eq!(bench.session().pick, sheet.beside(None, true));
+    assert_eq!(sheet.beside(None, true), sheet.beside(None, false), "there is one");
 }
 
 #[test]

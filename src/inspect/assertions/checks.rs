@@ -63,6 +63,8 @@ pub(super) enum Check {
     Pass(fn(&Pass<'_>) -> Verdict),
     Shaded(fn(&Shaded<'_>) -> Option<Verdict>),
     Blend(fn(&Blend) -> Verdict),
+    /// About no fragment: checked once, after all of them.
+    Mesh,
 }
 
 impl Check {
@@ -79,6 +81,7 @@ impl Check {
             Assertion::Attributes => Self::Shaded(|shaded| Some(attributes(shaded))),
             Assertion::BlendOrder => Self::Blend(blend_order),
             Assertion::Normal => Self::Shaded(normal),
+            Assertion::Junctions => Self::Mesh,
         }
     }
 }

@@ -8,6 +8,8 @@ mod checks;
 
 mod exact;
 
+mod junctions;
+
 mod watch;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,10 +24,11 @@ use crate::pipeline::settings::{Choice, choice};
 use crate::pipeline::triangle_list::box_around;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
 use crate::pipeline::{Extent, Until, draw};
+use crate::scene::seams::Seams;
 use crate::scene::{Scene, TriangleId};
 
 choice! {
-    /// A property that every fragment should have.
+    /// A property that every fragment should have, or every vertex of a border.
     Assertion {
         Owner = "owner", "Owner is exact", "The triangle that a sample was given to contains its centre, by exact arithmetic and a fill rule that draws shared edges once.";
         EdgeSum = "edge-sum", "Edges sum to the area", "The three edge values sum to the doubled area: exactly in fixed point, within 4 roundings of an f64 otherwise.";
@@ -37,6 +40,7 @@ choice! {
         Attributes = "attributes", "Attributes finite", "Texture coordinates, normal, vertex colour and light are neither NaN nor infinite.";
         BlendOrder = "blend-order", "Blended from far to near", "What is blended over another blended fragment is not farther than it, by the stored depths.";
         Normal = "normal", "Normal there", "A fragment that is lit has a normal to be lit by.";
+        Junctions = "t-junctions", "No T-junctions", "No vertex in the picture lies within the open edge of another triangle, or close to another vertex without being the same.";
     }
 }
 
@@ -58,11 +62,11 @@ pub struct Violation {
 pub struct Finding {
     /// Which.
     pub assertion: Assertion,
-    /// Fragments that it was checked on.
+    /// Fragments, or vertices of open edges, that it was checked on.
     pub checked: u64,
-    /// Fragments that violate it.
+    /// How many of them violate it.
     pub violated: u64,
-    /// The first of them in drawing order.
+    /// The first of them in drawing order; of T-junctions the first pixel in reading order that one leaves open, if one does.
     pub first: Option<Violation>,
 }
 
@@ -138,7 +142,11 @@ pub fn check(
         }
         next = count;
     }
-    Some(watch.report())
+    let mut report = watch.report();
+    if let Some(finding) = report.findings.iter_mut().find(|finding| finding.assertion == Assertion::Junctions) {
+        *finding = junctions::check(scene, recipe, frame, &Seams::find(scene, stop)?);
+    }
+    Some(report)
 }
 
 /// Returns how many of the triangles are drawn at once, from the first; none only of none.

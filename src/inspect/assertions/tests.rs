@@ -1,7 +1,11 @@
 use super::*;
+use glam::{Mat4, Vec3};
+
 use crate::chain::run;
+use crate::inspect::hits::Hits;
 use crate::pipeline::viewport::Viewport;
-use crate::scene::builtin;
+use crate::scene::seams::{Seams, tests as seams};
+use crate::scene::{Camera, Projection, builtin};
 
 const VIEW: Viewport = Viewport { width: 64, height: 40 };
 
@@ -23,7 +27,7 @@ fn all_hold_on_the_built_in_scenes_but_for_the_one_without_normals() {
         } else {
             assert!(report.holds(), "{}: {:#?}", builtin.id, violated().collect::<Vec<_>>());
         }
-        let may_be_idle = [Assertion::DepthPass, Assertion::BlendOrder];
+        let may_be_idle = [Assertion::DepthPass, Assertion::BlendOrder, Assertion::Junctions];
         assert!(report.findings.iter().all(|f| f.checked > 0 || may_be_idle.contains(&f.assertion)), "{}", builtin.id);
     }
 }
@@ -70,7 +74,43 @@ fn each_is_violated_by_something_that_is_wrong_on_purpose() {
         assert!(first.x < VIEW.width && first.y < VIEW.height && !first.text.is_empty(), "{first:?}");
     }
     let tried: Vec<_> = wrong.iter().map(|(assertion, ..)| *assertion).collect();
-    assert!(Assertion::ALL.iter().all(|assertion| tried.contains(assertion)));
+    // No built-in scene has T-junctions.
+    assert!(Assertion::ALL.iter().all(|a| tried.contains(a) || *a == Assertion::Junctions));
+}
+
+#[test]
+fn t_junctions_in_the_picture_are_counted_and_the_first_pixel_that_one_opens_is_named() {
+    let (mut positions, triangles) = seams::fan(&[-0.7, -0.61, -0.3, 0.11, 0.27, 0.5]);
+    positions[4..].iter_mut().for_each(|at| at.y = -2e-4);
+    let mut scene = seams::scene(&[(positions, triangles)], Mat4::from_rotation_z(0.3));
+    let recipe = Recipe::default();
+    let found = |scene: &Scene, width: u32| {
+        let frame = run(scene, &scene.home, &recipe, Viewport { width, height: 100 }, &mut ());
+        let found = check(scene, &recipe, &frame, &[Assertion::Junctions], &|_| {}, &AtomicBool::new(false));
+        let hits = Hits::of(&frame, &recipe.pipeline).with_seams(scene, &recipe, &frame, &Seams::of(scene));
+        (found.unwrap().findings.remove(0), hits.faults)
+    };
+    scene.home = Camera::look_at(Vec3::new(0.2, 0.1, 3.0), Vec3::ZERO);
+    let (finding, _) = found(&scene, 120);
+    // Besides the six there are the four corners of the outline.
+    assert_eq!((finding.checked, finding.violated), (10, 6));
+    let first = finding.first.unwrap();
+    assert!(first.text.starts_with("T-junction: v") && first.triangle == TriangleId(0), "{first:?}");
+    // So close that the gap is a tenth of a pixel wide, the first pixel in it is named.
+    let far = scene.home;
+    scene.home.target = Vec3::new(0.02, 0.005, 0.0);
+    scene.home.projection = Projection::Orthographic { height: 0.2 };
+    let (finding, faults) = found(&scene, 160);
+    let (first, fault) = (finding.first.unwrap(), &faults[0]);
+    assert_eq!((first.x, first.y), (fault.x, fault.y));
+    assert!(faults.len() > 3 && first.text.starts_with("T-junction: v"), "{first:?}");
+    scene.home = far;
+    // Out of the picture, or culled, they are no fault of the frame.
+    scene.home.target = Vec3::new(9.0, 0.0, 3.0);
+    let finding = found(&scene, 100).0;
+    assert_eq!((finding.checked, finding.violated, finding.first), (0, 0, None));
+    scene.home = Camera::look_at(Vec3::new(0.2, 0.1, -3.0), Vec3::ZERO);
+    assert_eq!(found(&scene, 100).0.violated, 0);
 }
 
 #[test]

@@ -19,6 +19,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::depth::DepthRecord;
+use super::hits::seam_fault_at;
 use super::pixel::{FragmentRecord, PixelReport, replayed};
 use super::verdict::verdict;
 use crate::chain::{Frame, Recipe};
@@ -145,6 +146,10 @@ pub fn explain(
     (x, y): (u32, u32),
 ) -> Option<PixelReport> {
     let mut report = replayed(scene, recipe, frame, x, y)?;
+    if report.fault.is_none() && frame.is_drawn(x, y) {
+        report.fault =
+            survey.seams().and_then(|seams| seam_fault_at(scene, recipe, frame, seams, report.drawn_at.into()));
+    }
     let there: BTreeSet<TriangleId> = report.fragments.iter().map(|fragment| fragment.triangle).collect();
     let drawn_at = (report.drawn_at[0], report.drawn_at[1]);
     report.absent = survey.dropped_at(scene, recipe, frame, drawn_at);

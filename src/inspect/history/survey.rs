@@ -4,6 +4,8 @@
 //! The stages are called once more, by the matrices, plans and arithmetic of the frame itself, on all threads. For 100 000
 //! triangles some 5 MB are kept. Another pixel and an earlier moment of the same frame need no other survey.
 
+use std::sync::Arc;
+
 use glam::{DVec2, Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -20,6 +22,7 @@ use crate::pipeline::raster::{Scissor, Span, cover_within, doubled_area};
 use crate::pipeline::settings::{Choice as _, Culling, Settings};
 use crate::pipeline::vertex::{ClipVertex, DrawMatrices};
 use crate::pipeline::viewport::Viewport;
+use crate::scene::seams::Seams;
 use crate::scene::{Camera, Projection, Scene, TriangleId};
 
 /// Snapping moves each corner by at most 1/512 px along each axis: a sliver that covered a pixel's centre before lies no
@@ -35,6 +38,8 @@ pub struct Survey {
     found: Found,
     camera: Camera,
     raster: Viewport,
+    /// Open seams of the scene, once they are known.
+    seams: Option<Arc<Seams>>,
 }
 
 /// What was found, in the order of the triangles.
@@ -198,7 +203,7 @@ impl Survey {
         for (index, first) in scene.first_triangles().into_iter().enumerate() {
             found.append(Draw::new(scene, recipe, frame, &camera, index, first).found());
         }
-        Self { found, camera, raster: frame.raster }
+        Self { found, camera, raster: frame.raster, seams: None }
     }
 
     /// Whether it is of a frame, too, that the same recipe made of the same scene: of the same view, all of it or a moment.
@@ -223,6 +228,16 @@ impl Survey {
             }
         }
         counts
+    }
+
+    /// Adds the open seams of the scene, so that cracks at T-junctions and unwelded vertices are explained, too.
+    pub fn set_seams(&mut self, seams: Arc<Seams>) {
+        self.seams = Some(seams);
+    }
+
+    /// The open seams of the scene, if they are known.
+    pub(super) fn seams(&self) -> Option<&Seams> {
+        self.seams.as_deref()
     }
 
     /// The triangles that ended before the rasterizer and would have been at a drawn pixel, and those that are nowhere.

@@ -1,10 +1,11 @@
-//! Cracks and double hits along shared edges.
+//! Cracks and double hits along shared edges and open seams.
 
 use super::sheet::{Key, Kind, Sheet, Total};
 use super::{Context, Overlay};
 use crate::image::Image;
 use crate::inspect::hits::{FaultKind, Hits};
 use crate::inspect::view::{CRACK, DOUBLE_HIT};
+use crate::scene::seams::JunctionKind;
 
 const FAULTS: [Kind; 2] = [
     Kind { name: "crack", color: CRACK, striped: false },
@@ -14,7 +15,12 @@ const FAULTS: [Kind; 2] = [
 /// The faults of a frame.
 pub(super) fn faults(context: &Context<'_>) -> Sheet {
     let (width, height) = context.frame.image().size();
-    let hits = Hits::of(context.frame, &context.recipe.pipeline);
+    let Context { scene, recipe, frame, .. } = context;
+    let hits = Hits::of(frame, &recipe.pipeline);
+    let hits = match context.seams {
+        Some(seams) => hits.with_seams(scene, recipe, frame, seams),
+        None => hits,
+    };
     let mut values = Image::filled(width, height, f32::NAN);
     for fault in hits.faults.iter().filter(|fault| fault.x < width && fault.y < height) {
         values.set(fault.x, fault.y, if fault.kind == FaultKind::Crack { 0.0 } else { 1.0 });
@@ -22,6 +28,8 @@ pub(super) fn faults(context: &Context<'_>) -> Sheet {
     let totals = vec![
         Total { name: "crack", number: hits.count(FaultKind::Crack) as f64, unit: "px" },
         Total { name: "double hit", number: hits.count(FaultKind::DoubleHit) as f64, unit: "px" },
+        Total { name: "at T-junctions", number: hits.count_at(JunctionKind::TJunction) as f64, unit: "px" },
+        Total { name: "at unwelded vertices", number: hits.count_at(JunctionKind::Unwelded) as f64, unit: "px" },
         Total { name: "wrong elsewhere", number: hits.elsewhere as f64, unit: "px" },
     ];
     Sheet::new(Overlay::Faults, values, Key::Kinds(&FAULTS), totals)

@@ -20,6 +20,8 @@ mod faults;
 
 mod fragments;
 
+mod junctions;
+
 mod layer;
 
 pub mod sheet;
@@ -46,6 +48,7 @@ use crate::scene::Scene;
 choice! {
     /// What is laid over the picture.
     Overlay {
+use crate::scene::seams::Seams;
         Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles where projection put them, before corners were snapped; light on dark and dark on light.";
         SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "The same edges between the corners that the rasterizer works with, snapped to 1/256 px in fixed point.";
         Facing = "facing", "Facing", "Whether the triangle that is seen shows its front or its back.";
@@ -58,7 +61,8 @@ choice! {
         Sliver = "sliver", "Slivers", "Least height of the triangle that is seen, in px: thin ones are where rounding decides.";
         TexelDensity = "texel-density", "Texel density", "Texels per pixel along a side: above 1 texels are skipped, below 1 they are enlarged.";
         AlphaBleed = "alpha-bleed", "Colour bleeding", "Codes by which colour differs from what premultiplied filtering gives: straight filtering takes colour from texels with alpha 0.";
-        Faults = "faults", "Cracks and double hits", "Pixels along shared edges that no triangle draws, or two do, without depth test.";
+        Faults = "faults", "Cracks and double hits", "Pixels along shared edges, and at T-junctions, that no triangle draws, or two do, without depth test.";
+        Junctions = "t-junctions", "T-junctions", "Vertices within the open edge of another triangle, and vertices that lie close together without being the same.";
         BadNumbers = "bad-numbers", "NaN, infinite, negative", "Values of the shown quantity that are not a number, not finite, or below zero.";
         Clipped = "clipped", "Clipped", "Values of the shown quantity beyond the ends of its range; codes of colours at 0 and 255, too.";
         ExactOwner = "exact-owner", "Owner against exact", "Pixels that show another triangle than exact arithmetic on unsnapped corners would: missing where only that one draws, extra where only this frame does.";
@@ -85,6 +89,8 @@ pub struct Context<'a> {
     pub range: Option<Range>,
 }
 
+    /// Open seams of the scene; none while they are searched for.
+    pub seams: Option<&'a Seams>,
 impl Context<'_> {
     /// What was seen while the frame was drawn once more.
     pub fn watched(&self) -> &Watched {
@@ -119,17 +125,22 @@ impl Overlay {
     }
 
     /// Whether it may take longer than a frame should: the scene is drawn once more by slower arithmetic.
+            | Self::Junctions
     pub fn is_slow(self) -> bool {
         self == Self::ExactOwner
     }
 
     /// What stands for it while it is being made.
     pub fn unmade(self, context: &Context<'_>) -> Sheet {
-        let why = "not yet, as the scene is still being drawn once more with exact arithmetic";
+        let why = if self.reads_seams() {
+            "not yet, as the open edges of the scene are still being searched for T-junctions"
+        } else {
+            "not yet, as the scene is still being drawn once more with exact arithmetic"
+        };
         Sheet::absent(self, context.frame.image().size(), why)
     }
 
-    /// Makes it for a frame.
+    /// Makes it for a frame, as it is at first.
     pub fn sheet(self, context: &Context<'_>) -> Sheet {
         match self {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),
@@ -153,3 +164,4 @@ impl Overlay {
 
 #[cfg(test)]
 mod tests;
+            Self::Junctions => junctions::junctions(context),

@@ -12,6 +12,7 @@ use crate::pipeline::tiled::TILE_SIDE;
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::wireframe::edge_pixels;
 use crate::scene::builtin;
+use crate::scene::seams::{self, Seams};
 use std::sync::Arc;
 
 struct Bench {
@@ -34,12 +35,22 @@ impl Bench {
     }
 
     fn sheet_over(&self, overlay: Overlay, range: Option<Range>, shown: &dyn Fn(u32, u32) -> Value) -> Sheet {
-        overlay.sheet(&Context {
+        overlay.sheet(&self.context(range, shown, &Seams::of(&self.scene)))
+    }
+
+    fn context<'a>(
+        &'a self,
+        range: Option<Range>,
+        shown: &'a dyn Fn(u32, u32) -> Value,
+        seams: &'a Seams,
+    ) -> Context<'a> {
+        Context {
             scene: &self.scene,
             recipe: &self.recipe,
             frame: &self.frame,
             is_whole: true,
             watched: &self.watched,
+            seams: Some(seams),
             shown,
             range,
         })

@@ -92,7 +92,14 @@ impl Overlays {
 
     /// The overlay whose pixels are stepped through: the uppermost of those that mark faults.
     pub fn stepped(&self) -> Option<Overlay> {
-        let faults = [Overlay::Faults, Overlay::BadNumbers, Overlay::Clipped, Overlay::ExactOwner, Overlay::BlendOrder];
+        let faults = [
+            Overlay::Faults,
+            Overlay::Junctions,
+            Overlay::BadNumbers,
+            Overlay::Clipped,
+            Overlay::ExactOwner,
+            Overlay::BlendOrder,
+        ];
         self.layers.iter().rev().map(|layer| layer.overlay).find(|overlay| faults.contains(overlay))
     }
 

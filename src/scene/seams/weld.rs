@@ -1,0 +1,166 @@
+//! All triangles of a scene over vertices that are the same where their positions in world space are the same bits.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::{Corner, TriangleEdge};
+use crate::scene::{Scene, TriangleId};
+
+/// Stands for a vertex whose position is not finite.
+const NOT_FINITE: u32 = u32::MAX;
+
+/// An edge of a triangle, by its welded vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge {
+    /// Its ends, the lower number first.
+    pub(super) ends: [u32; 2],
+    /// The third vertex of its triangle.
+    pub(super) opposite: u32,
+    /// The triangle.
+    pub(super) triangle: TriangleId,
+    /// The corner that the third vertex is, and whether the triangle lists the end with the higher number first.
+    corner: u8,
+    is_flipped: bool,
+}
+
+impl Edge {
+    /// The edge of the triangle.
+    pub(super) fn of_triangle(&self) -> TriangleEdge {
+        TriangleEdge { triangle: self.triangle, opposite: self.corner }
+    }
+
+    /// The end that is not `end`.
+    pub(super) fn other_end(&self, end: u32) -> u32 {
+        if self.ends[0] == end { self.ends[1] } else { self.ends[0] }
+    }
+
+    /// The corner of the triangle that one of its ends is.
+    pub(super) fn corner_of(&self, end: u32) -> Corner {
+        let is_first = (self.ends[0] == end) != self.is_flipped;
+        Corner { triangle: self.triangle, corner: (self.corner + if is_first { 1 } else { 2 }) % 3 }
+    }
+
+    /// Whether the triangles of both edges are one, or share an edge: borders of such a pair are no seam, however thin it is.
+    pub(super) fn joins(&self, other: &Self) -> bool {
+        let corners = |edge: &Self| [edge.ends[0], edge.ends[1], edge.opposite];
+        corners(self).iter().filter(|corner| corners(other).contains(corner)).count() >= 2
+    }
+
+    fn key(&self) -> ([u32; 2], u32, TriangleId) {
+        (self.ends, self.opposite, self.triangle)
+    }
+}
+
+/// Returns whether edges with the same ends belong to one triangle, or to copies of it.
+pub(super) fn is_open(twins: &[Edge]) -> bool {
+    twins.iter().all(|edge| edge.opposite == twins[0].opposite)
+}
+
+/// The welded triangles. Those with two corners at one place, or with a corner that is not finite, are left out.
+#[derive(Debug)]
+pub(super) struct Welded {
+    /// Position of each vertex in world space.
+    pub(super) positions: Vec<DVec3>,
+    /// All edges, those with the same ends next to each other.
+    edges: Vec<Edge>,
+    /// Open edges, one for each pair of ends.
+    pub(super) open: Vec<Edge>,
+    /// Diagonal of the box around all vertices.
+    pub(super) diagonal: f64,
+    /// Largest coordinate.
+    pub(super) largest: f64,
+}
+
+impl Welded {
+    /// Welds a scene. `None` once `stop` is set.
+    pub(super) fn of(scene: &Scene, stop: &AtomicBool) -> Option<Self> {
+        let goes_on = || (!stop.load(Ordering::Relaxed)).then_some(());
+        let (numbers, positions) = welded(&placed(scene));
+        goes_on()?;
+        let mut edges = edges(scene, &numbers);
+        drop(numbers);
+        goes_on()?;
+        edges.par_sort_unstable_by_key(Edge::key);
+        goes_on()?;
+        let open =
+            edges.chunk_by(|a, b| a.ends == b.ends).filter(|twins| is_open(twins)).map(|twins| twins[0]).collect();
+        let zero = DVec3::splat(f64::INFINITY);
+        let (least, greatest) =
+            positions.iter().fold((zero, -zero), |(least, greatest), at| (at.min(least), at.max(greatest)));
+        let largest = least.abs().max(greatest.abs()).max_element();
+        Some(Self { positions, edges, open, diagonal: least.distance(greatest), largest })
+    }
+
+    /// The edges between two vertices; `None` if there is none.
+    pub(super) fn edge(&self, a: u32, b: u32) -> Option<&[Edge]> {
+        let ends = [a.min(b), a.max(b)];
+        let first = self.edges.partition_point(|edge| edge.ends < ends);
+        let count = self.edges[first..].iter().take_while(|edge| edge.ends == ends).count();
+        (count > 0).then(|| &self.edges[first..first + count])
+    }
+}
+
+/// Positions of all vertices of all instances in world space, one instance after another.
+fn placed(scene: &Scene) -> Vec<DVec3> {
+    let mut all = Vec::new();
+    for instance in &scene.instances {
+        let (mesh, world_from_model) = (scene.library.mesh(instance.mesh), instance.world_from_model.as_dmat4());
+        // Adding zero turns −0 into 0, which is the same place.
+        let place = |p: &glam::Vec3| world_from_model.transform_point3(p.as_dvec3()) + DVec3::ZERO;
+        all.par_extend(mesh.positions.par_iter().map(place));
+    }
+    all
+}
+
+/// The number of the welded vertex for each position, and the position of each welded vertex.
+fn welded(all: &[DVec3]) -> (Vec<u32>, Vec<DVec3>) {
+    let bits = |at: &DVec3| at.to_array().map(f64::to_bits);
+    let mut order: Vec<u32> = (0..all.len() as u32).collect();
+    order.par_sort_unstable_by_key(|place| (bits(&all[*place as usize]), *place));
+    let mut numbers = vec![NOT_FINITE; all.len()];
+    let mut positions = Vec::new();
+    for same in order.chunk_by(|a, b| bits(&all[*a as usize]) == bits(&all[*b as usize])) {
+        let at = all[same[0] as usize];
+        if at.is_finite() {
+            same.iter().for_each(|place| numbers[*place as usize] = positions.len() as u32);
+            positions.push(at);
+        }
+    }
+    (numbers, positions)
+}
+
+/// The edges of all triangles, in no order.
+fn edges(scene: &Scene, numbers: &[u32]) -> Vec<Edge> {
+    let mut all = Vec::new();
+    let mut first_vertex = 0;
+    for (instance, first) in scene.instances.iter().zip(scene.first_triangles()) {
+        let mesh = scene.library.mesh(instance.mesh);
+        let own = &numbers[first_vertex..first_vertex + mesh.positions.len()];
+        first_vertex += mesh.positions.len();
+        all.par_extend(mesh.triangles.par_iter().enumerate().flat_map_iter(|(place, corners)| {
+            let corners = corners.map(|corner| own[corner as usize]);
+            edges_of(TriangleId(first.0 + place as u32), corners).into_iter().flatten()
+        }));
+    }
+    all
+}
+
+/// The three edges of a triangle; `None` if it is left out.
+fn edges_of(triangle: TriangleId, corners: [u32; 3]) -> Option<[Edge; 3]> {
+    let [a, b, c] = corners;
+    if a == b || b == c || c == a || corners.contains(&NOT_FINITE) {
+        return None;
+    }
+    Some([0_u8, 1, 2].map(|corner| {
+        let [from, to] = [1, 2].map(|step| corners[(usize::from(corner) + step) % 3]);
+        Edge {
+            ends: [from.min(to), from.max(to)],
+            opposite: corners[usize::from(corner)],
+            triangle,
+            corner,
+            is_flipped: from > to,
+        }
+    }))
+}
