@@ -58,8 +58,8 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "LOOK")]
     look: Option<Display>,
 
-    /// Lay this over the picture, as strong as is said, and print its totals; may be given several times, the lowest first
-    #[arg(long, value_name = "OVERLAY[=OPACITY]", value_parser = parse::layer())]
+    /// Lay this over the picture, as strong as is said, normals as long as is said in shares of the scene's size, and print its totals; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
     overlay: Vec<Layer>,
 
     /// Also write the totals of all overlays as a table
@@ -207,7 +207,7 @@ impl Shown<'_> {
             shown: &|x, y| self.value(x, y),
             range: self.range(),
         };
-        layers.iter().map(|layer| layer.overlay.sheet(&context)).collect()
+        layers.iter().map(|layer| layer.sheet(&context)).collect()
     }
 
     /// Its exact values.

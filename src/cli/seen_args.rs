@@ -26,8 +26,8 @@ pub(crate) struct SeenArgs {
     #[arg(long, value_name = "LOOK")]
     pub(crate) look: Option<Display>,
 
-    /// Lay this over the picture, as strong as is said; may be given several times, the lowest first
-    #[arg(long, value_name = "OVERLAY[=OPACITY]", value_parser = parse::layer())]
+    /// Lay this over the picture, as strong as is said, normals as long as is said in shares of the scene's size; may be given several times, the lowest first
+    #[arg(long, value_name = "OVERLAY[=OPACITY[,length=SHARE]]", value_parser = parse::layer())]
     pub(crate) overlay: Vec<Layer>,
 
     /// Draw only the first so many of the rasterized triangles

@@ -38,6 +38,8 @@ pub mod measured;
 
 pub mod mesh_view;
 
+pub mod normals;
+
 pub mod outline;
 
 pub mod overlays;

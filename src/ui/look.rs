@@ -160,7 +160,7 @@ pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked
     made.retain(|sheet| same_colors || !sheet.overlay.reads_shown());
     let mut is_unfinished = false;
     let mut sheet = |layer: &Layer| {
-        if let Some(known) = made.iter().find(|sheet| sheet.overlay == layer.overlay) {
+        if let Some(known) = made.iter().find(|sheet| layer.is_of(sheet)) {
             return known.clone();
         }
         let waits_for_seams = layer.overlay.reads_seams() && source.seams.is_none();
@@ -168,7 +168,8 @@ pub fn look(request: &Request, source: Source<'_>, kept: Option<(Request, Looked
             is_unfinished = true;
             return Arc::new(layer.overlay.unmade(&context));
         }
-        made.push(Arc::new(layer.overlay.sheet(&context)));
+        made.retain(|sheet| sheet.overlay != layer.overlay);
+        made.push(Arc::new(layer.sheet(&context)));
         made[made.len() - 1].clone()
     };
     let sheets: Vec<Arc<Sheet>> = request.look.layers.iter().map(&mut sheet).collect();

@@ -75,3 +75,17 @@ fn the_probe_runs_and_leads_to_the_pixel_that_changed_most() {
     bench.click("Nothing");
     assert!(bench.session().probing.picture(bench.view()).is_none());
 }
+
+#[test]
+fn the_menu_of_marks_draws_normals_and_sets_their_length() {
+    let mut bench = Bench::small("triangle");
+    bench.press(Key::M);
+    assert!(!bench.session().mesh_view.normals.vertices);
+    bench.click("Marks");
+    bench.window.get_by_role_and_label(Role::CheckBox, "Vertex normals").click();
+    bench.rest();
+    bench.window.get_by_role_and_label(Role::Slider, "Length of normals").set_value_accesskit(0.2);
+    bench.rest();
+    let normals = bench.session().mesh_view.normals;
+    assert!(normals.vertices && !normals.faces && (normals.length - 0.2).abs() < 1e-3, "{normals:?}");
+}

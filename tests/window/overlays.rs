@@ -111,3 +111,24 @@ fn totals_and_exact_values_are_written_into_the_folder() {
     let at = header.len() + 4 * ((89 - 44) * 160 + 84);
     assert_eq!(bytes[at..at + 4], depth.to_le_bytes());
 }
+
+#[test]
+fn normals_have_a_length_that_the_list_changes_and_a_colour_where_pixels_are_large() {
+    let mut bench = Bench::small("triangle");
+    lay(&mut bench, Overlay::FaceNormals);
+    let sheet = |bench: &Bench| bench.view().looked.sheets[0].clone();
+    let length = |bench: &Bench| {
+        let [[ax, ay], [bx, by]] = sheet(bench).lines[0];
+        (bx - ax).hypot(by - ay)
+    };
+    let (first, before) = (length(&bench), sheet(&bench));
+    assert_eq!(before.lines.len(), 1);
+    bench.press(Key::O);
+    bench.window.get_by_role_and_label(Role::Slider, "Length of “Face normals”").set_value_accesskit(0.12);
+    bench.rest();
+    assert!(length(&bench) > 3.0 * first, "{} and {first}", length(&bench));
+    // Turned off and on again they are as at first.
+    lay(&mut bench, Overlay::FaceNormals);
+    lay(&mut bench, Overlay::FaceNormals);
+    assert_eq!(length(&bench), first);
+}

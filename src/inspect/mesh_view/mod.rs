@@ -24,7 +24,7 @@ use crate::scene::{Camera, Scene, TriangleId};
 pub use explode::{corners, exploded};
 pub use outside::{first_view, fit, with_planes};
 pub use overlay::{Kind, Look, Mark, drawn};
-pub use picture::{MeshPicture, Painting, paint, shown_at};
+pub use picture::{MeshNormals, MeshPicture, Painting, paint, shown_at};
 
 choice! {
     /// How triangles are drawn.

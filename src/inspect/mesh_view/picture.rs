@@ -5,6 +5,8 @@ use glam::Vec3;
 use super::{Inner, MeshStyle, exploded, is_triangle, met_color};
 use crate::image::{Image, Rgba8};
 use crate::inspect::fates::Met;
+use crate::inspect::normals::{DEFAULT_LENGTH, NormalKind, Projector, normal_lines, world_length};
+use crate::inspect::overlays::{FACE_NORMAL, VERTEX_NORMAL};
 use crate::inspect::selection::TriangleSelection;
 use crate::math::unit_or;
 use crate::pipeline::framebuffer::Framebuffer;
@@ -14,7 +16,7 @@ use crate::pipeline::raster::Sample;
 use crate::pipeline::settings::{Culling, DepthFormat, DepthTest, Settings, Shading};
 use crate::pipeline::shade::id_color;
 use crate::pipeline::viewport::{ScreenTriangle, Viewport};
-use crate::pipeline::wireframe::edge_pixels;
+use crate::pipeline::wireframe::{edge_pixels, line_pixels};
 use crate::pipeline::{Extent, Geometry, Until, draw, prepare};
 use crate::scene::{Camera, Scene, TriangleId};
 
@@ -68,11 +70,38 @@ pub struct Painting {
     pub selection: TriangleSelection,
     /// The colour behind everything.
     pub backdrop: [u8; 3],
+    /// Which normals are drawn.
+    pub normals: MeshNormals,
+}
+
+/// Normals that are drawn over the triangles, which do not hide them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshNormals {
+    /// Whether those of vertices are.
+    pub vertices: bool,
+    /// Whether those of triangles are.
+    pub faces: bool,
+    /// Length, as a share of the diagonal of the scene's box.
+    pub length: f32,
+}
+
+impl Default for MeshNormals {
+    fn default() -> Self {
+        Self { vertices: false, faces: false, length: DEFAULT_LENGTH }
+    }
+}
+
+impl MeshNormals {
+    /// The kinds that are drawn, each with its colour and its name.
+    pub fn kinds(&self) -> impl Iterator<Item = (NormalKind, Rgba8, &'static str)> {
+        let faces = self.faces.then_some((NormalKind::Face, FACE_NORMAL, "face normal"));
+        faces.into_iter().chain(self.vertices.then_some((NormalKind::Vertex, VERTEX_NORMAL, "vertex normal")))
+    }
 }
 
 /// Draws the scene for the second camera `outside`.
 pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, painting: &Painting) -> MeshPicture {
-    let Painting { style, apart, selection, backdrop } = painting;
+    let Painting { style, apart, selection, backdrop, normals } = painting;
     let (style, apart) = (*style, *apart);
     let moved = (apart != 0.0).then(|| exploded(scene, apart));
     let shown = moved.as_ref().unwrap_or(scene);
@@ -91,6 +120,14 @@ pub fn paint(scene: &Scene, inner: &Inner, outside: Camera, size: Viewport, pain
             let place = id.0 as usize;
             let light = lights.get(place).copied().unwrap_or(1.0) * if is_dim(*id) { DIM } else { 1.0 };
             *pixel = lit(colors.get(place).copied().unwrap_or(FLAT), light);
+        }
+    }
+    let projector = Projector::new(&outside, size);
+    for (kind, color, _) in normals.kinds() {
+        let all = (0..shown.triangle_count() as u32).map(TriangleId);
+        let found = normal_lines(shown, kind, world_length(scene, normals.length), all, &projector);
+        for [from, to] in found.lines {
+            line_pixels(from.into(), to.into(), image.size()).for_each(|(x, y)| image.set(x, y, color));
         }
     }
     MeshPicture { image, owner, camera: outside }

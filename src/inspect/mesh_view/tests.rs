@@ -1,6 +1,8 @@
 use glam::DVec3;
 
 use super::*;
+use crate::image::Image;
+use crate::inspect::overlays::{FACE_NORMAL, VERTEX_NORMAL};
 use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::settings::Culling;
 use crate::scene::{Scene, builtin};
@@ -20,7 +22,7 @@ fn outside(scene: &Scene, inner: &Inner) -> Camera {
 }
 
 fn painting(style: MeshStyle, backdrop: [u8; 3]) -> Painting {
-    Painting { style, apart: 0.0, selection: TriangleSelection::default(), backdrop }
+    Painting { style, apart: 0.0, selection: TriangleSelection::default(), backdrop, normals: MeshNormals::default() }
 }
 
 fn marks(scene: &Scene, look: &Look) -> Vec<Mark> {
@@ -170,4 +172,27 @@ fn what_is_singled_out_stays_bright() {
     for ((id, before), after) in plain.owner.pixels().iter().zip(plain.image.pixels()).zip(singled.image.pixels()) {
         assert_eq!(before == after, *id == chosen || !is_triangle(*id), "{id:?}");
     }
+}
+
+#[test]
+fn normals_are_drawn_in_their_colours_over_everything_else() {
+    let scene = scene("cubes");
+    let inner = inner(&scene);
+    let seen = outside(&scene, &inner);
+    let with = |vertices, faces, length| {
+        let normals = MeshNormals { vertices, faces, length };
+        paint(&scene, &inner, seen, SIZE, &Painting { normals, ..painting(MeshStyle::Flat, [0; 3]) }).image
+    };
+    let count = |image: &Image<Rgba8>, color| image.pixels().iter().filter(|pixel| **pixel == color).count();
+    let plain = with(false, false, 0.05);
+    for (image, own, other) in
+        [(with(true, false, 0.05), VERTEX_NORMAL, FACE_NORMAL), (with(false, true, 0.05), FACE_NORMAL, VERTEX_NORMAL)]
+    {
+        assert!(count(&image, own) > 100 && count(&image, other) == 0);
+        let pixels = image.pixels().iter().zip(plain.pixels());
+        assert!(pixels.clone().all(|(with, without)| with == without || *with == own));
+    }
+    assert!(count(&with(true, true, 0.05), VERTEX_NORMAL) > 100 && count(&with(true, true, 0.05), FACE_NORMAL) > 0);
+    assert!(count(&with(true, false, 0.2), VERTEX_NORMAL) > count(&with(true, false, 0.05), VERTEX_NORMAL));
+    assert_eq!(count(&plain, VERTEX_NORMAL) + count(&plain, FACE_NORMAL), 0);
 }

@@ -38,7 +38,7 @@ pub(super) fn wireframe(overlay: Overlay, context: &Context<'_>) -> Sheet {
 }
 
 /// Calls `sink` with every rasterized triangle on the full picture.
-fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink: impl FnMut(&ScreenTriangle)) {
+pub(super) fn each_triangle(scene: &Scene, recipe: &Recipe, frame: &Frame, sink: impl FnMut(&ScreenTriangle)) {
     match frame.sampling {
         Sampling::Grid(_) => frame.geometry.triangles.iter().for_each(sink),
         Sampling::Lattice(_) => {

@@ -4,7 +4,8 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::Overlay;
+use super::{Context, Overlay, Sheet, normals};
+use crate::inspect::normals::DEFAULT_LENGTH;
 use crate::pipeline::settings::Choice as _;
 
 /// An overlay of the stack.
@@ -15,20 +16,45 @@ pub struct Layer {
     pub overlay: Overlay,
     /// How strong, in [0, 1].
     pub opacity: f32,
+    /// Length of normals, as a share of the diagonal of the scene's box, in [0, 1]; other overlays do not use it.
+    pub length: f32,
 }
 
 impl From<Overlay> for Layer {
     /// As strong as it is at first.
     fn from(overlay: Overlay) -> Self {
-        Self { overlay, opacity: overlay.first_opacity() }
+        Self { overlay, opacity: overlay.first_opacity(), length: DEFAULT_LENGTH }
     }
 }
 
 impl Layer {
-    /// As a word of the command line: `facing`, or `facing=0.4` if it is not as strong as at first.
+    /// As a word of the command line: `facing`, or `facing=0.4` if it is not as strong as at first;
+    /// `face-normals=1,length=0.1` if normals are not as long.
     pub fn text(&self) -> String {
-        let id = self.overlay.id();
-        if self.opacity == self.overlay.first_opacity() { id.to_owned() } else { format!("{id}={}", self.opacity) }
+        let (id, opacity) = (self.overlay.id(), self.opacity);
+        match self.drawn_length().filter(|length| *length != DEFAULT_LENGTH) {
+            Some(length) => format!("{id}={opacity},length={length}"),
+            None if opacity == self.overlay.first_opacity() => id.to_owned(),
+            None => format!("{id}={opacity}"),
+        }
+    }
+
+    /// Length of normals, as a share of the diagonal of the scene's box; `None` for other overlays.
+    fn drawn_length(&self) -> Option<f32> {
+        self.overlay.has_length().then_some(self.length)
+    }
+
+    /// Whether a sheet is what the overlay of this layer makes of the sheet's frame.
+    pub fn is_of(&self, sheet: &Sheet) -> bool {
+        sheet.overlay == self.overlay && sheet.length == self.drawn_length()
+    }
+
+    /// Makes the overlay for a frame.
+    pub fn sheet(&self, context: &Context<'_>) -> Sheet {
+        match self.drawn_length() {
+            Some(length) => normals::normals(self.overlay, length, context),
+            None => self.overlay.sheet(context),
+        }
     }
 }
 
@@ -42,9 +68,16 @@ impl FromStr for Layer {
         let overlay = Overlay::ALL.iter().copied().find(|overlay| overlay.id() == id);
         let layer = Self::from(overlay.ok_or_else(|| format!("`{id}` is no overlay; there are {}", known()))?);
         let Some(opacity) = opacity else { return Ok(layer) };
-        let number = opacity.parse().ok().filter(|opacity| (0.0..=1.0).contains(opacity));
-        let opacity = number.ok_or_else(|| format!("`{opacity}` is no opacity: a number from 0 to 1"))?;
-        Ok(Self { opacity, ..layer })
+        let share = |text: &str, what: &str| {
+            let number = text.parse().ok().filter(|number| (0.0..=1.0).contains(number));
+            number.ok_or_else(|| format!("`{text}` is no {what}: a number from 0 to 1"))
+        };
+        let (opacity, length) = opacity.split_once(",length=").map_or((opacity, None), |(o, length)| (o, Some(length)));
+        if length.is_some() && !layer.overlay.has_length() {
+            return Err(format!("`{id}` has no length: only normals have one"));
+        }
+        let length = length.map_or(Ok(layer.length), |length| share(length, "length"))?;
+        Ok(Self { opacity: share(opacity, "opacity")?, length, ..layer })
     }
 }
 
@@ -70,12 +103,20 @@ mod tests {
     fn layers_are_read_as_they_are_written() {
         for overlay in Overlay::ALL {
             for opacity in [overlay.first_opacity(), 0.0, 1.0 / 3.0, 1.0] {
-                let layer = Layer { overlay: *overlay, opacity };
-                assert_eq!(layer.text().parse(), Ok(layer), "{}", layer.text());
+                for length in [DEFAULT_LENGTH, 0.25] {
+                    let length = if overlay.has_length() { length } else { DEFAULT_LENGTH };
+                    let layer = Layer { overlay: *overlay, opacity, length };
+                    assert_eq!(layer.text().parse(), Ok(layer), "{}", layer.text());
+                }
             }
             assert_eq!(overlay.id().parse(), Ok(Layer::from(*overlay)));
         }
-        for (text, told) in [("fog", "facing"), ("facing=2", "from 0 to 1"), ("facing=", "from 0 to 1")] {
+        for (text, told) in [
+            ("fog", "facing"),
+            ("facing=2", "from 0 to 1"),
+            ("facing=", "from 0 to 1"),
+            ("facing=1,length=0.1", "has no length"),
+        ] {
             assert!(text.parse::<Layer>().unwrap_err().contains(told), "{text}");
         }
     }

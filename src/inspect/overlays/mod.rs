@@ -24,6 +24,8 @@ mod junctions;
 
 mod layer;
 
+mod normals;
+
 pub mod sheet;
 
 mod surfaces;
@@ -36,21 +38,25 @@ use std::sync::OnceLock;
 
 pub use edges::{EdgeMarks, edge_marks};
 pub use layer::Layer;
+pub use normals::{FACE_NORMAL, VERTEX_NORMAL};
 pub use sheet::{Key, Kind, Scale, Sheet, Total, compose, csv};
 use watch::Watched;
 
+use super::normals::DEFAULT_LENGTH;
 use super::view::{Range, Value};
 use crate::chain::{Frame, Recipe};
 use crate::image::Image;
 use crate::pipeline::settings::{Choice, choice};
 use crate::scene::Scene;
+use crate::scene::seams::Seams;
 
 choice! {
     /// What is laid over the picture.
     Overlay {
-use crate::scene::seams::Seams;
         Wireframe = "wireframe", "Wireframe", "Edges of all rasterized triangles where projection put them, before corners were snapped; light on dark and dark on light.";
         SnappedWireframe = "wireframe-snapped", "Wireframe, snapped", "The same edges between the corners that the rasterizer works with, snapped to 1/256 px in fixed point.";
+        VertexNormals = "vertex-normals", "Vertex normals", "Normals of all vertices of rasterized triangles as lines, which surfaces do not hide.";
+        FaceNormals = "face-normals", "Face normals", "Normals of all rasterized triangles as lines from their centroids, which surfaces do not hide.";
         Facing = "facing", "Facing", "Whether the triangle that is seen shows its front or its back.";
         DepthTest = "depth-test", "Depth test", "Whether all fragments of a pixel passed the depth test when they came, or some were rejected.";
         Discarded = "discarded", "Discarded fragments", "Which reason discarded most fragments of a pixel: depth test, alpha test, or culling of the side that their triangle shows. Hover a pixel for the counts.";
@@ -83,14 +89,14 @@ pub struct Context<'a> {
     pub is_whole: bool,
     /// The watched drawing, made when it is first needed.
     pub watched: &'a OnceLock<Watched>,
+    /// Open seams of the scene; none while they are searched for.
+    pub seams: Option<&'a Seams>,
     /// The quantity that is shown, at a pixel of the full picture.
     pub shown: &'a dyn Fn(u32, u32) -> Value,
     /// The range that it is shown with.
     pub range: Option<Range>,
 }
 
-    /// Open seams of the scene; none while they are searched for.
-    pub seams: Option<&'a Seams>,
 impl Context<'_> {
     /// What was seen while the frame was drawn once more.
     pub fn watched(&self) -> &Watched {
@@ -116,7 +122,10 @@ impl Overlay {
         match self {
             Self::Wireframe
             | Self::SnappedWireframe
+            | Self::VertexNormals
+            | Self::FaceNormals
             | Self::Faults
+            | Self::Junctions
             | Self::BadNumbers
             | Self::ExactOwner
             | Self::BlendOrder => 1.0,
@@ -125,9 +134,18 @@ impl Overlay {
     }
 
     /// Whether it may take longer than a frame should: the scene is drawn once more by slower arithmetic.
-            | Self::Junctions
     pub fn is_slow(self) -> bool {
         self == Self::ExactOwner
+    }
+
+    /// Whether it is lines of a length that can be set.
+    pub fn has_length(self) -> bool {
+        matches!(self, Self::VertexNormals | Self::FaceNormals)
+    }
+
+    /// Whether it needs the open seams of the scene.
+    pub fn reads_seams(self) -> bool {
+        matches!(self, Self::Faults | Self::Junctions)
     }
 
     /// What stands for it while it is being made.
@@ -144,6 +162,7 @@ impl Overlay {
     pub fn sheet(self, context: &Context<'_>) -> Sheet {
         match self {
             Self::Wireframe | Self::SnappedWireframe => edges::wireframe(self, context),
+            Self::VertexNormals | Self::FaceNormals => normals::normals(self, DEFAULT_LENGTH, context),
             Self::Facing => surfaces::facing(context),
             Self::DepthTest => fragments::depth_test(context),
             Self::Discarded => discarded::discarded(context),
@@ -153,6 +172,7 @@ impl Overlay {
             Self::TexelDensity => surfaces::texel_density(context),
             Self::AlphaBleed => alpha_bleed::alpha_bleed(context),
             Self::Faults => faults::faults(context),
+            Self::Junctions => junctions::junctions(context),
             Self::BadNumbers => badness::bad_numbers(context),
             Self::Clipped => badness::clipped(context),
             Self::ExactOwner => exact_owner::exact_owner(context),
@@ -164,4 +184,3 @@ impl Overlay {
 
 #[cfg(test)]
 mod tests;
-            Self::Junctions => junctions::junctions(context),

@@ -93,8 +93,10 @@ pub struct Sheet {
     pub key: Key,
     /// Totals over all samples that were drawn.
     pub totals: Vec<Total>,
-    /// Lines from corner to corner in px, of overlays that are lines: three to a triangle.
+    /// Lines in px, of overlays that are lines: edges, three to a triangle, or normals.
     pub lines: Vec<[[f32; 2]; 2]>,
+    /// Length of normals, as a share of the diagonal of the scene's box; `None` for other overlays.
+    pub length: Option<f32>,
     /// Why there is nothing to show, if so.
     pub absence: Option<String>,
 }
@@ -108,7 +110,7 @@ const GAP_STRENGTH: f32 = 0.3;
 impl Sheet {
     /// One with values and a key.
     pub(super) fn new(overlay: Overlay, values: Image<f32>, key: Key, totals: Vec<Total>) -> Self {
-        Self { overlay, values, counts: Vec::new(), key, totals, lines: Vec::new(), absence: None }
+        Self { overlay, values, counts: Vec::new(), key, totals, lines: Vec::new(), length: None, absence: None }
     }
 
     /// One that has nothing to show.
@@ -131,6 +133,14 @@ impl Sheet {
                 let in_gap = kind.striped && (x + y) % STRIPES >= STRIPES / 2;
                 Some((kind.color, if in_gap { GAP_STRENGTH } else { 1.0 }))
             }
+        }
+    }
+
+    /// Colour of its lines; `None` if they are light or dark against what lies below.
+    pub fn line_color(&self) -> Option<Rgba8> {
+        match &self.key {
+            Key::Kinds([kind]) => Some(kind.color),
+            _ => None,
         }
     }
 

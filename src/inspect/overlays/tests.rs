@@ -10,7 +10,7 @@ use crate::pipeline::raster::cover;
 use crate::pipeline::settings::{Arithmetic, Culling, DepthTest, FillRule};
 use crate::pipeline::tiled::TILE_SIDE;
 use crate::pipeline::viewport::Viewport;
-use crate::pipeline::wireframe::edge_pixels;
+use crate::pipeline::wireframe::{edge_pixels, line_pixels};
 use crate::scene::builtin;
 use crate::scene::seams::{self, Seams};
 use std::sync::Arc;
@@ -53,7 +53,11 @@ impl Bench {
             seams: Some(seams),
             shown,
             range,
-        })
+        }
+    }
+
+    fn layer_sheet(&self, layer: &Layer) -> Sheet {
+        layer.sheet(&self.context(None, &|_, _| Value::Nothing, &Seams::default()))
     }
 
     fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
@@ -405,4 +409,62 @@ fn totals_are_a_table() {
     assert_eq!(rows.len(), 1 + sheet.totals.len());
     assert_eq!(rows[1][..2], ["rasterized", "in all"]);
     assert_eq!(rows[1][2].parse::<f64>(), Ok(total(&sheet, "in all")));
+}
+
+#[test]
+fn normals_are_those_of_rasterized_triangles_and_as_long_as_their_layer_says() {
+    let layer = |text: &str| text.parse::<Layer>().unwrap();
+    let mut recipe = Recipe::default();
+    let lines = |bench: &Bench, text: &str| bench.layer_sheet(&layer(text)).lines;
+    let bench = Bench::new("cubes", recipe, (120, 90));
+    for (id, name) in [("vertex-normals", "vertex normal"), ("face-normals", "face normal")] {
+        let sheet = bench.layer_sheet(&layer(id));
+        let mut on_lines = Image::filled(120, 90, false);
+        for [from, to] in &sheet.lines {
+            let wide = |[x, y]: [f32; 2]| (f64::from(x), f64::from(y));
+            line_pixels(wide(*from), wide(*to), (120, 90)).for_each(|(x, y)| on_lines.set(x, y, true));
+        }
+        let differing = bench.pixels().filter(|(x, y)| on_lines.at(*x, *y) == sheet.values.at(*x, *y).is_nan()).count();
+        // Ends are kept in single precision: a line may pass another pixel where it runs between two.
+        assert!(differing < 20, "{differing}");
+        let (x, y) = bench.pixels().find(|(x, y)| !sheet.values.at(*x, *y).is_nan()).unwrap();
+        assert_eq!(sheet.text(x, y).as_deref(), Some(name));
+        assert_eq!(compose(bench.frame.image(), [(&sheet, 1.0)]).at(x, y), sheet.line_color().unwrap());
+        assert_eq!(total(&sheet, name), sheet.lines.len() as f64);
+        let mean = |lines: &[[[f32; 2]; 2]]| {
+            let length = |[[ax, ay], [bx, by]]: &[[f32; 2]; 2]| f64::from((bx - ax).hypot(by - ay));
+            lines.iter().map(length).sum::<f64>() / lines.len() as f64
+        };
+        let ratio =
+            mean(&lines(&bench, &format!("{id}=1,length=0.04"))) / mean(&lines(&bench, &format!("{id}=1,length=0.02")));
+        assert!((1.9..2.2).contains(&ratio), "{ratio}");
+        assert_eq!(bench.sheet(layer(id).overlay).lines, sheet.lines);
+    }
+    let faces = |bench: &Bench| lines(bench, "face-normals").len();
+    let drawn: std::collections::BTreeSet<_> =
+        bench.frame.geometry.triangles.iter().map(|triangle| triangle.id).collect();
+    assert_eq!(faces(&bench), drawn.len());
+    recipe.pipeline.culling = Culling::None;
+    assert!(faces(&Bench::new("cubes", recipe, (120, 90))) > drawn.len());
+}
+
+#[test]
+fn t_junctions_are_marked_where_their_vertices_lie() {
+    let scene = Arc::new(seams::tests::scene(&[seams::tests::fan(&[-0.5, 0.2])], glam::Mat4::IDENTITY));
+    let camera = crate::scene::Camera::look_at(glam::Vec3::new(0.0, 0.0, 4.0), glam::Vec3::ZERO);
+    let (recipe, viewport) = (Recipe::default(), Viewport { width: 100, height: 80 });
+    let frame = run(&scene, &camera, &recipe, viewport, &mut ());
+    let bench = Bench { scene, recipe, frame, watched: OnceLock::new() };
+    let sheet = bench.sheet(Overlay::Junctions);
+    let marked: Vec<_> = bench.pixels().filter(|(x, y)| !sheet.values.at(*x, *y).is_nan()).collect();
+    let clip_from_world = camera.clip_from_world(viewport.aspect(), crate::scene::DepthMapping::Standard);
+    let expected = [-0.5, 0.2].map(|x| {
+        let (x, y) = viewport.pixels_from_ndc(clip_from_world.project_point3(glam::Vec3::new(x, 0.0, 0.0)));
+        (x as u32, y as u32)
+    });
+    assert_eq!(marked, expected);
+    assert_eq!(sheet.text(expected[0].0, expected[0].1).as_deref(), Some("T-junction"));
+    assert_eq!((total(&sheet, "T-junction"), total(&sheet, "unwelded vertex")), (2.0, 0.0));
+    // While they are searched for, that is said.
+    assert!(Overlay::Junctions.reads_seams() && Overlay::Faults.reads_seams() && !Overlay::Facing.reads_seams());
 }

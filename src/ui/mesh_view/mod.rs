@@ -9,7 +9,7 @@ mod picture;
 use super::session::Session;
 use crate::chain::Frame;
 use crate::inspect::capture;
-use crate::inspect::mesh_view::{Inner, Look, MeshStyle, fit, shown_at};
+use crate::inspect::mesh_view::{Inner, Look, MeshNormals, MeshStyle, fit, shown_at};
 use crate::scene::{Camera, TriangleId};
 use crate::ui::engine::View;
 use crate::ui::vertices;
@@ -27,6 +27,8 @@ pub struct MeshView {
     pub apart: f32,
     /// Whether culled triangles are outlined.
     pub culled: bool,
+    /// Which normals are drawn.
+    pub normals: MeshNormals,
     /// Where from; to be found if none.
     pub camera: Option<Camera>,
     /// A triangle that was selected here, and the pixel that was picked with it: another pick ends it.
@@ -35,7 +37,15 @@ pub struct MeshView {
 
 impl Default for MeshView {
     fn default() -> Self {
-        Self { open: false, style: MeshStyle::Fate, apart: 0.0, culled: true, camera: None, selected: None }
+        Self {
+            open: false,
+            style: MeshStyle::Fate,
+            apart: 0.0,
+            culled: true,
+            normals: MeshNormals::default(),
+            camera: None,
+            selected: None,
+        }
     }
 }
 
@@ -62,6 +72,8 @@ pub enum Change {
     Apart(f32),
     /// Outline culled triangles, or don't.
     Culled(bool),
+    /// Draw these normals.
+    Normals(MeshNormals),
     /// Look from here.
     Look(Camera),
     /// Look from where all is seen, in the same direction; width over height of the picture from outside.
@@ -80,6 +92,7 @@ pub fn apply(session: &mut Session, change: Change) {
         Change::Style(style) => mesh.style = style,
         Change::Apart(apart) => mesh.apart = apart,
         Change::Culled(culled) => mesh.culled = culled,
+        Change::Normals(normals) => mesh.normals = normals,
         Change::Look(camera) => mesh.camera = Some(camera),
         Change::Reset => mesh.camera = None,
         Change::Fit(aspect) => {

@@ -1,13 +1,14 @@
 //! The pane beside the picture: its bar, the picture from outside, and what the pointer does there.
 
+use eframe::egui::containers::menu::{MenuButton, MenuConfig};
 use eframe::egui::{
-    self, Align2, Button, Color32, FontId, PointerButton, Rect, Response, Role, Sense, Slider, Ui, Vec2, WidgetInfo,
-    pos2, vec2,
+    self, Align2, Color32, FontId, PointerButton, PopupCloseBehavior, Rect, Response, Role, Sense, Slider, Ui, Vec2,
+    WidgetInfo, pos2, vec2,
 };
 
 use super::picture::{Painter, Wish};
 use super::{Change, inner, look, marks};
-use crate::inspect::mesh_view::{MeshStyle, Painting, first_view, key};
+use crate::inspect::mesh_view::{MeshNormals, MeshStyle, Painting, first_view, key};
 use crate::inspect::selection::TriangleSelection;
 use crate::pipeline::settings::Choice as _;
 use crate::pipeline::viewport::Viewport;
@@ -16,6 +17,7 @@ use crate::ui::canvas::PictureTexture;
 use crate::ui::command::Command;
 use crate::ui::engine::View;
 use crate::ui::navigate::{FLY_RATE, ORBIT_RATE, WHEEL_RATE, flying};
+use crate::ui::overlays::card::length_slider;
 use crate::ui::session::Session;
 use crate::ui::theme::{self, Icon, RADIUS, font_size, space, tokens};
 use crate::ui::widgets::{combo, icon_button};
@@ -64,6 +66,7 @@ impl MeshPane {
                 apart: session.mesh_view.apart,
                 selection: session.selection.clone(),
                 backdrop: [r, g, b],
+                normals: session.mesh_view.normals,
             },
             look: look(session, view),
         };
@@ -88,7 +91,7 @@ impl MeshPane {
             let one = TriangleSelection::new(format!("triangle {}", triangle.0), [triangle]);
             commands.push(Command::Select(one));
         }
-        legend(ui, &painter, rect, session.mesh_view.style);
+        legend(ui, &painter, rect, session);
         caption(ui, &painter, rect, session, view, hovered);
     }
 }
@@ -110,11 +113,7 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
             if style != mesh.style {
                 push(Change::Style(style));
             }
-            let culled = Button::new("Culled").selected(mesh.culled);
-            let help = "Outline triangles that were culled for their facing in dashed red, if they are few or selected";
-            if ui.add(culled).on_hover_text(help).clicked() {
-                push(Change::Culled(!mesh.culled));
-            }
+            marks_menu(ui, (mesh.culled, mesh.normals), &mut push);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 if icon_button(ui, Icon::X, "Close the view from outside  (M)").clicked() {
                     push(Change::Toggle);
@@ -138,6 +137,33 @@ fn bar(ui: &mut Ui, session: &Session, aspect: f32, commands: &mut Vec<Command>)
             });
         });
     });
+}
+
+/// A menu of what is drawn besides the triangles: outlines of culled ones, and normals with their length.
+fn marks_menu(ui: &mut Ui, now: (bool, MeshNormals), push: &mut impl FnMut(Change)) {
+    let (mut culled, mut normals) = now;
+    // Several switches and a slider: a click on one of them leaves the menu open.
+    let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let (button, _) = MenuButton::new("Marks").config(config).ui(ui, |ui| {
+        let help = "Outline triangles that were culled for their facing in dashed red, if they are few or selected";
+        ui.checkbox(&mut culled, "Culled").on_hover_text(help);
+        let help = "Draw the normals of all vertices as lines, which triangles do not hide";
+        ui.checkbox(&mut normals.vertices, "Vertex normals").on_hover_text(help);
+        let help = "Draw the normals of all triangles as lines from their centroids, which triangles do not hide";
+        ui.checkbox(&mut normals.faces, "Face normals").on_hover_text(help);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().slider_width = 96.0;
+            length_slider(ui, &mut normals.length, "Length of normals");
+            ui.label(format!("Length {:.1} %", 100.0 * normals.length));
+        });
+    });
+    button.on_hover_text("Outlines of culled triangles, and normals");
+    if culled != now.0 {
+        push(Change::Culled(culled));
+    }
+    if normals != now.1 {
+        push(Change::Normals(normals));
+    }
 }
 
 /// Turns pointer input and flying keys into a new place of the second camera.
@@ -169,11 +195,12 @@ fn navigate(ui: &Ui, response: &Response, camera: Camera, commands: &mut Vec<Com
     }
 }
 
-/// What the colours of triangles mean, in the lower left corner.
-fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, style: MeshStyle) {
+/// What the colours of triangles and normals mean, in the lower left corner.
+fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session) {
     const ROW: f32 = 15.0;
     const WIDTH: f32 = 104.0;
-    let key = key(style);
+    let mut key = key(session.mesh_view.style);
+    key.extend(session.mesh_view.normals.kinds().map(|(_, color, name)| (name, color)));
     if key.is_empty() || rect.height() < ROW * 16.0 {
         return;
     }

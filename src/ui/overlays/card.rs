@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align, Button, Layout, Rect, RichText, ScrollArea, Sense, Slider, Ui, UiBuilder, WidgetInfo, vec2};
 
-use super::{Change, legend};
+use super::{Change, Layer, legend};
 use crate::inspect::overlays::Overlay;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
@@ -132,8 +132,35 @@ fn entry(ui: &mut Ui, overlay: Overlay, session: &Session, view: &View, changes:
             }
         });
     });
+    if let Some(layer) = layer.filter(|_| overlay.has_length()) {
+        ui.indent("length", |ui| length(ui, layer, changes));
+    }
     if let Some(sheet) = view.looked.sheets.iter().find(|sheet| on && sheet.overlay == overlay) {
         ui.indent("legend", |ui| legend::ui(ui, sheet, usize::MAX));
         ui.add_space(space::XS);
     }
+}
+
+/// The length of the normals of a layer.
+fn length(ui: &mut Ui, layer: Layer, changes: &mut Vec<Change>) {
+    ui.horizontal(|ui| {
+        ui.set_height(ROW_HEIGHT);
+        ui.spacing_mut().slider_width = 96.0;
+        let mut length = layer.length;
+        let name = format!("Length of “{}”", layer.overlay.name());
+        if length_slider(ui, &mut length, &name) {
+            changes.push(Change::Length(layer.overlay, length));
+        }
+        let text = RichText::new(format!("Length {:.1} %", 100.0 * layer.length)).small();
+        ui.label(text.color(tokens(ui).text_weak));
+    });
+}
+
+/// A slider for the length of normals; returns whether it was moved.
+pub fn length_slider(ui: &mut Ui, length: &mut f32, name: &str) -> bool {
+    /// Shares of the diagonal of the scene's box.
+    const LENGTHS: std::ops::RangeInclusive<f32> = 0.001..=0.5;
+    let slider = ui.add(Slider::new(length, LENGTHS).logarithmic(true).show_value(false));
+    slider.widget_info(|| WidgetInfo::slider(true, f64::from(*length), name));
+    slider.on_hover_text("Length of normals, as a share of the diagonal of the box around the scene").changed()
 }

@@ -40,6 +40,8 @@ pub enum Change {
     Toggle(Overlay),
     /// Make it this strong.
     Opacity(Overlay, f32),
+    /// Make its normals this long, as a share of the diagonal of the scene's box.
+    Length(Overlay, f32),
     /// Lay it over the next one above.
     Raise(Overlay),
     /// Take all away.
@@ -73,6 +75,11 @@ impl Overlays {
             Change::Opacity(overlay, opacity) => {
                 if let Some(layer) = self.layers.iter_mut().find(|layer| layer.overlay == overlay) {
                     layer.opacity = opacity.clamp(0.0, 1.0);
+                }
+            }
+            Change::Length(overlay, length) => {
+                if let Some(layer) = self.layers.iter_mut().find(|layer| layer.overlay == overlay) {
+                    layer.length = length.clamp(0.0, 1.0);
                 }
             }
             Change::Raise(overlay) => {
