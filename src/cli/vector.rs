@@ -31,6 +31,6 @@ pub(crate) fn run(args: &VectorArgs) -> Result<(), Failure> {
     let View { scene, recipe, camera, .. } = args.frame.view()?;
     let drawing = outline(&scene, &camera, &recipe, args.frame.size(), args.kind);
     file::write(&args.output, &drawing, 1.0)?;
-    let (path, shapes) = (output::display(&args.output), drawing.shapes.len());
+    let (path, shapes) = (output::display(&args.output), drawing.shape_count());
     output::print(&format!("{path}: {shapes} shapes on {} × {} px\n", drawing.size.x, drawing.size.y))
 }

@@ -4,12 +4,16 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
-use super::{Drawing, Rgb, Shape, Stroke};
+use super::{Drawing, Region, Rgb, Shape, Stroke};
+use crate::flat2d::Span;
 use crate::flat2d::polygon::{Corners, Filling, InsideRule, SamplePoint, fill};
 use crate::image::{Image, Rgba8};
 
 /// Samples of a pixel each way.
 const SAMPLES: u32 = 4;
+
+/// Samples of a pixel.
+const WHOLE: u32 = SAMPLES * SAMPLES;
 
 /// Corners of the polygon that stands for an ellipse.
 const CORNERS: u32 = 96;
@@ -34,6 +38,7 @@ pub fn bitmap(drawing: &Drawing, scale: f64) -> Image<Rgba8> {
                 closed(&mut image, std::slice::from_ref(&corners), &corners, (*fill, *stroke), scale);
             }
             Shape::Text { .. } => {}
+            Shape::Partition(regions) => partition(&mut image, regions, scale),
         }
     }
     image
@@ -65,24 +70,56 @@ fn line(image: &mut Image<Rgba8>, from: DVec2, to: DVec2, Stroke { color, width 
     cover(image, &[cap(to, along).chain(cap(from, -along)).collect()], color, scale);
 }
 
-/// Mixes a colour into the pixels by the share of their samples that lie inside.
-fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f64) {
+/// Returns the spans of samples inside contours.
+fn samples_inside(contours: &[Vec<DVec2>], (width, height): (u32, u32), scale: f64) -> impl Iterator<Item = Span> {
     let scaled = |corner: &DVec2| *corner * scale * f64::from(SAMPLES);
     let contours: Vec<Vec<_>> = contours.iter().map(|contour| contour.iter().map(scaled).collect()).collect();
-    let (width, height) = (image.width() * SAMPLES, image.height() * SAMPLES);
+    let (width, height) = (width * SAMPLES, height * SAMPLES);
     let filling =
         Filling { rule: InsideRule::EvenOdd, corners: Corners::AsGiven, sample: SamplePoint::Center, width, height };
+    fill(&contours, filling)
+}
+
+/// Returns the columns of the pixels that a span of samples crosses, each with the number of samples.
+fn counts_of(span: Span) -> impl Iterator<Item = (usize, u32)> {
+    let pixels = span.x0 / SAMPLES..span.x1.div_ceil(SAMPLES);
+    pixels.map(move |x| (x as usize, span.x1.min((x + 1) * SAMPLES) - span.x0.max(x * SAMPLES)))
+}
+
+/// Mixes the colours of regions by the share of a pixel's samples that lie in each. Every sample lies in one region at most,
+/// so that nothing shines through between two of them, whatever their order.
+fn partition(image: &mut Image<Rgba8>, regions: &[Region], scale: f64) {
+    let width = image.width() as usize;
+    let mut sums = vec![([0_u32; 3], 0_u32); image.pixels().len()];
+    for Region { contours, fill } in regions {
+        for span in samples_inside(contours, image.size(), scale) {
+            for (x, inside) in counts_of(span) {
+                let (codes, count) = &mut sums[(span.y / SAMPLES) as usize * width + x];
+                codes.iter_mut().zip(fill).for_each(|(sum, code)| *sum += u32::from(*code) * inside);
+                *count += inside;
+            }
+        }
+    }
+    for (pixel, (codes, count)) in image.pixels_mut().iter_mut().zip(sums) {
+        let below = WHOLE.saturating_sub(count);
+        for (channel, sum) in codes.into_iter().enumerate() {
+            let sum = sum + u32::from(pixel[channel]) * below;
+            pixel[channel] = ((sum + (count + below) / 2) / (count + below)) as u8;
+        }
+    }
+}
+
+/// Mixes a colour into the pixels by the share of their samples that lie inside.
+fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f64) {
+    let samples = samples_inside(contours, image.size(), scale);
     let mut counts = vec![0_u32; image.width() as usize];
     let mut row = None;
-    for span in fill(&contours, filling) {
+    for span in samples {
         if row.is_some_and(|row| row != span.y / SAMPLES) {
             mix(image, row.unwrap_or(0), &mut counts, color);
         }
         row = Some(span.y / SAMPLES);
-        for x in span.x0 / SAMPLES..span.x1.div_ceil(SAMPLES) {
-            let inside = span.x1.min((x + 1) * SAMPLES) - span.x0.max(x * SAMPLES);
-            counts[x as usize] += inside;
-        }
+        counts_of(span).for_each(|(x, inside)| counts[x] += inside);
     }
     if let Some(row) = row {
         mix(image, row, &mut counts, color);
@@ -91,7 +128,6 @@ fn cover(image: &mut Image<Rgba8>, contours: &[Vec<DVec2>], color: Rgb, scale: f
 
 /// Mixes one row, and clears its counts.
 fn mix(image: &mut Image<Rgba8>, row: u32, counts: &mut [u32], color: Rgb) {
-    const WHOLE: u32 = SAMPLES * SAMPLES;
     for (x, count) in counts.iter_mut().enumerate().filter(|(_, count)| **count > 0) {
         let below = image.at(x as u32, row);
         let mixed = |channel: usize| {

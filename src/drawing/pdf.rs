@@ -4,7 +4,7 @@ use glam::DVec2;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Finish as _, Name, Pdf, Rect, Ref, Str};
 
-use super::{Drawing, Rgb, Shape, Stroke};
+use super::{Drawing, Region, Rgb, SEAM_WIDTHS, Shape, Stroke};
 
 const CATALOG: Ref = Ref::new(1);
 const PAGES: Ref = Ref::new(2);
@@ -12,6 +12,9 @@ const PAGE: Ref = Ref::new(3);
 const CONTENT: Ref = Ref::new(4);
 const FONT: Ref = Ref::new(5);
 const FONT_NAME: Name<'_> = Name(b"F1");
+
+/// Number of the first object that is none of these.
+const FIRST_FORM: i32 = 6;
 
 /// Places of the control points of a quarter circle, by which four cubic curves come closest to it.
 const QUARTER: f64 = 0.552_284_749_8;
@@ -25,21 +28,44 @@ pub fn bytes(drawing: &Drawing, scale: f64) -> Vec<u8> {
     content.set_line_cap(LineCapStyle::RoundCap).set_line_join(LineJoinStyle::RoundJoin);
     fill_color(&mut content, drawing.background);
     content.rect(0.0, 0.0, drawing.size.x as f32, drawing.size.y as f32).fill_nonzero();
-    drawing.shapes.iter().for_each(|shape| add(&mut content, shape));
+    let mut forms = Vec::new();
+    drawing.shapes.iter().for_each(|shape| add(&mut content, &mut forms, shape));
 
     let mut pdf = Pdf::new();
     pdf.catalog(CATALOG).pages(PAGES);
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut page = pdf.page(PAGE);
     page.media_box(Rect::new(0.0, 0.0, width, height)).parent(PAGES).contents(CONTENT);
-    page.resources().fonts().pair(FONT_NAME, FONT);
+    let mut resources = page.resources();
+    resources.fonts().pair(FONT_NAME, FONT);
+    if !forms.is_empty() {
+        let mut objects = resources.x_objects();
+        for form in 0..forms.len() {
+            objects.pair(Name(form_name(form).as_bytes()), form_ref(form));
+        }
+    }
+    resources.finish();
     page.finish();
     pdf.type1_font(FONT).base_font(Name(b"Helvetica")).encoding_predefined(Name(b"WinAnsiEncoding"));
     pdf.stream(CONTENT, &content.finish());
+    let bounds = Rect::new(0.0, 0.0, drawing.size.x as f32, drawing.size.y as f32);
+    for (number, form) in forms.into_iter().enumerate() {
+        pdf.form_xobject(form_ref(number), &form.finish()).bbox(bounds);
+    }
     pdf.finish()
 }
 
-fn add(content: &mut Content, shape: &Shape) {
+/// Name in the page's content of one of the forms, which are drawn several times.
+fn form_name(form: usize) -> String {
+    format!("X{form}")
+}
+
+fn form_ref(form: usize) -> Ref {
+    Ref::new(FIRST_FORM + form as i32)
+}
+
+/// Adds a shape to the content, and to the forms those that it needs.
+fn add(content: &mut Content, forms: &mut Vec<Content>, shape: &Shape) {
     match shape {
         Shape::Polygon { corners, fill, stroke } => {
             colors(content, *fill, *stroke);
@@ -57,8 +83,38 @@ fn add(content: &mut Content, shape: &Shape) {
             ellipse(content, *center, *radii);
             paint(content, *fill, *stroke);
         }
+        Shape::Partition(regions) => {
+            let first = forms.len();
+            forms.extend([areas(regions, true), areas(regions, false)]);
+            for width in SEAM_WIDTHS {
+                let form = if width > 0.0 { first } else { first + 1 };
+                content.set_line_width(width as f32).x_object(Name(form_name(form).as_bytes()));
+            }
+        }
         Shape::Text { at, text, color, size } => letters(content, *at, text, *color, *size),
     }
+}
+
+/// Returns all regions, with lines around them or without. Lines of width 0 would be as wide as a pixel.
+fn areas(regions: &[Region], with_lines: bool) -> Content {
+    let mut content = Content::new();
+    for Region { contours, fill } in regions {
+        let stroke = with_lines.then_some(*fill);
+        fill_color(&mut content, *fill);
+        if let Some([red, green, blue]) = stroke.map(|color| color.map(|code| f32::from(code) / 255.0)) {
+            content.set_stroke_rgb(red, green, blue);
+        }
+        for contour in contours {
+            path(&mut content, contour);
+            content.close_path();
+        }
+        if with_lines {
+            content.fill_even_odd_and_stroke();
+        } else {
+            content.fill_even_odd();
+        }
+    }
+    content
 }
 
 fn path(content: &mut Content, corners: &[DVec2]) {

@@ -1,26 +1,35 @@
 //! Drawings as SVG 1.1.
 
+use glam::DVec2;
 use svg::Document;
-use svg::node::element::{Ellipse, Line, Polygon, Rectangle, Text};
+use svg::node::element::{ClipPath, Definitions, Ellipse, Group, Line, Path, Polygon, Rectangle, Text, Use};
 
-use super::{Drawing, Rgb, Shape, Stroke};
+use super::{Drawing, Region, Rgb, SEAM_WIDTHS, Shape, Stroke};
 
 /// Pixels on screen per unit, as viewers first show it.
 const PIXELS_PER_UNIT: f64 = 1.0;
 
+/// Name of the clip path that ends partitions, whose lines reach beyond them, at the edge of the picture.
+const PAGE: &str = "page";
+
 /// The text of an SVG file that fills `scale` pixels per unit when it is first shown.
 pub fn text(drawing: &Drawing, scale: f64) -> String {
     let (width, height) = (drawing.size.x, drawing.size.y);
-    let ground = Rectangle::new().set("width", width).set("height", height).set("fill", code(drawing.background));
-    let document = Document::new()
+    let page = || Rectangle::new().set("width", width).set("height", height);
+    let has_partition = drawing.shapes.iter().any(|shape| matches!(shape, Shape::Partition(_)));
+    let mut document = Document::new()
         .set("viewBox", (0, 0, width, height))
         .set("width", width * scale * PIXELS_PER_UNIT)
         .set("height", height * scale * PIXELS_PER_UNIT)
-        .add(ground);
-    drawing.shapes.iter().fold(document, with).to_string()
+        .add(page().set("fill", code(drawing.background)));
+    if has_partition {
+        let page = ClipPath::new().set("id", PAGE).add(page());
+        document = document.set("xmlns:xlink", "http://www.w3.org/1999/xlink").add(page);
+    }
+    drawing.shapes.iter().enumerate().fold(document, with).to_string()
 }
 
-fn with(document: Document, shape: &Shape) -> Document {
+fn with(document: Document, (number, shape): (usize, &Shape)) -> Document {
     match shape {
         Shape::Polygon { corners, fill, stroke } => {
             let points: Vec<_> =
@@ -54,6 +63,15 @@ fn with(document: Document, shape: &Shape) -> Document {
                 .set("stroke", stroke.map_or("none".to_owned(), |stroke| code(stroke.color)))
                 .set("stroke-width", stroke.map_or(0.0, |stroke| stroke.width)),
         ),
+        Shape::Partition(regions) => {
+            let id = format!("regions-{number}");
+            let all = Group::new().set("id", id.as_str()).set("fill-rule", "evenodd").set("stroke-linejoin", "round");
+            let all = regions.iter().fold(all, |group, region| group.add(area(region)));
+            let drawn = |width: f64| Use::new().set("xlink:href", format!("#{id}")).set("stroke-width", width);
+            let within_page = Group::new().set("clip-path", format!("url(#{PAGE})"));
+            let times = SEAM_WIDTHS.into_iter().fold(within_page, |group, width| group.add(drawn(width)));
+            document.add(Definitions::new().add(all)).add(times)
+        }
         Shape::Text { at, text, color, size } => document.add(
             Text::new(text.as_str())
                 .set("x", short(at.x))
@@ -65,6 +83,20 @@ fn with(document: Document, shape: &Shape) -> Document {
                 .set("fill", code(*color)),
         ),
     }
+}
+
+/// Returns the path of a region, with lines as wide as its surroundings say.
+fn area(Region { contours, fill }: &Region) -> Path {
+    let mut data = String::new();
+    for contour in contours {
+        for (number, DVec2 { x, y }) in contour.iter().enumerate() {
+            // The first command is followed by lines without one of their own.
+            let before = if number == 0 { "M" } else { " " };
+            data.push_str(&format!("{before}{},{}", short(*x), short(*y)));
+        }
+        data.push('Z');
+    }
+    Path::new().set("d", data).set("fill", code(*fill)).set("stroke", code(*fill))
 }
 
 fn code([red, green, blue]: Rgb) -> String {

@@ -118,3 +118,74 @@ fn names_that_end_in_nothing_known_are_refused() {
         assert!(message.contains(name) && message.contains("svg, pdf, png"), "{message}");
     }
 }
+
+/// White triangles around a point that fill the page of the example.
+fn fan() -> Vec<Region> {
+    const COUNT: u32 = 14;
+    // Twice around the page's outline has whole numbers of units per side.
+    let border = |place: u32| match place % 38 {
+        at @ 0..10 => DVec2::new(at.into(), 0.0),
+        at @ 10..19 => DVec2::new(10.0, f64::from(at - 10)),
+        at @ 19..29 => DVec2::new(f64::from(29 - at), 9.0),
+        at => DVec2::new(0.0, f64::from(38 - at)),
+    };
+    let corners = [0, 10, 19, 29];
+    let mut ends: Vec<u32> = (0..COUNT).map(|end| end * 38 / COUNT).chain(corners).collect();
+    ends.sort_unstable();
+    ends.dedup();
+    let next = ends.iter().cycle().skip(1);
+    let triangle = |(from, to): (&u32, &u32)| vec![DVec2::new(5.3, 4.1), border(*from), border(*to)];
+    ends.iter().zip(next).map(triangle).map(|contour| Region { contours: vec![contour], fill: [255; 3] }).collect()
+}
+
+#[test]
+fn bitmaps_of_partitions_show_nothing_of_what_is_below() {
+    let on_black = |shapes| Drawing { size: DVec2::new(10.0, 9.0), background: [0; 3], shapes };
+    for scale in [0.9, 3.0, 7.7] {
+        let image = bitmap::bitmap(&on_black(vec![Shape::Partition(fan())]), scale);
+        assert!(image.pixels().iter().all(|pixel| *pixel == [255; 4]), "at {scale}");
+    }
+    // Where a pixel is half white and half of what is below, the mean is shown.
+    let half = [(0.0, 0.0), (4.5, 0.0), (4.5, 9.0), (0.0, 9.0)].map(DVec2::from).to_vec();
+    let half = Region { contours: vec![half], fill: [255; 3] };
+    let image = bitmap::bitmap(&on_black(vec![Shape::Partition(vec![half])]), 1.0);
+    assert_eq!([3, 4, 5].map(|x| image.at(x, 2)[0]), [255, 128, 0]);
+}
+
+#[test]
+fn viewers_that_smooth_one_polygon_after_the_other_show_no_seams_in_partitions() {
+    // As vector formats have it: all regions for each width of the lines.
+    let darkest = |widths: &[f64], scale: f64| {
+        let mut drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [0; 3], shapes: Vec::new() };
+        for width in widths {
+            drawing.shapes.extend(fan().into_iter().map(|Region { contours, fill }| Shape::Polygon {
+                corners: contours.concat(),
+                fill: Some(fill),
+                stroke: (*width > 0.0).then_some(Stroke { color: fill, width: *width }),
+            }));
+        }
+        bitmap::bitmap(&drawing, scale).pixels().iter().map(|pixel| pixel[0]).min().unwrap()
+    };
+    for scale in [0.5, 1.0, 3.0, 20.0] {
+        assert!(darkest(&[0.0], scale) < 210, "at {scale} the fan has seams");
+        assert_eq!(darkest(&SEAM_WIDTHS, scale), 255, "at {scale}");
+    }
+}
+
+#[test]
+fn vector_formats_hold_partitions_once_for_each_width_of_lines() {
+    let shapes = vec![Shape::Partition(fan()), Shape::Partition(fan())];
+    let drawing = Drawing { size: DVec2::new(10.0, 9.0), background: [0; 3], shapes };
+    let text = svg::text(&drawing, 1.0);
+    assert_eq!(text.matches("<path").count(), drawing.shape_count(), "written once, used several times");
+    for number in 0..2 {
+        let used = SEAM_WIDTHS.map(|width| format!("stroke-width=\"{width}\" xlink:href=\"#regions-{number}\""));
+        let places: Vec<_> =
+            used.iter().map(|using| text.find(using).unwrap_or_else(|| panic!("{using} in {text}"))).collect();
+        assert!(places.is_sorted());
+    }
+    let page = String::from_utf8_lossy(&pdf::bytes(&drawing, 1.0)).into_owned();
+    let uses: Vec<_> = page.lines().filter(|line| line.ends_with(" Do")).collect();
+    assert_eq!(uses, ["/X0 Do", "/X0 Do", "/X1 Do", "/X1 Do", "/X2 Do", "/X2 Do", "/X3 Do", "/X3 Do"]);
+    assert_eq!([page.matches("\nf*").count(), page.matches("\nB*").count()], [drawing.shape_count(); 2]);
+}

@@ -1,0 +1,186 @@
+//! The place between two neighbouring samples where one visible surface ends and the other begins.
+
+use glam::DVec2;
+
+use super::visible::{StackId, Visibility};
+use crate::pipeline::Geometry;
+use crate::pipeline::settings::{DepthTest, Settings};
+use crate::pipeline::viewport::ScreenTriangle;
+
+/// A place on the boundary of two regions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Crossing {
+    /// The place, in samples.
+    pub(super) place: DVec2,
+    /// Unit normal of the straight line that the boundary follows there; none where it follows no line, as at the border
+    /// of a texture's transparent part.
+    pub(super) normal: Option<DVec2>,
+}
+
+/// The triangles whose boundaries are searched.
+pub(super) struct Surfaces<'a> {
+    pub(super) visibility: &'a Visibility,
+    pub(super) geometry: &'a Geometry,
+    pub(super) settings: &'a Settings,
+}
+
+impl Surfaces<'_> {
+    /// Adds the place between two sample positions, in samples, at which the stacks that they show change; both of them if one
+    /// surface ends at a place and the other begins at another one.
+    pub(super) fn find_crossings(&self, path: [DVec2; 2], stacks: [StackId; 2], found: &mut Vec<Crossing>) {
+        let [first, second] = self.changing(stacks).map(|index| index.map(|index| self.side(index, path)));
+        let events = match (first, second) {
+            (Some(first), Some(second)) => change(&first, &second),
+            (Some(only), None) => [only.exit, None],
+            (None, Some(only)) => [only.enter, None],
+            (None, None) => [None, None],
+        };
+        let crossing = |along: f64, normal: Option<DVec2>| Crossing { place: path[0].lerp(path[1], along), normal };
+        if events == [None, None] {
+            found.push(crossing(0.5, None));
+        }
+        let events = events.into_iter().flatten();
+        found.extend(events.map(|Event { along, normal }| crossing(along.clamp(0.0, 1.0), normal.try_normalize())));
+    }
+
+    /// Returns the surface that only the first sample shows and the one that takes its place at the second: the opaque ones if
+    /// they differ, else the first blended one that is not in both and, on the other side, the opaque one below it.
+    fn changing(&self, [first, second]: [StackId; 2]) -> [Option<u32>; 2] {
+        let [first, second] = [first, second].map(|stack| self.visibility.surfaces(stack).collect::<Vec<_>>());
+        let opaque = |stack: &[u32]| stack.last().copied().filter(|index| !self.is_blended(*index));
+        let lowest = [opaque(&first), opaque(&second)];
+        if lowest[0] != lowest[1] {
+            return lowest;
+        }
+        let missing = |of: &[u32], from: &[u32]| of.iter().find(|index| !from.contains(index)).copied();
+        match (missing(&first, &second), missing(&second, &first)) {
+            (Some(one), other) => [Some(one), other.or(lowest[1])],
+            (None, Some(other)) => [lowest[0], Some(other)],
+            // The same surfaces in another order: they pass through each other.
+            (None, None) => {
+                let differing = first.iter().zip(&second).find(|(one, other)| one != other);
+                differing.map_or([None, None], |(one, other)| [Some(*one), Some(*other)])
+            }
+        }
+    }
+
+    fn is_blended(&self, index: u32) -> bool {
+        self.geometry.is_blended(&self.geometry.triangles[index as usize])
+    }
+
+    fn side(&self, index: u32, path: [DVec2; 2]) -> Side {
+        let triangle = &self.geometry.triangles[index as usize];
+        let corners = triangle.corners_in(self.settings.arithmetic).map(|[x, y]| DVec2::new(x.into(), y.into()));
+        let [enter, exit] = events(corners, path);
+        let plane = Plane::through(corners, self.priorities(triangle, index));
+        Side { enter, exit, gradient: plane.gradient, priority: path.map(|place| plane.at(place)) }
+    }
+
+    /// Returns numbers at the corners of a triangle that are affine on the screen, and greater than those of another triangle
+    /// where this one hides it.
+    fn priorities(&self, triangle: &ScreenTriangle, index: u32) -> [f64; 3] {
+        let toward_viewer = |sign: f64| {
+            let sign = if self.settings.reversed() { -sign } else { sign };
+            triangle.vertices.each_ref().map(|vertex| {
+                // A depth that is linear in space is not so on the screen, where 1/w is.
+                if triangle.depth.is_linear_in_space() { sign * f64::from(vertex.inv_w) } else { -sign * vertex.depth }
+            })
+        };
+        match self.settings.depth_test {
+            DepthTest::Less | DepthTest::LessEqual => toward_viewer(1.0),
+            DepthTest::Greater => toward_viewer(-1.0),
+            DepthTest::Off | DepthTest::Always => [f64::from(index); 3],
+        }
+    }
+}
+
+/// A place on the path between two samples where a triangle's boundary or the intersection of two triangles crosses it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Event {
+    /// Share of the path before it.
+    along: f64,
+    /// Normal of the line that crosses, of any length.
+    normal: DVec2,
+}
+
+/// A triangle along the path between two samples.
+#[derive(Clone, Copy, Debug)]
+struct Side {
+    /// The place where the path enters the triangle; none if it begins inside.
+    enter: Option<Event>,
+    /// The place where the path leaves the triangle; none if it ends inside.
+    exit: Option<Event>,
+    /// Change of the priority per sample.
+    gradient: DVec2,
+    /// Priorities at the ends of the path.
+    priority: [f64; 2],
+}
+
+/// Returns the place at which `first`, visible where the path begins, gives way to `second`, visible where it ends.
+fn change(first: &Side, second: &Side) -> [Option<Event>; 2] {
+    let lead = |along: f64| {
+        let at = |side: &Side| side.priority[0] + (side.priority[1] - side.priority[0]) * along;
+        at(first) - at(second)
+    };
+    // They may overlap from the place where the second begins to the one where the first ends.
+    let (begin, end) = (second.enter.map_or(0.0, |event| event.along), first.exit.map_or(1.0, |event| event.along));
+    if let (Some(enter), Some(exit)) = (second.enter, first.exit)
+        && enter.along >= exit.along
+    {
+        // Neighbours on one surface; or a gap between them that no sample shows.
+        return [Some(exit), Some(enter)];
+    }
+    let (at_begin, at_end) = (lead(begin), lead(end));
+    if let Some(enter) = second.enter.filter(|_| at_begin <= 0.0) {
+        return [Some(enter), None];
+    }
+    if let Some(exit) = first.exit.filter(|_| at_end >= 0.0) {
+        return [Some(exit), None];
+    }
+    let intersection = || Event {
+        along: begin + (end - begin) * at_begin / (at_begin - at_end),
+        normal: first.gradient - second.gradient,
+    };
+    [(at_begin > 0.0 && at_end < 0.0).then(intersection), None]
+}
+
+/// Returns where a path enters and leaves a triangle. An end of the path on an edge counts as outside.
+fn events(corners: [DVec2; 3], [from, to]: [DVec2; 2]) -> [Option<Event>; 2] {
+    let turn = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).signum();
+    let (mut enter, mut exit) = (None::<Event>, None::<Event>);
+    for (corner, next) in corners.into_iter().zip(corners.into_iter().cycle().skip(1)) {
+        let inward = (next - corner).perp() * turn;
+        let (before, after) = (inward.dot(from - corner), inward.dot(to - corner));
+        let event = || Event { along: before / (before - after), normal: inward };
+        if before <= 0.0 && after > before {
+            enter = Some(event()).into_iter().chain(enter).max_by(|a, b| a.along.total_cmp(&b.along));
+        }
+        if after <= 0.0 && before > after {
+            exit = Some(event()).into_iter().chain(exit).min_by(|a, b| a.along.total_cmp(&b.along));
+        }
+    }
+    [enter, exit]
+}
+
+/// An affine function of the screen.
+#[derive(Clone, Copy, Debug)]
+struct Plane {
+    origin: DVec2,
+    at_origin: f64,
+    gradient: DVec2,
+}
+
+impl Plane {
+    /// Returns the function with these values at the corners of a triangle.
+    fn through(corners: [DVec2; 3], values: [f64; 3]) -> Self {
+        let [origin, b, c] = corners;
+        let (to_b, to_c) = (b - origin, c - origin);
+        let (rise_b, rise_c) = (values[1] - values[0], values[2] - values[0]);
+        let gradient = (to_b.perp() * rise_c - to_c.perp() * rise_b) / to_b.perp_dot(to_c);
+        Self { origin, at_origin: values[0], gradient }
+    }
+
+    fn at(&self, place: DVec2) -> f64 {
+        self.at_origin + self.gradient.dot(place - self.origin)
+    }
+}

@@ -1,0 +1,334 @@
+//! A picture of the surfaces that its samples show as polygons that share their boundaries: dual contouring (Ju, Losasso,
+//! Schaefer, Warren, "Dual Contouring of Hermite Data", 2002) with as many materials as there are regions.
+//!
+//! Between two neighbouring samples of different regions lies one *crossing*, found exactly with the line that the boundary
+//! follows there. Four samples form a *cell*; a cell with crossings has one *vertex*, at the point of the cell nearest to all
+//! of its lines: anywhere on the line if there is one, at the corner if there are several. Vertices of neighbouring cells are
+//! joined across the crossing between them. Regions therefore meet without gap and without overlap by construction, and
+//! boundaries are as straight as the triangles' edges at any zoom.
+
+use std::ops::Range;
+
+use glam::{DMat2, DVec2};
+use rayon::prelude::*;
+
+use super::crossing::{Crossing, Surfaces};
+use super::visible::{RegionId, StackId};
+use crate::drawing::Region;
+
+/// Greatest distance by which leaving out vertices of nearly straight boundaries moves them, px.
+const STRAIGHT_PX: f64 = 0.01;
+
+/// Two lines count as one if the sines of half the angles between them are smaller, squared.
+const PARALLEL: f64 = 1e-5;
+
+/// A vertex on the boundary of regions, in the cell around a corner of four samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Vertex {
+    /// Column of the cell: that of the sample right of its middle.
+    column: u32,
+    /// The place, in samples.
+    place: DVec2,
+    /// Whether more than two boundaries meet here.
+    is_junction: bool,
+}
+
+/// All vertices, row by row of cells and from left to right.
+struct Vertices {
+    all: Vec<Vertex>,
+    /// Range of each row within them.
+    rows: Vec<Range<usize>>,
+}
+
+impl Vertices {
+    fn find(surfaces: &Surfaces<'_>) -> Self {
+        let rows: Vec<Vec<Vertex>> =
+            (0..=surfaces.visibility.height).into_par_iter().map(|row| vertices_of(surfaces, row)).collect();
+        let mut ends = 0;
+        let ranges = rows.iter().map(|row| {
+            let start = ends;
+            ends += row.len();
+            start..ends
+        });
+        let ranges = ranges.collect();
+        Self { all: rows.concat(), rows: ranges }
+    }
+
+    /// Returns the index of the vertex in a cell that has one.
+    fn in_cell(&self, column: u32, row: u32) -> usize {
+        let range = self.rows[row as usize].clone();
+        range.start + self.all[range].partition_point(|vertex| vertex.column < column)
+    }
+}
+
+/// Returns the regions of a picture in units of `samples_per_px` samples, each with its boundary.
+pub(super) fn partition(surfaces: &Surfaces<'_>, samples_per_px: u32) -> Vec<Region> {
+    let per_px = f64::from(samples_per_px);
+    let vertices = Vertices::find(surfaces);
+    let mut outlines = Outlines {
+        surfaces,
+        kept: Kept {
+            vertices: &vertices.all,
+            tolerance: STRAIGHT_PX * per_px,
+            decided: vec![None; vertices.all.len()],
+        },
+        vertices: &vertices,
+    };
+    let colors = surfaces.visibility.colors();
+    let mut regions: Vec<_> = colors.iter().map(|fill| Region { contours: Vec::new(), fill: *fill }).collect();
+    for (region, boundary) in outlines.all() {
+        let contour: Vec<_> = boundary.into_iter().map(|vertex| vertices.all[vertex].place / per_px).collect();
+        regions[region as usize].contours.push(contour);
+    }
+    regions.retain(|region| !region.contours.is_empty());
+    regions
+}
+
+/// Returns the stacks of a row of samples; none beyond the picture.
+fn row_of<'a>(surfaces: &Surfaces<'a>, row: Option<u32>) -> Option<&'a [StackId]> {
+    row.filter(|row| *row < surfaces.visibility.height).map(|row| surfaces.visibility.row(row))
+}
+
+/// Returns the vertices of the cells between a row of samples and the one above it.
+fn vertices_of(surfaces: &Surfaces<'_>, row: u32) -> Vec<Vertex> {
+    let (above, below) = (row_of(surfaces, row.checked_sub(1)), row_of(surfaces, Some(row)));
+    let width = surfaces.visibility.width;
+    let at = |samples: Option<&[StackId]>, column: u32| samples?.get(column as usize).copied();
+    let mut vertices = Vec::new();
+    let mut left = [None, None];
+    for column in 0..=width {
+        let right = [at(above, column), at(below, column)];
+        if left != right || left[0] != left[1] {
+            let stacks = [left[0], right[0], right[1], left[1]];
+            vertices.extend(vertex_of(surfaces, [column, row], stacks));
+        }
+        left = right;
+    }
+    vertices
+}
+
+/// Returns the vertex of a cell, if its samples, which follow each other around it from the left of the upper row, are not
+/// all of one region.
+fn vertex_of(surfaces: &Surfaces<'_>, cell @ [column, row]: [u32; 2], stacks: [Option<StackId>; 4]) -> Option<Vertex> {
+    /// Places of the samples of a cell, from its middle.
+    const SAMPLES: [DVec2; 4] =
+        [DVec2::new(-0.5, -0.5), DVec2::new(0.5, -0.5), DVec2::new(0.5, 0.5), DVec2::new(-0.5, 0.5)];
+    let middle = DVec2::new(column.into(), row.into());
+    let region = |stack: StackId| surfaces.visibility.region(stack);
+    let (mut crossings, mut boundaries) = (Vec::with_capacity(2 * SAMPLES.len()), 0);
+    for (first, second) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
+        let path = [middle + SAMPLES[first], middle + SAMPLES[second]];
+        match (stacks[first], stacks[second]) {
+            (Some(one), Some(other)) if region(one) != region(other) => {
+                surfaces.find_crossings(path, [one, other], &mut crossings);
+                boundaries += 1;
+            }
+            (Some(_), None) | (None, Some(_)) => {
+                // The edge of the picture lies in the middle between a sample in it and one beyond.
+                crossings.push(Crossing { place: (path[0] + path[1]) / 2.0, normal: Some((path[1] - path[0]).abs()) });
+                boundaries += 1;
+            }
+            _ => {}
+        }
+    }
+    let size = DVec2::new(surfaces.visibility.width.into(), surfaces.visibility.height.into());
+    let bounds = [(middle - 0.5).max(DVec2::ZERO), (middle + 0.5).min(size)];
+    let [column, _] = cell;
+    let is_junction = boundaries > 2;
+    (boundaries > 0).then(|| Vertex { column, place: nearest(&crossings, bounds), is_junction })
+}
+
+/// Returns the point within bounds for which the sum of squared distances to the lines of all crossings is least; of several
+/// the one nearest to the mean of their places.
+fn nearest(crossings: &[Crossing], [low, high]: [DVec2; 2]) -> DVec2 {
+    let mean = crossings.iter().map(|crossing| crossing.place).sum::<DVec2>() / crossings.len() as f64;
+    // Σ n nᵀ and Σ n (n · c) with places relative to the mean.
+    let (mut matrix, mut vector) = (DMat2::ZERO, DVec2::ZERO);
+    for Crossing { place, normal } in crossings {
+        let Some(normal) = normal else { continue };
+        matrix += DMat2::from_cols(*normal * normal.x, *normal * normal.y);
+        vector += *normal * normal.dot(*place - mean);
+    }
+    let (trace, determinant) = (matrix.x_axis.x + matrix.y_axis.y, matrix.determinant());
+    if trace <= 0.0 {
+        return mean.clamp(low, high);
+    }
+    if determinant <= PARALLEL * trace * trace {
+        // One line, whose normal is the longer column.
+        let along_x = matrix.x_axis.length_squared() >= matrix.y_axis.length_squared();
+        let normal = if along_x { matrix.x_axis } else { matrix.y_axis }.normalize();
+        return (mean + normal * normal.dot(vector) / trace).clamp(low, high);
+    }
+    let corner = mean + matrix.inverse() * vector;
+    if corner.cmpge(low).all() && corner.cmple(high).all() {
+        return corner;
+    }
+    // On the border of the bounds: on each side where the derivative along it is zero, or at its end.
+    let error = |place: DVec2| {
+        let offset = place - mean;
+        offset.dot(matrix * offset) - 2.0 * vector.dot(offset)
+    };
+    let on_sides = [low.x, high.x].into_iter().map(|x| {
+        let y = mean.y + (vector.y - matrix.x_axis.y * (x - mean.x)) / matrix.y_axis.y;
+        DVec2::new(x, if y.is_finite() { y.clamp(low.y, high.y) } else { mean.y.clamp(low.y, high.y) })
+    });
+    let on_ends = [low.y, high.y].into_iter().map(|y| {
+        let x = mean.x + (vector.x - matrix.x_axis.y * (y - mean.y)) / matrix.x_axis.x;
+        DVec2::new(if x.is_finite() { x.clamp(low.x, high.x) } else { mean.x.clamp(low.x, high.x) }, y)
+    });
+    on_sides.chain(on_ends).min_by(|a, b| error(*a).total_cmp(&error(*b))).unwrap_or(mean)
+}
+
+/// The boundaries of regions, traced around their samples.
+struct Outlines<'a> {
+    surfaces: &'a Surfaces<'a>,
+    vertices: &'a Vertices,
+    kept: Kept<'a>,
+}
+
+/// A side of a sample, walked with the sample on the right.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Side {
+    sample: [u32; 2],
+    /// Step along the side.
+    step: [i32; 2],
+}
+
+impl Side {
+    /// Step from the sample across the side.
+    fn outward(self) -> [i32; 2] {
+        [self.step[1], -self.step[0]]
+    }
+
+    /// Returns the cell at its end.
+    fn end_cell(self) -> [u32; 2] {
+        let [right, down] = self.step;
+        let [x, y] = self.sample;
+        [x + u32::from(right == 1 || down == 1), y + u32::from(down == 1 || right == -1)]
+    }
+}
+
+impl Outlines<'_> {
+    /// Returns all closed boundaries, each with the region inside, as indices of vertices. Boundaries that nearly vanish are
+    /// left out.
+    fn all(&mut self) -> Vec<(RegionId, Vec<usize>)> {
+        let visibility = self.surfaces.visibility;
+        let (width, height) = (visibility.width, visibility.height);
+        let mut boundaries = Vec::new();
+        // Every boundary runs along the top of a sample.
+        let mut walked = vec![false; width as usize * height as usize];
+        for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            let top = Side { sample: [x, y], step: [1, 0] };
+            let region = visibility.region(visibility.stack(x, y));
+            if walked[y as usize * width as usize + x as usize] || self.beyond([x, y], top.outward()) == Some(region) {
+                continue;
+            }
+            let mut boundary = Vec::new();
+            let mut side = top;
+            loop {
+                if side.step == top.step {
+                    let [x, y] = side.sample;
+                    walked[y as usize * width as usize + x as usize] = true;
+                }
+                let [column, row] = side.end_cell();
+                boundary.push(self.vertices.in_cell(column, row));
+                side = self.next(side, region);
+                if side == top {
+                    break;
+                }
+            }
+            let kept = self.kept.of(boundary);
+            if kept.len() > 2 {
+                boundaries.push((region, kept));
+            }
+        }
+        boundaries
+    }
+
+    /// Returns the region a step away from a sample; none beyond the picture.
+    fn beyond(&self, [x, y]: [u32; 2], [right, down]: [i32; 2]) -> Option<RegionId> {
+        let visibility = self.surfaces.visibility;
+        let (x, y) = (x.checked_add_signed(right)?, y.checked_add_signed(down)?);
+        (x < visibility.width && y < visibility.height).then(|| visibility.region(visibility.stack(x, y)))
+    }
+
+    /// Returns the side that follows within the boundary of a region. Samples that touch at a corner alone are not joined.
+    fn next(&self, side: Side, region: RegionId) -> Side {
+        let Side { sample, step } = side;
+        let outward = side.outward();
+        let moved = |by: [i32; 2]| [0, 1].map(|axis| sample[axis].saturating_add_signed(by[axis]));
+        let diagonal = [step[0] + outward[0], step[1] + outward[1]];
+        if self.beyond(sample, step) != Some(region) {
+            Side { sample, step: outward.map(|across| -across) }
+        } else if self.beyond(sample, diagonal) != Some(region) {
+            Side { sample: moved(step), step }
+        } else {
+            Side { sample: moved(diagonal), step: outward }
+        }
+    }
+}
+
+/// The vertices that nearly straight boundaries keep (Douglas and Peucker, 1973): decided once for both regions on its sides.
+struct Kept<'a> {
+    vertices: &'a [Vertex],
+    /// Greatest distance of a vertex that is left out from the boundary, in samples.
+    tolerance: f64,
+    decided: Vec<Option<bool>>,
+}
+
+impl Kept<'_> {
+    /// Returns the vertices of a closed boundary that are kept.
+    fn of(&mut self, mut boundary: Vec<usize>) -> Vec<usize> {
+        let place = |vertex: &usize| self.vertices[*vertex].place;
+        let first_in_place = |a: &usize, b: &usize| {
+            place(a).x.total_cmp(&place(b).x).then(place(a).y.total_cmp(&place(b).y)).then(a.cmp(b))
+        };
+        // Without a junction a corner of the convex hull is kept, as seen from both sides.
+        let start = boundary
+            .iter()
+            .position(|vertex| self.vertices[*vertex].is_junction)
+            .or_else(|| (0..boundary.len()).min_by(|a, b| first_in_place(&boundary[*a], &boundary[*b])));
+        boundary.rotate_left(start.unwrap_or(0));
+        let count = boundary.len();
+        boundary.extend(boundary.first().copied());
+        let mut chain_start = 0;
+        for end in 1..=count {
+            if end == count || self.vertices[boundary[end]].is_junction {
+                self.decide(&boundary[chain_start..=end]);
+                chain_start = end;
+            }
+        }
+        boundary.pop();
+        boundary.retain(|vertex| self.decided[*vertex] == Some(true));
+        boundary
+    }
+
+    /// Decides which vertices between the ends of a boundary are kept; the ends are.
+    fn decide(&mut self, chain: &[usize]) {
+        let [first, inner @ .., last] = chain else { return };
+        self.decided[*first] = Some(true);
+        self.decided[*last] = Some(true);
+        if inner.first().is_none_or(|vertex| self.decided[*vertex].is_some()) {
+            return;
+        }
+        inner.iter().for_each(|vertex| self.decided[*vertex] = Some(false));
+        let mut open = vec![(0, chain.len() - 1)];
+        while let Some((start, end)) = open.pop() {
+            let [from, to] = [start, end].map(|at| self.vertices[chain[at]].place);
+            let distance = |at: usize| distance_squared(self.vertices[chain[at]].place, from, to);
+            let farthest = (start + 1..end).max_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+            if let Some(at) = farthest.filter(|at| distance(*at) > self.tolerance * self.tolerance) {
+                self.decided[chain[at]] = Some(true);
+                open.extend([(start, at), (at, end)]);
+            }
+        }
+    }
+}
+
+/// Returns the squared distance of a point from the straight line between two others, which may coincide.
+fn distance_squared(point: DVec2, from: DVec2, to: DVec2) -> f64 {
+    let along = to - from;
+    let share = ((point - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    let nearest = if share.is_nan() { from } else { from + along * share };
+    point.distance_squared(nearest)
+}

@@ -1,0 +1,227 @@
+//! The surfaces that each sample of a picture shows, found by the rasterizer itself.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use crate::drawing::Rgb;
+use crate::image::Rgba8;
+use crate::pipeline::framebuffer::Framebuffer;
+use crate::pipeline::grid::SampleGrid;
+use crate::pipeline::interpolate::Fragment;
+use crate::pipeline::observe::Observer;
+use crate::pipeline::raster::Scissor;
+use crate::pipeline::settings::Settings;
+use crate::pipeline::viewport::{ScreenTriangle, Viewport};
+use crate::pipeline::{Extent, Geometry, Until, draw};
+use crate::scene::{Scene, TriangleId};
+
+/// Rows of samples that are drawn together: enough that most triangles are set up once, and few enough for every thread to
+/// get several.
+const ROWS: u32 = 64;
+
+/// Index of a stack of surfaces in [`Stacks`].
+pub(super) type StackId = u32;
+
+/// Index of a region: all samples that show the same triangles.
+pub(super) type RegionId = u32;
+
+/// The stack and the region of samples that no triangle covers.
+pub(super) const BACKGROUND: u32 = 0;
+
+/// A surface and what it was drawn over.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Layer<T> {
+    /// The stack below: the background for opaque surfaces, which hide what was there.
+    below: u32,
+    surface: T,
+}
+
+/// Stacks of surfaces, each numbered once: an opaque surface and the blended ones that were drawn over it.
+#[derive(Clone, Debug)]
+struct Stacks<T> {
+    /// The uppermost layer of each stack but the background, which has none.
+    layers: Vec<Layer<T>>,
+    numbers: HashMap<Layer<T>, u32>,
+}
+
+impl<T: Copy + Eq + std::hash::Hash> Stacks<T> {
+    fn new() -> Self {
+        Self { layers: Vec::new(), numbers: HashMap::new() }
+    }
+
+    /// Returns the number of a stack, a new one if there is none.
+    fn number(&mut self, layer: Layer<T>) -> u32 {
+        *self.numbers.entry(layer).or_insert_with(|| {
+            self.layers.push(layer);
+            self.layers.len() as u32
+        })
+    }
+
+    /// Returns the surfaces of a stack from the uppermost to the lowest.
+    fn surfaces(&self, stack: u32) -> impl Iterator<Item = T> {
+        let layer = |stack: u32| (stack != BACKGROUND).then(|| self.layers[stack as usize - 1]);
+        std::iter::successors(layer(stack), move |above| layer(above.below)).map(|layer| layer.surface)
+    }
+}
+
+/// A picture of the surfaces that its samples show.
+#[derive(Clone, Debug)]
+pub(super) struct Visibility {
+    /// Samples in a row.
+    pub(super) width: u32,
+    /// Rows of samples.
+    pub(super) height: u32,
+    /// The stack of each sample, row by row.
+    labels: Vec<StackId>,
+    /// Stacks of indices into [`Geometry::triangles`].
+    stacks: Stacks<u32>,
+    /// The region of each stack: pieces of one clipped triangle belong together.
+    regions: Vec<RegionId>,
+    /// Mean colour of each region.
+    colors: Vec<Rgb>,
+}
+
+impl Visibility {
+    /// Draws `geometry`, which was prepared for a picture of `size`.
+    pub(super) fn of(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewport) -> Self {
+        let firsts: Vec<u32> = (0..size.height).step_by(ROWS as usize).collect();
+        let bands: Vec<Band> = firsts
+            .into_par_iter()
+            .map(|first| {
+                let rows = first..size.height.min(first + ROWS);
+                Band::draw(scene, geometry, settings, (size, rows))
+            })
+            .collect();
+        let mut labels = Vec::with_capacity(size.width as usize * size.height as usize);
+        let (mut stacks, mut triangles) = (Stacks::<u32>::new(), Stacks::<TriangleId>::new());
+        let (mut regions, mut sums) = (vec![BACKGROUND], vec![Sum::default()]);
+        for band in bands {
+            let mut numbers = vec![BACKGROUND];
+            for Layer { below, surface } in &band.stacks.layers {
+                let number = stacks.number(Layer { below: numbers[*below as usize], surface: *surface });
+                if number as usize == regions.len() {
+                    let id = geometry.triangles[*surface as usize].id;
+                    let below = regions[stacks.layers[number as usize - 1].below as usize];
+                    regions.push(triangles.number(Layer { below, surface: id }));
+                    sums.resize(triangles.layers.len() + 1, Sum::default());
+                }
+                numbers.push(number);
+            }
+            for (sum, number) in band.sums.iter().zip(&numbers) {
+                sums[regions[*number as usize] as usize].add(sum);
+            }
+            labels.extend(band.labels.iter().map(|label| numbers[*label as usize]));
+        }
+        let colors = sums.iter().map(|sum| sum.mean().unwrap_or(scene.background)).collect();
+        Self { width: size.width, height: size.height, labels, stacks, regions, colors }
+    }
+
+    /// Returns the stack of each sample of a row.
+    pub(super) fn row(&self, row: u32) -> &[StackId] {
+        let width = self.width as usize;
+        &self.labels[row as usize * width..][..width]
+    }
+
+    /// Returns the stack of a sample.
+    pub(super) fn stack(&self, x: u32, y: u32) -> StackId {
+        self.labels[y as usize * self.width as usize + x as usize]
+    }
+
+    /// Returns the region of a stack.
+    pub(super) fn region(&self, stack: StackId) -> RegionId {
+        self.regions[stack as usize]
+    }
+
+    /// Returns the colours of all regions.
+    pub(super) fn colors(&self) -> &[Rgb] {
+        &self.colors
+    }
+
+    /// Returns the surfaces of a stack from the uppermost to the lowest, as indices into [`Geometry::triangles`].
+    pub(super) fn surfaces(&self, stack: StackId) -> impl Iterator<Item = u32> {
+        self.stacks.surfaces(stack)
+    }
+}
+
+/// Sum of the sRGB codes of some samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sum {
+    codes: [u64; 3],
+    count: u64,
+}
+
+impl Sum {
+    fn add(&mut self, other: &Self) {
+        self.codes.iter_mut().zip(other.codes).for_each(|(sum, code)| *sum += code);
+        self.count += other.count;
+    }
+
+    /// Returns the mean, rounded to nearest; none of nothing.
+    fn mean(&self) -> Option<Rgb> {
+        let Self { codes, count } = *self;
+        (count > 0).then(|| codes.map(|code| ((code + count / 2) / count) as u8))
+    }
+}
+
+/// Some rows of the picture, with stacks numbered for themselves.
+struct Band {
+    labels: Vec<u32>,
+    stacks: Stacks<u32>,
+    /// Colours of the samples of each stack.
+    sums: Vec<Sum>,
+}
+
+impl Band {
+    fn draw(scene: &Scene, geometry: &Geometry, settings: &Settings, (size, rows): (Viewport, Range<u32>)) -> Self {
+        let Viewport { width, height } = size;
+        let scissor = Scissor { top: rows.start, bottom: rows.end, ..Scissor::full(width, height) };
+        let extent = Extent { triangles: 0..geometry.triangles.len(), scissor };
+        let grid = SampleGrid::FULL;
+        let mut frame = Framebuffer::of_rows(grid, (width, height), rows.clone(), scene.background, settings);
+        let labels = vec![BACKGROUND; width as usize * rows.len()];
+        let mut recorder =
+            Recorder { geometry, first_row: rows.start, width, labels, stacks: Stacks::new(), last_drawn: 0 };
+        draw(scene, geometry, settings, &extent, Until::Shade, &mut frame, &mut recorder);
+        let Recorder { labels, stacks, .. } = recorder;
+        let mut sums = vec![Sum::default(); stacks.layers.len() + 1];
+        for (label, [red, green, blue, _]) in labels.iter().zip(frame.color.pixels()) {
+            let codes = [red, green, blue].map(|code| u64::from(*code));
+            sums[*label as usize].add(&Sum { codes, count: 1 });
+        }
+        Self { labels, stacks, sums }
+    }
+}
+
+/// Records the stack of each sample while rows are drawn.
+struct Recorder<'a> {
+    geometry: &'a Geometry,
+    first_row: u32,
+    width: u32,
+    labels: Vec<u32>,
+    stacks: Stacks<u32>,
+    /// Index of the triangle of the last fragment: many follow each other.
+    last_drawn: usize,
+}
+
+impl Recorder<'_> {
+    /// Returns the index of a triangle in the list of all.
+    fn index_of(&mut self, triangle: &ScreenTriangle) -> u32 {
+        let triangles = &self.geometry.triangles;
+        if !triangles.get(self.last_drawn).is_some_and(|last| std::ptr::eq(last, triangle)) {
+            self.last_drawn = self.geometry.place_of(triangle);
+        }
+        self.last_drawn as u32
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn shaded(&mut self, triangle: &ScreenTriangle, fragment: &Fragment, _color: Rgba8) {
+        let surface = self.index_of(triangle);
+        let (column, row) = (fragment.sample.column, fragment.sample.row - self.first_row);
+        let label = &mut self.labels[row as usize * self.width as usize + column as usize];
+        let below = if self.geometry.is_blended(triangle) { *label } else { BACKGROUND };
+        *label = self.stacks.number(Layer { below, surface });
+    }
+}
