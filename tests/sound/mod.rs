@@ -4,7 +4,7 @@ use glam::Vec3;
 use rasterscope::scene::DepthMapping;
 use rasterscope::scene::obj::Loaded;
 
-/// Checks that everything in the scene is finite, normals have unit length, and there is something to draw. A normal may be NaN
+/// Checks that everything in the scene is finite, normals have unit length, and there is something to draw. A normal may be zero
 /// where a warning says that the file's is not finite.
 pub(crate) fn sound(loaded: &Loaded) -> Result<(), String> {
     let scene = &loaded.scene;
@@ -13,7 +13,7 @@ pub(crate) fn sound(loaded: &Loaded) -> Result<(), String> {
     }
     let has_lost_normals = loaded.warnings.iter().any(|warning| warning.text.contains("normal that is not finite"));
     for mesh in scene.library.meshes() {
-        let is_sound = |n: &Vec3| (n.length() - 1.0).abs() < 1e-4 || n.is_nan() && has_lost_normals;
+        let is_sound = |n: &Vec3| (n.length() - 1.0).abs() < 1e-4 || *n == Vec3::ZERO && has_lost_normals;
         if !mesh.normals.iter().all(is_sound) {
             return Err("a normal is no unit vector".to_owned());
         }
