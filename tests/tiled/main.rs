@@ -167,12 +167,13 @@ fn every_depth_test_and_format_gives_the_same_picture() {
 
 #[test]
 fn every_depth_bias_gives_the_same_picture() {
+    // Each bias with some tests and formats.
     let recipes = biased(depths());
-    check_small_scenes(&recipes);
-    // Each bias with another test and format.
-    check_all_at(SMALL, &recipes.into_iter().step_by(7).collect::<Vec<_>>());
+    check_small_scenes(&recipes.iter().copied().step_by(3).collect::<Vec<_>>());
+    check_all_at(SMALL, &recipes.into_iter().step_by(11).collect::<Vec<_>>());
     let smooth = [multisampled(&[Samples::Four]), jittered(&[Samples::Four])].concat();
-    check_small_scenes(&biased(with::<DepthFormat>(&smooth, |r, c| r.pipeline.depth_format = c)));
+    let smooth = biased(with::<DepthFormat>(&smooth, |r, c| r.pipeline.depth_format = c));
+    check_small_scenes(&smooth.into_iter().step_by(2).collect::<Vec<_>>());
 }
 
 #[test]

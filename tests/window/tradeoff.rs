@@ -20,7 +20,9 @@ fn every_upscaler_becomes_a_point_with_its_error_against_native() {
     let points = bench.session().timings.tradeoff();
     assert_eq!(points.len(), Upscaling::every().count());
     let native = points.iter().find(|point| point.upscaling.is_native()).expect("native is measured");
-    assert_eq!((native.error.still.codes.mse, native.standing), (0.0, Standing::Front));
+    assert_eq!(native.error.still.codes.mse, 0.0);
+    // At rest other methods have no error, either: the quickest of all is on the front.
+    assert!(points.iter().any(|point| point.error.still.codes.mse == 0.0 && point.standing == Standing::Front));
     for point in &points {
         if let Standing::Beaten(by) = point.standing {
             let better = points.iter().find(|other| other.upscaling == by).expect("it is one of them");
