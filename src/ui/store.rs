@@ -211,7 +211,13 @@ mod tests {
 
     #[test]
     fn what_cannot_be_read_is_kept_as_a_backup_and_reported() {
-        for damaged in ["", "no JSON", r#"{"bookmarks": [{"name": "of a newer version"}]}"#, r#"{"new field": 1}"#] {
+        for damaged in [
+            "",
+            "no JSON",
+            r#"{"scale": 1e300}"#,
+            r#"{"bookmarks": [{"name": "of a newer version"}]}"#,
+            r#"{"new field": 1}"#,
+        ] {
             let folder = tempfile::tempdir().unwrap();
             std::fs::write(folder.path().join(FILE), damaged).unwrap();
             let found = read(folder.path()).unwrap();

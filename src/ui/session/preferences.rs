@@ -96,7 +96,11 @@ impl Preferences {
     /// Like [`Self::read`]; also returns whether everything was read.
     pub fn read_checked(stored: &str) -> (Self, bool) {
         let Ok(fields) = serde_json::from_str::<Map<String, Value>>(stored) else { return Default::default() };
-        let can_be_read = |(key, value): &(String, Value)| Self::deserialize(json!({ key: value })).is_ok();
+        // A number too large for its type is read as infinite, which cannot be written.
+        let can_be_read = |(key, value): &(String, Value)| {
+            let read = Self::deserialize(json!({ key: value })).and_then(serde_json::to_value);
+            read.is_ok_and(|again| Self::deserialize(json!({ key: again[key] })).is_ok())
+        };
         let (readable, others): (Map<_, _>, Map<_, _>) = fields.into_iter().partition(can_be_read);
         let read: Self = serde_json::from_value(readable.clone().into()).unwrap_or_default();
         // Unknown fields and list items that were left out are missing when it is written again.
@@ -168,10 +172,15 @@ fn all_restored<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PathBuf>, D::E
     Ok(the_readable::<D, StoredPath>(from)?.into_iter().map(|path| path.0).collect())
 }
 
-/// Those of a list that can be read.
-fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -> Result<Vec<T>, D::Error> {
+/// Returns the items of a list that can be read, and written again.
+fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from: D) -> Result<Vec<T>, D::Error> {
     let items = Vec::<Value>::deserialize(from)?;
-    Ok(items.into_iter().filter_map(|item| serde_json::from_value(item).ok()).collect())
+    let read = |item: Value| {
+        let read: T = serde_json::from_value(item).ok()?;
+        let again: Option<T> = serde_json::to_value(&read).ok().and_then(|again| serde_json::from_value(again).ok());
+        again.map(|_| read)
+    };
+    Ok(items.into_iter().filter_map(read).collect())
 }
 
 impl Session {
