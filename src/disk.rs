@@ -39,7 +39,7 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
 /// not count as an input.
 ///
 /// # Errors
-/// Those of [`read`].
+/// As for [`read`].
 pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
@@ -102,7 +102,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Writes what `produce` writes to `path`, as [`write`] does, piece by piece: for outputs that are not kept in memory.
 ///
 /// # Errors
-/// Those of [`write`] and of `produce`. An existing file is then unchanged.
+/// As for [`write`], and errors of `produce`. An existing file is then unchanged.
 pub fn write_by(path: &Path, produce: impl FnOnce(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
     match Target::of(path)? {
         Target::Direct(path) => {

@@ -107,6 +107,6 @@ pub type ClipSample = (usize, u32, u32, f64, f64, f64, f64);
 pub struct ClipTriAnswer {
     /// One for each triangle.
     pub triangles: Vec<Covered>,
-    /// One for each covered pixel.
+    /// Attributes of each covered pixel.
     pub attr: Vec<ClipSample>,
 }

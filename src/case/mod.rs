@@ -116,7 +116,7 @@ pub enum Unanswered {
     /// The program does not do what the case asks.
     #[error(transparent)]
     Refused(#[from] Refusal),
-    /// It was cancelled.
+    /// The evaluation was cancelled.
     #[error("cancelled")]
     Cancelled,
 }

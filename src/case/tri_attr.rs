@@ -73,7 +73,7 @@ impl TriAttr {
     }
 }
 
-/// What the pipeline interpolates in one triangle.
+/// Attributes of a triangle, interpolated at its samples by the pipeline.
 pub(super) struct TriangleSamples {
     triangle: ScreenTriangle,
     edges: AnyTriangle,

@@ -65,7 +65,7 @@ pub(crate) struct MemoryArgs {
 }
 
 impl MemoryArgs {
-    /// Loads a scene; prints warnings and, after a second on a terminal, the progress to standard error.
+    /// Loads a scene; after a second, prints the progress to standard error if that is a terminal.
     pub(crate) fn load(self, source: &SceneSource) -> Result<Loaded, Failure> {
         let (begun, shown) = (Instant::now(), stderr().is_terminal());
         let percent = AtomicU32::new(0);
@@ -85,7 +85,7 @@ impl MemoryArgs {
         Ok(loaded?)
     }
 
-    /// The limit.
+    /// Returns the memory limit.
     pub(crate) fn limit(self) -> MemoryLimit {
         MemoryLimit::mib(self.memory)
     }

@@ -116,7 +116,7 @@ impl PictureFile {
         (self.width, self.height)
     }
 
-    /// Decodes the picture.
+    /// Decodes the pixels to straight 8-bit RGBA.
     pub fn decode(self) -> Result<Image<Rgba8>, ImageFileError> {
         let decoded = reader(&self.bytes, self.format).decode();
         decoded.map(to_rgba).map_err(|e| undecodable(&self.path, self.kind, &e.to_string()))

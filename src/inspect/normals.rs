@@ -19,7 +19,7 @@ pub const DEFAULT_LENGTH: f32 = 0.02;
 /// Least w of a point that is projected.
 const LEAST_W: f64 = f32::MIN_POSITIVE as f64;
 
-/// Where normals start.
+/// Kind of a normal: of a vertex or of a face, at whose centre its line starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalKind {
     /// At vertices: those that shading interpolates.

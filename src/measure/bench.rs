@@ -94,7 +94,7 @@ pub struct Frames<'a> {
     pub cancel: &'a AtomicBool,
 }
 
-/// One timed frame.
+/// Durations of one timed frame and its stages.
 struct Sample {
     total: Duration,
     stages: Vec<(&'static str, Duration)>,

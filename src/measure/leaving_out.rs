@@ -26,7 +26,7 @@ pub struct Saving {
     pub draws: usize,
     /// Milliseconds of a frame with it, less those of the planned frame of the same round.
     pub saved_ms: Summary,
-    /// Whether the median saving is too small to be told from none.
+    /// Whether the median saving is within the noise floor.
     pub within_noise: bool,
     /// Whether both pictures are the same.
     pub same_picture: bool,

@@ -9,7 +9,7 @@ pub struct Machine {
     pub platform: String,
     /// Model name of the processor; `None` where the system does not report it.
     pub processor: Option<String>,
-    /// Hardware threads.
+    /// Number of hardware threads.
     pub threads: usize,
     /// Load average over one minute when the measurement began, in runnable processes; `None` where the system does not
     /// report it.

@@ -42,7 +42,7 @@ impl Noise {
         relative_difference(a_ms, b_ms) <= self.p90
     }
 
-    /// Whether a change of a time of `of_ms` is too small to be told from no change, both in milliseconds.
+    /// Whether a change of a time of `of_ms` is within the noise floor, both in milliseconds.
     pub fn covers_change(&self, change_ms: f64, of_ms: f64) -> bool {
         change_ms.abs() <= self.ms(of_ms)
     }

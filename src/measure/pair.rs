@@ -19,7 +19,7 @@ pub struct PairTimes {
     pub change_ms: Summary,
     /// Noise floor, from both recipes timed against themselves in the same rounds.
     pub noise: Noise,
-    /// Whether the median change is too small to be told from no change.
+    /// Whether the median change is within the noise floor.
     pub within_noise: bool,
 }
 

@@ -147,7 +147,7 @@ pub struct Scaling {
 /// Why nothing was measured.
 #[derive(Debug, Error)]
 pub enum ScalingError {
-    /// It was cancelled.
+    /// The measurement was cancelled.
     #[error("measuring was cancelled")]
     Cancelled,
     /// The system gives no threads.

@@ -38,7 +38,7 @@ pub enum Agreement {
     Missing,
 }
 
-/// What a part of a case is shown as.
+/// Form in which a part of a case is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shown {
     /// Pixels.

@@ -83,7 +83,7 @@ impl<'a> Load<'a> {
         Self { path, control, used_bytes: 0, unreported: 0, step: (0.0, 0.0) }
     }
 
-    /// The limit of memory.
+    /// Returns the memory limit.
     pub(super) fn memory(&self) -> MemoryLimit {
         self.control.memory
     }
@@ -128,7 +128,7 @@ impl<'a> Load<'a> {
     /// Takes memory before it is allocated.
     ///
     /// # Errors
-    /// One sentence, if less is left.
+    /// Less memory is left; the reason is one sentence.
     pub(super) fn charge(&mut self, bytes: u64) -> Result<(), String> {
         let used_bytes = self.used_bytes.saturating_add(bytes);
         if used_bytes > self.control.memory.bytes() {
@@ -147,7 +147,7 @@ impl<'a> Load<'a> {
     /// Makes room for `additional` elements.
     ///
     /// # Errors
-    /// One sentence, if the limit or the system allows no more memory.
+    /// The limit or the system allows no more memory; the reason is one sentence.
     pub(super) fn reserve<T>(&mut self, list: &mut Vec<T>, additional: usize) -> Result<(), String> {
         let room = list.capacity() - list.len();
         if additional <= room {

@@ -57,7 +57,7 @@ pub struct TradeOff {
     pub ms: Summary,
     /// Error against the reference of the measurement; that in motion ranks the methods.
     pub error: MethodError,
-    /// How the method stands among the others, by time and FLIP in motion.
+    /// Position relative to the Pareto front of time and FLIP in motion.
     pub standing: Standing<Upscaling>,
     /// Whether the difference from the native time is within noise.
     pub native_within_noise: bool,

@@ -64,7 +64,7 @@ pub struct Finding {
     pub assertion: Assertion,
     /// Fragments, or vertices of open edges, that it was checked on.
     pub checked: u64,
-    /// How many of them violate it.
+    /// Number of checked fragments or pixels that violate the assertion.
     pub violated: u64,
     /// The first of them in drawing order; of T-junctions the first pixel in reading order that one leaves open, if one does.
     pub first: Option<Violation>,

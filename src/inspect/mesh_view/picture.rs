@@ -70,7 +70,7 @@ pub struct Painting {
     pub selection: TriangleSelection,
     /// The colour behind everything.
     pub backdrop: [u8; 3],
-    /// Which normals are drawn.
+    /// Kinds of normals that are drawn as lines.
     pub normals: MeshNormals,
 }
 

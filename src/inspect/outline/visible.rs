@@ -71,7 +71,7 @@ impl<T: Copy + Eq + std::hash::Hash> Stacks<T> {
 pub(super) struct Visibility {
     /// Samples in a row.
     pub(super) width: u32,
-    /// Rows of samples.
+    /// Number of rows of samples.
     pub(super) height: u32,
     /// The stack of each sample, row by row.
     labels: Vec<StackId>,

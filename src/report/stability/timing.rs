@@ -63,7 +63,7 @@ pub struct Time {
 /// Something to be timed: runs all cases of a class once, or fewer if it is cancelled meanwhile.
 type Work<'a> = Box<dyn Fn(&AtomicBool) + 'a>;
 
-/// What is timed of one case.
+/// Work of one case that is timed.
 type Part<'a> = Box<dyn Fn() + 'a>;
 
 /// Times every column of a class, of which there is at least one. `units` is how many pixels, samples or depths each case

@@ -36,7 +36,7 @@ pub struct Subject {
     pub camera: Camera,
 }
 
-/// What is measured.
+/// Scenes, recipes and size of a report, and how they are measured.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Scenes.
@@ -47,7 +47,7 @@ pub struct Plan {
     pub viewport: Viewport,
     /// Rounds that count, ≥ 1.
     pub rounds: usize,
-    /// What errors are against.
+    /// Reference that errors are computed against.
     pub reference: Reference,
     /// Motion of the camera over the frames that are judged and timed.
     pub turn: Turn,

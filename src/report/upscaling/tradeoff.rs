@@ -2,7 +2,7 @@
 
 use crate::measure::noise::Noise;
 
-/// How a method stands among others.
+/// Position of a method relative to the Pareto front of time and error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standing<M> {
     /// On the Pareto front: every other method has a clearly longer time or a larger error.

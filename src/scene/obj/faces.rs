@@ -31,7 +31,7 @@ const PART_BYTES: u64 = 1024;
 /// Number of copies of the names of a part.
 const NAME_COPIES: u64 = 4;
 
-/// How many times as long a face that crosses itself takes to cut, at least.
+/// Work of cutting a face that crosses itself, relative to one of as many corners that does not.
 const WORK_OF_CROSSING: usize = 100;
 
 /// Bytes for each corner of a face while it is cut into triangles.

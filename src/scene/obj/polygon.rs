@@ -40,7 +40,7 @@ const CANCELLATION: f64 = 1e-4;
 /// Height of a corner above the plane, relative to the root of the area, from which on a face is not flat.
 const FLATNESS: f64 = 1e-4;
 
-/// How a face was cut.
+/// Result of cutting a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outcome {
     /// The triangles cover just what the face covers.

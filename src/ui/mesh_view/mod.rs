@@ -27,7 +27,7 @@ pub struct MeshView {
     pub apart: f32,
     /// Whether culled triangles are outlined.
     pub culled: bool,
-    /// Which normals are drawn.
+    /// Kinds of normals that are drawn as lines.
     pub normals: MeshNormals,
     /// Where from; to be found if none.
     pub camera: Option<Camera>,

@@ -195,7 +195,7 @@ fn navigate(ui: &Ui, response: &Response, camera: Camera, commands: &mut Vec<Com
     }
 }
 
-/// What the colours of triangles and normals mean, in the lower left corner.
+/// Draws the legend of triangle and normal colours in the lower left corner.
 fn legend(ui: &Ui, painter: &egui::Painter, rect: Rect, session: &Session) {
     const ROW: f32 = 15.0;
     const WIDTH: f32 = 104.0;

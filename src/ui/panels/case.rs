@@ -33,7 +33,7 @@ pub struct CaseView {
     /// The answer that is yet to come.
     running: Option<Running>,
     pictures: Pictures,
-    /// Which of the differing pixels the view was moved to.
+    /// Index of the differing pixel that the view was moved to last.
     visited: Option<usize>,
 }
 

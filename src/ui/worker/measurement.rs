@@ -12,14 +12,14 @@ use crate::upscale::Upscaling;
 /// Rounds that count; each times one frame by every method.
 pub const MEASURE_ROUNDS: usize = 25;
 
-/// What is measured.
+/// Request to measure time and error of upscalers.
 #[derive(Clone, Debug)]
 pub struct MeasureRequest {
     /// Number that the answers carry.
     pub number: u64,
     /// Scene, view and recipe; the upscaler is what varies.
     pub of: Request,
-    /// What errors are against.
+    /// Reference that errors are computed against.
     pub reference: Reference,
     /// Motion of the camera over the frames that are judged and timed.
     pub turn: Turn,

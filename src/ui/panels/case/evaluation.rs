@@ -10,14 +10,14 @@ use crate::case::{Case, Control, Options};
 use crate::report::comparison::{Figures, Shown, show};
 use crate::ui::task::{Listening, Task};
 
-/// What is answered: a part of a case, in one way.
+/// Part of a case to evaluate, and the options for it.
 #[derive(Clone, Debug)]
 pub struct Question {
     /// The case.
     pub case: Arc<Case>,
     /// Number of the part.
     pub part: usize,
-    /// How it is answered.
+    /// Algorithms and arithmetic of the evaluation.
     pub options: Options,
 }
 

@@ -41,7 +41,7 @@ pub(super) struct Pictures {
 struct Visible {
     /// First column and row.
     first: [u32; 2],
-    /// One past the last column and row.
+    /// Column and row behind the last pixel.
     end: [u32; 2],
     /// Texels along both axes, at most one for each pixel.
     texels: [usize; 2],
