@@ -1,6 +1,5 @@
 //! `rasterscope diff`: what other settings do to a view: which pixels change, how far the pictures are apart, what it costs.
 
-use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
@@ -18,6 +17,7 @@ use rasterscope::measure::pair::{PairTimer, PairTimes};
 use serde::Serialize;
 
 use super::failure::Failure;
+use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, View};
 use super::{interrupt, output, parse};
 
@@ -85,11 +85,9 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     let (changed, marked) = compared(args.buffer, &view, (&a, &before), (&b, &after))?;
     let shot = Shot { scene: &view.scene, camera: &view.camera, viewport: size, turn: Turn::by(args.turn) };
     let (machine, interrupted) = (Machine::at_start(), interrupt::flag());
-    let shown = stderr().is_terminal();
+    let line = ProgressLine::new();
     let mut go_on = |share: f32| {
-        if shown {
-            show(share);
-        }
+        line.show_share("measuring", share);
         !interrupted.load(Ordering::Relaxed)
     };
     let report = DiffReport {
@@ -109,9 +107,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     if let Some(path) = &args.output {
         write_png(path, &marked)?;
     }
-    if shown {
-        let _ = write!(stderr(), "\r{:20}\r", "");
-    }
+    drop(line);
     if args.json {
         output::print_json(&report)?;
     } else {
@@ -154,11 +150,6 @@ fn timed(
         }
     }
     None
-}
-
-/// Writes on a terminal which share of the present part is done. Where that cannot be written nobody misses it.
-fn show(share: f32) {
-    let _ = write!(stderr(), "\rmeasuring: {:3.0} %", share * 100.0);
 }
 
 fn text(report: &DiffReport) -> String {

@@ -21,6 +21,7 @@ mod pixel;
 mod pixel_text;
 mod plan;
 mod probe;
+mod progress;
 mod render;
 mod report;
 mod scaling;

@@ -1,6 +1,5 @@
 //! `rasterscope plan`: what each draw of a frame runs and leaves out, why, and what that saves; in words or as JSON.
 
-use std::io::{IsTerminal as _, Write as _, stderr};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -19,6 +18,7 @@ use serde::Serialize;
 
 use super::failure::Failure;
 use super::output;
+use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, View};
 
 /// What `plan` takes.
@@ -72,8 +72,17 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     let groups = groups(&scene, &plans);
     let frame = whole(&scene, &recipe, viewport);
     let savings = args.measure.then(|| {
+        let line = ProgressLine::new();
         // Nobody cancels but with the program.
-        savings(&scene, &camera, &recipe, viewport, args.rounds as usize, &tell, &AtomicBool::new(false))
+        savings(
+            &scene,
+            &camera,
+            &recipe,
+            viewport,
+            args.rounds as usize,
+            &|share| line.show_share("measuring", share),
+            &AtomicBool::new(false),
+        )
     });
     let savings = savings.flatten();
     if args.json {
@@ -88,26 +97,20 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     )
 }
 
-/// Says on a terminal how far measuring is.
-fn tell(share: f32) {
-    if stderr().is_terminal() {
-        // Where it cannot be written nobody misses it.
-        let _ = write!(stderr(), "\rmeasuring: {:3.0} %{}", share * 100.0, if share < 1.0 { "" } else { "\n" });
-    }
-}
-
 /// Measures what leaving out saves on many scenes.
 fn table_of_scenes(args: &PlanArgs, recipe: &Recipe, viewport: Viewport) -> Result<(), Failure> {
     let views = views();
     let count = views.len() as f32;
+    let line = ProgressLine::new();
     let measure = |(number, (name, scene, camera)): (usize, (&'static str, Scene, Camera))| {
-        let tell = |share: f32| tell((number as f32 + share) / count);
+        let tell = |share: f32| line.show_share("measuring", (number as f32 + share) / count);
         // Nobody cancels but with the program.
         let never = AtomicBool::new(false);
         let savings = savings(&Arc::new(scene), &camera, recipe, viewport, args.rounds as usize, &tell, &never)?;
         Some(Row { scene: name, savings })
     };
     let rows: Vec<Row> = views.into_iter().enumerate().filter_map(measure).collect();
+    drop(line);
     if args.json {
         return output::print_json(&rows);
     }

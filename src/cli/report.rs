@@ -1,6 +1,5 @@
 //! `rasterscope report`: error against run time of every upscaler, as a page, a table and JSON.
 
-use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -16,6 +15,7 @@ use rasterscope::report::upscaling::sweep::{self, Plan, Progress, Subject, every
 use rasterscope::scene::obj::Loaded;
 
 use super::failure::Failure;
+use super::progress::ProgressLine;
 use super::scene_args::MemoryArgs;
 use super::{interrupt, output, parse, scene_args};
 
@@ -66,21 +66,14 @@ pub(crate) struct ReportArgs {
 pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
     output::prepare_folder(&args.output, &FILES)?;
-    let shown = stderr().is_terminal();
-    let tell = |progress: Progress| {
-        if shown {
-            show(&progress);
-        }
-    };
+    let line = ProgressLine::new();
+    let show = |Progress { scene, stage, done, of }: Progress| line.show(&format!("{scene}, {stage}: {done} of {of}"));
     let threads = args.threads.map_or(0, usize::from);
     let pool =
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| Failure::Threads(e.to_string()))?;
     let interrupted = interrupt::flag();
-    let report =
-        pool.install(|| sweep::run(&plan, &|progress| tell(progress), &|| interrupted.load(Ordering::Relaxed)));
-    if shown {
-        clear();
-    }
+    let report = pool.install(|| sweep::run(&plan, &show, &|| interrupted.load(Ordering::Relaxed)));
+    drop(line);
     let report = report.ok_or_else(interrupt::nothing)?;
     let [index, table, json] = FILES.map(|name| args.output.join(name));
     let page = page(&report).map_err(|source| Failure::ResultFile { path: index.clone(), source })?;
@@ -111,13 +104,4 @@ fn plan(args: &ReportArgs) -> Result<Plan, Failure> {
         reference: args.reference,
         turn: Turn::by(args.turn),
     })
-}
-
-/// One line on a terminal, over the one before. Where it cannot be written nobody misses it.
-fn show(Progress { scene, stage, done, of }: &Progress) {
-    let _ = write!(stderr(), "\r{scene}, {stage}: {done} of {of}        ");
-}
-
-fn clear() {
-    let _ = write!(stderr(), "\r{:60}\r", "");
 }

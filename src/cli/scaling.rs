@@ -1,6 +1,5 @@
 //! `rasterscope scaling`: what a frame costs against triangles, pixels, layers and threads.
 
-use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,6 +8,7 @@ use rasterscope::measure::scaling::{Plan, Quantity, Scaling, ScalingError, measu
 use rasterscope::report::scaling::{csv, page, text};
 
 use super::failure::Failure;
+use super::progress::ProgressLine;
 use super::{interrupt, output};
 
 /// The page, the table and the JSON of the report.
@@ -48,17 +48,10 @@ pub(crate) fn run(args: &ScalingArgs) -> Result<(), Failure> {
     if let Some(folder) = &args.output {
         output::prepare_folder(folder, &FILES)?;
     }
-    let shown = stderr().is_terminal();
-    let tell = |quantity: Quantity, share: f32| {
-        if shown {
-            // Where it cannot be written nobody misses it.
-            let _ = write!(stderr(), "\r{}: {:3.0} %    ", quantity.name(), share * 100.0);
-        }
-    };
+    let line = ProgressLine::new();
+    let tell = |quantity: Quantity, share: f32| line.show_share(quantity.name(), share);
     let scaling = measure(&plan, &tell, interrupt::flag());
-    if shown {
-        let _ = write!(stderr(), "\r{:40}\r", "");
-    }
+    drop(line);
     let scaling = scaling.map_err(|error| match error {
         ScalingError::Cancelled => interrupt::nothing(),
         ScalingError::Threads(error) => Failure::Threads(error.to_string()),

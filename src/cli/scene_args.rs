@@ -1,6 +1,5 @@
 //! What is drawn and how: the options that all commands share.
 
-use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -16,6 +15,7 @@ use rasterscope::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, W
 
 use super::failure::Failure;
 use super::parse::Up;
+use super::progress::ProgressLine;
 use super::{output, parse};
 
 /// A scene, a view and a recipe.
@@ -67,22 +67,17 @@ pub(crate) struct MemoryArgs {
 impl MemoryArgs {
     /// Loads a scene; after a second, prints the progress to standard error if that is a terminal.
     pub(crate) fn load(self, source: &SceneSource) -> Result<Loaded, Failure> {
-        let (begun, shown) = (Instant::now(), stderr().is_terminal());
+        let (begun, line) = (Instant::now(), ProgressLine::new());
         let percent = AtomicU32::new(0);
         let progress = |completed: f32| {
             let now = (100.0 * completed) as u32;
             let is_news = percent.swap(now, Ordering::Relaxed) != now;
-            if shown && is_news && begun.elapsed() > SLOW_LOAD {
-                // Progress is dispensable: a failed write is ignored.
-                let _ = write!(stderr(), "\rloading: {now} %");
+            if is_news && begun.elapsed() > SLOW_LOAD {
+                line.show_share("loading", completed);
             }
         };
         let control = LoadControl { progress: &progress, ..LoadControl::quiet(self.limit()) };
-        let loaded = source.load_with(control);
-        if shown && begun.elapsed() > SLOW_LOAD {
-            let _ = writeln!(stderr());
-        }
-        Ok(loaded?)
+        Ok(source.load_with(control)?)
     }
 
     /// Returns the memory limit.

@@ -1,6 +1,5 @@
 //! `rasterscope stability`: stiff and extreme cases against everything that can be switched.
 
-use std::io::{IsTerminal as _, Write as _, stderr};
 use std::path::PathBuf;
 
 use clap::Args;
@@ -11,6 +10,7 @@ use rasterscope::report::stability::sweep::{self, DEFAULT_SEED, Plan, Progress, 
 use rasterscope::report::stability::{csv::csv, html::html, text::text};
 
 use super::failure::Failure;
+use super::progress::ProgressLine;
 use super::{interrupt, output, parse};
 
 /// What `stability` takes.
@@ -70,16 +70,10 @@ pub(crate) fn run(args: &StabilityArgs) -> Result<(), Failure> {
         timed: !args.untimed,
     };
     args.output.as_deref().map_or(Ok(()), output::check_writable)?;
-    let shown = stderr().is_terminal();
-    let tell = |progress: Progress| {
-        if shown {
-            show(progress);
-        }
-    };
-    let report = sweep::run(&plan, &tell, interrupt::flag());
-    if shown {
-        clear();
-    }
+    let line = ProgressLine::new();
+    let show = |Progress { stage, done, of }: Progress| line.show(&format!("{}: {done} of {of}", stage.name()));
+    let report = sweep::run(&plan, &show, interrupt::flag());
+    drop(line);
     let report = report.ok_or_else(interrupt::nothing)?;
     let written = render(args, &report)?;
     match &args.output {
@@ -103,14 +97,4 @@ fn render(args: &StabilityArgs, report: &Report) -> Result<String, Failure> {
     } else {
         Ok(text(report))
     }
-}
-
-/// One line on a terminal, over the one before. Where it cannot be written nobody misses it.
-fn show(progress: Progress) {
-    let Progress { stage, done, of } = progress;
-    let _ = write!(stderr(), "\r{}: {done} of {of}   ", stage.name());
-}
-
-fn clear() {
-    let _ = write!(stderr(), "\r{:40}\r", "");
 }
