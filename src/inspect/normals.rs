@@ -12,9 +12,9 @@ use crate::pipeline::vertex::DrawMatrices;
 use crate::pipeline::viewport::Viewport;
 use crate::scene::{Camera, DepthMapping, Instance, Scene, TriangleId};
 
-/// Default length, as a share of the diagonal of the scene's box: short enough to stay apart on a model of some thousand
-/// triangles.
-pub const DEFAULT_LENGTH: f32 = 0.02;
+/// Default length, as a share of the diagonal of the scene's box: short enough to stay apart on objects that stand on a floor
+/// many times their size.
+pub const DEFAULT_LENGTH: f32 = 0.005;
 
 /// Least w of a point that is projected.
 const LEAST_W: f64 = f32::MIN_POSITIVE as f64;
