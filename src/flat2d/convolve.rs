@@ -13,6 +13,8 @@ use crate::image::Image;
 pub struct Mask {
     side: usize,
     weights: Vec<f32>,
+    /// Factors of a separable mask: every weight is the product of those of its column and of its row.
+    factors: Option<Vec<f32>>,
 }
 
 /// How far masks go from their middle at most, px.
@@ -44,35 +46,39 @@ impl Mask {
         }
         match weights.iter().position(|weight| !weight.is_finite()) {
             Some(index) => Err(MaskError::NotFinite(index)),
-            None => Ok(Self { side, weights: weights.to_vec() }),
+            None => Ok(Self { side, weights: weights.to_vec(), factors: None }),
         }
+    }
+
+    /// A separable mask from the factors of its rows, which are also those of its columns.
+    fn separable(factors: Vec<f32>) -> Self {
+        let weights = factors.iter().flat_map(|down| factors.iter().map(move |right| down * right)).collect();
+        Self { side: factors.len(), weights, factors: Some(factors) }
     }
 
     /// The mean of (2 · `reach` + 1)² pixels; `reach` up to [`MOST_REACH`].
     pub fn blur(reach: usize) -> Self {
         let side = 2 * reach.min(MOST_REACH) + 1;
-        Self { side, weights: vec![1.0 / (side * side) as f32; side * side] }
+        Self::separable(vec![1.0 / side as f32; side])
     }
 
     /// The mean of 3 × 3 pixels with the middle counting most: binomial in both directions.
     pub fn binomial() -> Self {
-        Self { side: 3, weights: [1.0, 2.0, 1.0, 2.0, 4.0, 2.0, 1.0, 2.0, 1.0].map(|weight| weight / 16.0).to_vec() }
+        Self::separable(vec![0.25, 0.5, 0.25])
     }
 
     /// A bell of standard deviation `sigma` px, cut off at [`BELL_DEVIATIONS`] of them, or at [`MOST_REACH`] px.
     pub fn gaussian(sigma: f32) -> Self {
         let reach = (BELL_DEVIATIONS * sigma).ceil().clamp(1.0, MOST_REACH as f32) as i32;
         let bell = |at: i32| (-((at * at) as f32) / (2.0 * sigma * sigma).max(f32::MIN_POSITIVE)).exp();
-        let places = || (-reach..=reach).flat_map(|y| (-reach..=reach).map(move |x| (x, y)));
-        let sum: f32 = places().map(|(x, y)| bell(x) * bell(y)).sum();
-        let weights = places().map(|(x, y)| bell(x) * bell(y) / sum).collect();
-        Self { side: (2 * reach + 1) as usize, weights }
+        let sum: f32 = (-reach..=reach).map(bell).sum();
+        Self::separable((-reach..=reach).map(|at| bell(at) / sum).collect())
     }
 
     /// The pixel and `amount` times what sets it off from its four neighbours.
     pub fn sharpen(amount: f32) -> Self {
         let beside = -amount / 4.0;
-        Self { side: 3, weights: vec![0.0, beside, 0.0, beside, 1.0 + amount, beside, 0.0, beside, 0.0] }
+        Self { side: 3, weights: vec![0.0, beside, 0.0, beside, 1.0 + amount, beside, 0.0, beside, 0.0], factors: None }
     }
 
     /// The mean along a straight way of `length` px through the pixel, up to twice [`MOST_REACH`], `angle` radians from the right towards below: each
@@ -90,12 +96,17 @@ impl Mask {
             let [x, y] = [angle.cos(), angle.sin()].map(|axis| (along * axis).round() as i32 + reach as i32);
             weights[y as usize * side + x as usize] += 1.0 / steps;
         }
-        Self { side, weights }
+        Self { side, weights, factors: None }
     }
 
     /// The sum of all weights: what a plain picture is multiplied by.
     pub fn sum(&self) -> f32 {
         self.weights.iter().sum()
+    }
+
+    /// Factors of a separable mask, for columns from the left and for rows from the top: weights are products of two of them.
+    pub fn factors(&self) -> Option<&[f32]> {
+        self.factors.as_deref()
     }
 
     /// How many pixels it reads to each side of its middle.
