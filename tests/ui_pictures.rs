@@ -257,6 +257,7 @@ fn a_screenshot_has_the_size_that_was_asked_for() {
             mirrored: false,
             resume: false,
             memory_limit: MemoryLimit::default(),
+            pending: None,
             seen: Seen::default(),
         };
         let size = Viewport { width, height };

@@ -140,7 +140,18 @@ fn seen(args: SeenArgs, pixel: Option<(u32, u32)>) -> Seen {
 
 fn start(view: View, seen: Seen) -> WindowStart {
     let View { source, scene, warnings, recipe, camera, mirrored, is_default, memory_limit } = view;
-    WindowStart { source, scene, warnings, recipe, camera, mirrored, resume: is_default, seen, memory_limit }
+    WindowStart {
+        source,
+        scene,
+        warnings,
+        recipe,
+        camera,
+        mirrored,
+        resume: is_default,
+        seen,
+        memory_limit,
+        pending: None,
+    }
 }
 
 /// Whether windows come from a server that is named in the environment.

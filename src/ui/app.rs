@@ -13,7 +13,7 @@ mod tasks;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, CentralPanel, Panel, Ui};
+use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 
 use opening::{Loading, OpeningCase, SLOW_LOAD};
 
@@ -40,7 +40,8 @@ use super::panels::{bottom, menu, message, pipeline, transport};
 use super::place;
 use super::range;
 use super::scrub;
-use super::session::{Level, PointerMode, Session};
+use super::session::{Level, PointerMode, Session, WindowState};
+use super::start;
 use super::store::Store;
 use super::task::Task;
 use super::theme;
@@ -97,8 +98,10 @@ pub struct Workbench {
     fates: Finder,
     dialog: Dialog,
     tab: Tab,
-    /// Whether the theme is light, and the interface scale, as last drawn: saving has no context to ask.
-    look: (bool, f32),
+    /// State of the window as last drawn.
+    window: WindowState,
+    /// Context of the window; `None` until the first frame.
+    context: Option<Context>,
     /// Whether models are loaded while the window waits, as screenshots and tests want it.
     waits: bool,
     /// What was asked for from outside of the window, to be done with the next frame.
@@ -135,7 +138,8 @@ impl Workbench {
             fates: Finder::default(),
             dialog: Dialog::default(),
             tab: Tab::default(),
-            look: (false, 1.0),
+            window: WindowState::default(),
+            context: None,
             waits,
             asked_for: Vec::new(),
             store: None,
@@ -170,10 +174,25 @@ impl Workbench {
     /// Hands changed preferences to the thread that writes them, and reports what could not be written.
     fn keep_preferences(&mut self) {
         let Some(store) = &mut self.store else { return };
-        store.keep(self.session.preferences(self.look.0, self.look.1));
+        store.keep(self.session.preferences(&self.window));
         for failure in store.failures().collect::<Vec<_>>() {
             self.session.report(Level::Error, failure);
         }
+    }
+
+    /// Notes theme, scale and size of the window.
+    fn observe_window(&mut self, ui: &Ui) {
+        self.context.get_or_insert_with(|| ui.ctx().clone());
+        self.window.light_theme = !ui.visuals().dark_mode;
+        self.window.scale = ui.ctx().zoom_factor();
+        ui.input(|i| {
+            let viewport = i.viewport();
+            self.window.maximized = viewport.maximized.unwrap_or(false);
+            let is_ordinary = !self.window.maximized && !viewport.fullscreen.unwrap_or(false);
+            if let Some(inner) = viewport.inner_rect.filter(|_| is_ordinary) {
+                self.window.window_size = Some((inner.size() * self.window.scale).round().into());
+            }
+        });
     }
 
     /// One frame of the window.
@@ -199,7 +218,6 @@ impl Workbench {
         self.fates.tend(ui, &mut self.session, self.tab == Tab::Fates, self.waits);
         self.ask_what_if(ui);
         self.ask_to_watch(ui);
-        self.look = (!ui.visuals().dark_mode, ui.ctx().zoom_factor());
     }
 
     fn layout(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -460,7 +478,21 @@ impl eframe::App for Workbench {
             self.session.window_times.record(f64::from(seconds) * 1e3);
         }
         self.show(ui);
+        self.observe_window(ui);
         self.keep_preferences();
+    }
+
+    /// Keeps the layout. The toolkit calls this every half minute, and when the window closes.
+    fn save(&mut self, _: &mut dyn eframe::Storage) {
+        if let Some(context) = &self.context {
+            self.window.layout = start::layout(context);
+        }
+        self.keep_preferences();
+    }
+
+    /// Everything is kept with the preferences, whose file is replaced atomically.
+    fn persist_egui_memory(&self) -> bool {
+        false
     }
 }
 

@@ -9,7 +9,7 @@ mod preferences;
 mod undo;
 
 pub use log::{Level, LogLine};
-pub use preferences::{PictureSize, PointerMode, Preferences};
+pub use preferences::{PictureSize, PointerMode, Preferences, WindowState};
 pub use undo::Undoable;
 
 use std::collections::VecDeque;

@@ -1,8 +1,9 @@
 //! Ways into the workbench: a window, or one picture of it.
 
-use std::path::Path;
+use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Vec2, ViewportBuilder};
 
@@ -15,13 +16,15 @@ use super::fates;
 use super::headless::Headless;
 use super::lab;
 use super::panels::bottom::Tab;
-use super::session::{Level, PictureSize, Preferences, Session};
+use super::place;
+use super::session::{Level, PictureSize, Preferences, Session, WindowState};
 use super::store::{self, Found, Store};
 use super::theme;
 use super::watch;
 use super::worker::Worker;
 use crate::chain::Recipe;
 use crate::image::{Image, Rgba8};
+use crate::inspect::Place;
 use crate::inspect::display::Display;
 use crate::inspect::fates::{Bin, TriangleFate};
 use crate::inspect::mesh_view::MeshStyle;
@@ -29,7 +32,7 @@ use crate::inspect::overlays::Layer;
 use crate::inspect::scrub::Moment;
 use crate::lab::Page;
 use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneSource, Warning};
+use crate::scene::{Camera, LoadControl, MemoryLimit, Scene, SceneError, SceneSource, Warning};
 
 /// What the workbench starts with.
 #[derive(Clone, Debug)]
@@ -52,6 +55,17 @@ pub struct WindowStart {
     pub seen: Seen,
     /// Memory limit of models.
     pub memory_limit: MemoryLimit,
+    /// Scene to load once the window is open.
+    pub pending: Option<PendingScene>,
+}
+
+/// Scene that takes too long to load before the window opens.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PendingScene {
+    /// Path of the model.
+    pub path: PathBuf,
+    /// View of the scene; its own if `None`.
+    pub camera: Option<Camera>,
 }
 
 /// What of the frame is looked at from the start; where nothing is said, as always.
@@ -139,44 +153,59 @@ pub struct ScreenshotRequest {
 /// Passes of a picture: the first finds the canvas's size, the second has a frame, the rest let sizes settle.
 const SCREENSHOT_PASSES: usize = 6;
 
+/// Size of the window at first, in points.
+const DEFAULT_SIZE: Vec2 = Vec2::new(1280.0, 800.0);
+
+/// Smallest size of the window, in points.
+const LEAST_SIZE: Vec2 = Vec2::new(900.0, 560.0);
+
+/// Largest size that a window is opened with, in points.
+const MOST_SIZE: Vec2 = Vec2::splat(16_384.0);
+
+/// Time for loading the last scene before the window opens.
+const PATIENCE: Duration = Duration::from_millis(400);
+
 /// Name of the folder with the program's data.
 const APP_ID: &str = "rasterscope";
 
 /// Opens the window and returns when it is closed, or at once with the reason why there is none.
 pub fn run_window(start: WindowStart) -> Result<(), String> {
+    let folder = eframe::storage_dir(APP_ID);
+    let found = folder.as_deref().and_then(store::read).unwrap_or_default();
+    let WindowState { window_size, maximized, .. } = found.preferences.window;
+    let size = window_size.map(Vec2::from).filter(|size| size.is_finite()).unwrap_or(DEFAULT_SIZE);
     let options = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("Rasterscope")
-            .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([900.0, 560.0])
+            .with_inner_size(size.clamp(LEAST_SIZE, MOST_SIZE))
+            .with_min_inner_size(LEAST_SIZE)
+            .with_maximized(maximized)
             .with_drag_and_drop(true),
+        // Kept with the preferences, whose file is replaced atomically.
+        persist_window: false,
         // Noise over the picture would falsify it.
         dithering: false,
         ..Default::default()
     };
-    let make =
-        |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> { Ok(Box::new(windowed(start, cc))) };
+    let make = |cc: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
+        Ok(Box::new(windowed(start, folder, found, cc)))
+    };
     eframe::run_native(APP_ID, options, Box::new(make)).map_err(|error| one_line(&error.to_string()))
 }
 
-/// The application in a window: resumed from storage, with a renderer of its own.
-fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
-    let folder = eframe::storage_dir(APP_ID);
-    let found = folder.as_deref().and_then(store::read).unwrap_or_else(|| {
-        // Earlier versions kept the preferences with the geometry of the window.
-        let stored = cc.storage.and_then(|storage| storage.get_string(eframe::APP_KEY));
-        Found { preferences: stored.map(|stored| Preferences::read(&stored)).unwrap_or_default(), warning: None }
-    });
+/// Returns the application in a window: resumed from the preferences in `folder`, with a renderer of its own.
+fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &eframe::CreationContext<'_>) -> Workbench {
     let preferences = found.preferences;
+    restore_layout(&cc.egui_ctx, &preferences.window.layout);
     theme::install(&cc.egui_ctx);
-    cc.egui_ctx.set_theme(if preferences.light_theme { egui::Theme::Light } else { egui::Theme::Dark });
-    if preferences.scale > 0.0 {
-        cc.egui_ctx.set_zoom_factor(preferences.scale.clamp(0.5, 3.0));
+    cc.egui_ctx.set_theme(if preferences.window.light_theme { egui::Theme::Light } else { egui::Theme::Dark });
+    if preferences.window.scale > 0.0 {
+        cc.egui_ctx.set_zoom_factor(preferences.window.scale.clamp(0.5, 3.0));
     }
     let context = cc.egui_ctx.clone();
     let worker = Worker::spawn(move || context.request_repaint());
     close_on_signals(cc.egui_ctx.clone());
-    let start = if start.resume { resumed(start, &preferences) } else { start };
+    let start = if start.resume { resumed(start, &preferences, PATIENCE) } else { start };
     let store = folder.map(|folder| Store::new(folder, preferences.clone()));
     let mut workbench = workbench(start, preferences, worker);
     match store {
@@ -189,6 +218,19 @@ fn windowed(start: WindowStart, cc: &eframe::CreationContext<'_>) -> Workbench {
         workbench.session_mut().report(Level::Error, warning);
     }
     workbench
+}
+
+/// Returns the state of panels and headings as text.
+pub(super) fn layout(context: &egui::Context) -> String {
+    // If it cannot be written, the next window has the default layout.
+    context.memory(|memory| serde_json::to_string(memory)).unwrap_or_default()
+}
+
+/// Restores what [`layout`] returned; any other text changes nothing.
+fn restore_layout(context: &egui::Context, layout: &str) {
+    if let Ok(memory) = serde_json::from_str(layout) {
+        context.memory_mut(|current| *current = memory);
+    }
 }
 
 /// Closes the window in the ordinary way on SIGTERM, SIGHUP and SIGINT. A window that does not answer ends all the same:
@@ -206,23 +248,32 @@ fn close_on_signals(context: egui::Context) {
 }
 
 /// Returns the start with scene, recipe and view of the last time, as far as they still exist and are sound: stored preferences may
-/// be of an older program, or damaged.
-pub fn resumed(start: WindowStart, preferences: &Preferences) -> WindowStart {
+/// be of an older program, or damaged. A model that does not load within `patience` is loaded once the window is open.
+pub fn resumed(start: WindowStart, preferences: &Preferences, patience: Duration) -> WindowStart {
     let recipe = if preferences.recipe.check().is_ok() { preferences.recipe } else { start.recipe };
     let start = WindowStart { recipe, ..start };
-    let Some(source) = preferences.source.clone().map(SceneSource::named) else { return start };
-    match source.load_with(LoadControl::quiet(start.memory_limit)) {
+    let Some(path) = preferences.source.clone() else { return start };
+    let camera = preferences.camera.filter(|camera| camera.check().is_ok());
+    let source = SceneSource::named(path.clone());
+    let (begun, cancel) = (Instant::now(), AtomicBool::new(false));
+    let progress = |_: f32| {
+        if begun.elapsed() > patience {
+            cancel.store(true, Ordering::Relaxed);
+        }
+    };
+    let memory = start.memory_limit;
+    match source.load_with(LoadControl { memory, progress: &progress, cancel: &cancel }) {
         Ok(loaded) => WindowStart {
             source,
-            camera: preferences.camera.filter(|camera| camera.check().is_ok()).unwrap_or(loaded.scene.home),
+            camera: camera.unwrap_or(loaded.scene.home),
             scene: Arc::new(loaded.scene),
             warnings: loaded.warnings,
             ..start
         },
+        Err(SceneError::Cancelled { .. }) => WindowStart { pending: Some(PendingScene { path, camera }), ..start },
         Err(error) => {
-            let path = preferences.source.as_deref().unwrap_or(Path::new(""));
             let text = format!("was open last time and cannot be opened again: {error}");
-            WindowStart { warnings: vec![Warning::file(path, text)], ..start }
+            WindowStart { warnings: vec![Warning::file(&path, text)], ..start }
         }
     }
 }
@@ -242,6 +293,16 @@ pub fn workbench(start: WindowStart, preferences: Preferences, worker: Worker) -
     session.settle_silently();
     let mut workbench = Workbench::new(session, worker);
     workbench.warn(&start.warnings);
+    if let Some(PendingScene { path, camera }) = start.pending {
+        let open = match camera {
+            Some(camera) => {
+                let place = Place { scene: path, camera, ..workbench.session().place() };
+                Command::Place(place::Change::Go(Box::new(place)))
+            }
+            None => Command::Open(path),
+        };
+        workbench.ask_for(vec![open]);
+    }
     workbench
 }
 
@@ -332,7 +393,21 @@ mod tests {
             mirrored: false,
             resume: true,
             memory_limit: MemoryLimit::default(),
+            pending: None,
             seen: Seen::default(),
+        }
+    }
+
+    #[test]
+    fn the_layout_is_restored_and_damaged_text_ignored() {
+        let (before, after) = (egui::Context::default(), egui::Context::default());
+        let id = egui::Id::unique("heading");
+        before.data_mut(|data| data.insert_persisted(id, 12.5_f32));
+        let kept = layout(&before);
+        for text in ["", "{", &kept[..kept.len() / 2], &*kept] {
+            restore_layout(&after, text);
+            let expected = (text == kept).then_some(12.5_f32);
+            assert_eq!(after.data_mut(|data| data.get_persisted::<f32>(id)), expected, "{text}");
         }
     }
 
@@ -341,8 +416,30 @@ mod tests {
         let triangle = SceneSource::named("triangle".into());
         let mut preferences = Preferences { source: Some(triangle.name()), ..Preferences::default() };
         preferences.recipe.wireframe = true;
-        let resumed = resumed(start(), &preferences);
+        let resumed = resumed(start(), &preferences, Duration::MAX);
         assert_eq!((resumed.source.name(), resumed.recipe.wireframe), (triangle.name(), true));
+    }
+
+    #[test]
+    fn a_slow_model_is_loaded_once_the_window_is_open() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("slow.obj");
+        std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        let camera = Camera { far: 33.0, ..start().camera };
+        for camera in [None, Some(camera)] {
+            let preferences = Preferences { source: Some(path.clone()), camera, ..Preferences::default() };
+            let resumed = resumed(start(), &preferences, Duration::ZERO);
+            assert_eq!(resumed.source.name(), SceneSource::default().name());
+            assert_eq!(resumed.pending, Some(PendingScene { path: path.clone(), camera }));
+            let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Dark);
+            let mut app = workbench(resumed, preferences, Worker::inline());
+            for _ in 0..2 {
+                headless.pass(Vec::new(), |ui| app.show(ui));
+            }
+            let session = app.session();
+            assert_eq!(session.place().scene, path);
+            assert_eq!(session.state.camera, camera.unwrap_or(session.scene.home));
+        }
     }
 
     #[test]
@@ -350,7 +447,7 @@ mod tests {
         let mut preferences = Preferences { source: Some("triangle".into()), ..Preferences::default() };
         preferences.recipe.pipeline.light.direction = Vec3::NAN;
         preferences.camera = Some(Camera { near: f32::NAN, ..start().camera });
-        let resumed = resumed(start(), &preferences);
+        let resumed = resumed(start(), &preferences, Duration::MAX);
         assert_eq!(resumed.recipe, Recipe::default());
         assert_eq!(resumed.camera, resumed.scene.home);
         assert_eq!(PictureSize::Fixed(100_000, 100_000).checked(), PictureSize::Canvas);
@@ -360,7 +457,7 @@ mod tests {
     #[test]
     fn a_model_that_is_gone_is_said_and_the_default_scene_stays() {
         let preferences = Preferences { source: Some("/nowhere/model.obj".into()), ..Preferences::default() };
-        let resumed = resumed(start(), &preferences);
+        let resumed = resumed(start(), &preferences, Duration::MAX);
         assert_eq!(resumed.source.name(), SceneSource::default().name());
         assert!(resumed.warnings[0].to_string().contains("/nowhere/model.obj"));
     }

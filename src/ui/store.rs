@@ -35,7 +35,7 @@ pub struct Store {
 }
 
 /// Preferences found on disk.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Found {
     /// The preferences, or the defaults.
     pub preferences: Preferences,
@@ -56,7 +56,7 @@ pub fn read(folder: &Path) -> Option<Found> {
     Some(Found { preferences, warning })
 }
 
-/// Reads the file; keeps a backup of it where some of it cannot be read, and says so.
+/// Reads the file. If some of it cannot be read, it is kept as a backup, reported, and replaced by what can be read.
 fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<String>)> {
     let bytes = disk::read_own(path, MAX_BYTES)?;
     let (preferences, is_complete) = Preferences::read_checked(&String::from_utf8_lossy(&bytes));
@@ -66,6 +66,7 @@ fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<String>)> {
     let folder = path.parent().unwrap_or(Path::new("."));
     let backup = disk::write_new(folder, "preferences-backup", "json", &bytes)?;
     let warning = format!("{}: some of it cannot be read; kept as {}", path.display(), backup.display());
+    disk::write(path, preferences.write().as_bytes())?;
     Ok((preferences, Some(warning)))
 }
 
@@ -224,6 +225,7 @@ mod tests {
             assert!(found.warning.unwrap().contains("preferences-backup.json"), "{damaged}");
             let backup = std::fs::read_to_string(folder.path().join("preferences-backup.json")).unwrap();
             assert_eq!((found.preferences, &*backup), (Preferences::default(), damaged));
+            assert_eq!(read(folder.path()).unwrap().warning, None, "repaired and kept once");
         }
     }
 

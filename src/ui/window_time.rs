@@ -190,6 +190,7 @@ mod tests {
             mirrored: false,
             resume: false,
             memory_limit: crate::scene::MemoryLimit::default(),
+            pending: None,
             seen: Seen { picture: Some(Viewport { width: 64, height: 40 }), ..Seen::default() },
         };
         let size = Viewport { width: 1000, height: 600 };

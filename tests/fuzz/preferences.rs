@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 use eframe::egui::{Theme, Vec2};
 use fastrand::Rng;
@@ -11,7 +12,7 @@ use rasterscope::ui::app::Workbench;
 use rasterscope::ui::command::Command;
 use rasterscope::ui::headless::Headless;
 use rasterscope::ui::place::{self, Bookmark};
-use rasterscope::ui::session::{PictureSize, Preferences, Session};
+use rasterscope::ui::session::{PictureSize, Preferences, Session, WindowState};
 use rasterscope::ui::worker::Worker;
 use rasterscope::ui::{Seen, WindowStart, resumed, store, workbench};
 use serde_json::Value;
@@ -84,7 +85,8 @@ fn preferences(rng: &mut Rng) -> Preferences {
     session.places.bookmarks = (0..rng.usize(..3)).map(|_| bookmark(&session)).collect();
     session.watch.pixels = (0..rng.u32(..4)).map(|n| (n * 7, n)).collect();
     session.recent = (0..rng.usize(..3)).map(|n| format!("/models/{n}.obj").into()).collect();
-    session.preferences(rng.bool(), *mutate::pick(rng, &[0.0, 1.0, 1.5]))
+    let scale = *mutate::pick(rng, &[0.0, 1.0, 1.5]);
+    session.preferences(&WindowState { light_theme: rng.bool(), scale, ..WindowState::default() })
 }
 
 /// Checks that a warning comes with a backup of the whole file, and that there is none without.
@@ -126,18 +128,19 @@ fn start(preferences: Preferences) -> Result<(), Failure> {
         resume: true,
         seen: Seen::default(),
         memory_limit: MemoryLimit::default(),
+        pending: None,
     };
     let bookmarks = preferences.bookmarks.len().min(MOST_BOOKMARKS);
-    let scale = if preferences.scale > 0.0 { preferences.scale.clamp(0.5, 3.0) } else { 1.0 };
+    let scale = if preferences.window.scale > 0.0 { preferences.window.scale.clamp(0.5, 3.0) } else { 1.0 };
     let mut headless = Headless::new(WINDOW, scale, Theme::Dark);
-    let mut app = workbench(resumed(start, &preferences), preferences, Worker::inline());
+    let mut app = workbench(resumed(start, &preferences, Duration::MAX), preferences, Worker::inline());
     pass(&mut headless, &mut app);
     for bookmark in 0..bookmarks {
         app.ask_for(vec![Command::Place(place::Change::Jump(bookmark))]);
         pass(&mut headless, &mut app);
         pass(&mut headless, &mut app);
     }
-    check_written(&app.session().preferences(false, scale))?;
+    check_written(&app.session().preferences(&WindowState { scale, ..WindowState::default() }))?;
     let broken = app.session().log.iter().find(|line| line.text.contains("error of the program"));
     broken.map_or(Ok(()), |line| Err(Failure::Wrong(line.text.clone())))
 }

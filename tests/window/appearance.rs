@@ -2,6 +2,7 @@
 
 use eframe::egui::{Key, Modifiers};
 use rasterscope::ui::command::{BINDINGS, MOUSE};
+use rasterscope::ui::session::WindowState;
 
 use crate::bench::Bench;
 
@@ -53,7 +54,7 @@ fn the_hint_is_closed_for_good() {
     bench.click("Close this message");
     assert!(bench.session().hint_closed);
     assert!(!bench.mentions("Click a pixel: its story is at the right"));
-    assert!(bench.session().preferences(false, 1.0).hint_closed);
+    assert!(bench.session().preferences(&WindowState::default()).hint_closed);
 }
 
 #[test]

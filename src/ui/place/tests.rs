@@ -4,6 +4,7 @@ use super::*;
 use crate::chain::Recipe;
 use crate::inspect::Intermediate;
 use crate::inspect::display::Display;
+use crate::ui::session::WindowState;
 
 fn session(scene: &str) -> Session {
     let source = SceneSource::named(scene.into());
@@ -38,7 +39,7 @@ fn a_number_on_the_way_its_colours_and_overlays_are_part_of_a_place() {
     assert_eq!(session.place(), there);
     assert_eq!((session.shown, session.request().look), (Shown::Intermediate(Intermediate::Cosine), look));
     // The same from a file of preferences, and one that knows nothing of all that.
-    let kept = serde_json::to_value(session.preferences(false, 1.0)).unwrap();
+    let kept = serde_json::to_value(session.preferences(&WindowState::default())).unwrap();
     let again: crate::ui::session::Preferences = serde_json::from_value(kept.clone()).unwrap();
     assert_eq!(again.bookmarks[0].place, there);
     let mut old = kept;
@@ -107,7 +108,7 @@ fn bookmarks_are_kept_between_runs_renamed_and_forgotten() {
     for change in [Change::Bookmark, Change::Bookmark, Change::Rename(1, "second".to_owned()), Change::Remove(0)] {
         session.apply(Command::Place(change));
     }
-    let kept = session.preferences(false, 1.0);
+    let kept = session.preferences(&WindowState::default());
     let text = serde_json::to_string(&kept).unwrap();
     let again: crate::ui::session::Preferences = serde_json::from_str(&text).unwrap();
     assert_eq!(again.bookmarks, session.places.bookmarks);

@@ -56,6 +56,34 @@ impl PointerMode {
     }
 }
 
+/// State of the window itself, whatever it shows.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct WindowState {
+    /// Whether the theme is light rather than dark.
+    pub light_theme: bool,
+    /// Interface scale; 0 means 1.
+    pub scale: f32,
+    /// Width and height of the window while it is not maximized, in points of interface scale 1; `None` means the default size.
+    pub window_size: Option<[f32; 2]>,
+    /// Whether the window is maximized.
+    pub maximized: bool,
+    /// State of panels and headings, as JSON of [`eframe::egui::Memory`]; empty at first.
+    pub layout: String,
+}
+
+impl WindowState {
+    fn merged(&self, base: &Self, theirs: &Self) -> Self {
+        Self {
+            light_theme: latest(&self.light_theme, &base.light_theme, &theirs.light_theme),
+            scale: latest(&self.scale, &base.scale, &theirs.scale),
+            window_size: latest(&self.window_size, &base.window_size, &theirs.window_size),
+            maximized: latest(&self.maximized, &base.maximized, &theirs.maximized),
+            layout: latest(&self.layout, &base.layout, &theirs.layout),
+        }
+    }
+}
+
 /// Kept between runs, as JSON. What cannot be read of it, because an older or newer program wrote it or somebody else, is left
 /// out by itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -75,10 +103,9 @@ pub struct Preferences {
     pub recent: Vec<PathBuf>,
     /// Whether the first hint was closed.
     pub hint_closed: bool,
-    /// Light theme instead of dark.
-    pub light_theme: bool,
-    /// Interface scale; 0 means 1.
-    pub scale: f32,
+    /// State of the window itself.
+    #[serde(flatten)]
+    pub window: WindowState,
     /// Places that were kept.
     #[serde(deserialize_with = "the_readable")]
     pub bookmarks: Vec<Bookmark>,
@@ -116,9 +143,6 @@ impl Preferences {
     /// Returns `theirs` with the changes that lead from `base` to these: lists are merged item by item, and of everything
     /// else what was changed here replaces theirs.
     pub fn merged(&self, base: &Self, theirs: &Self) -> Self {
-        fn one<T: PartialEq + Clone>(mine: &T, base: &T, theirs: &T) -> T {
-            if mine == base { theirs.clone() } else { mine.clone() }
-        }
         let mut recent = self.recent.clone();
         let others = theirs.recent.iter().filter(|path| !self.recent.contains(path) && !base.recent.contains(path));
         recent.extend(others.cloned());
@@ -126,14 +150,13 @@ impl Preferences {
         let mut watched = merged_list(&self.watched, &base.watched, &theirs.watched);
         watched.truncate(watch::MOST);
         Self {
-            source: one(&self.source, &base.source, &theirs.source),
-            recipe: one(&self.recipe, &base.recipe, &theirs.recipe),
-            camera: one(&self.camera, &base.camera, &theirs.camera),
-            size: one(&self.size, &base.size, &theirs.size),
+            source: latest(&self.source, &base.source, &theirs.source),
+            recipe: latest(&self.recipe, &base.recipe, &theirs.recipe),
+            camera: latest(&self.camera, &base.camera, &theirs.camera),
+            size: latest(&self.size, &base.size, &theirs.size),
             recent,
             hint_closed: self.hint_closed || theirs.hint_closed,
-            light_theme: one(&self.light_theme, &base.light_theme, &theirs.light_theme),
-            scale: one(&self.scale, &base.scale, &theirs.scale),
+            window: self.window.merged(&base.window, &theirs.window),
             bookmarks: merged_list(&self.bookmarks, &base.bookmarks, &theirs.bookmarks),
             watched,
         }
@@ -144,6 +167,11 @@ impl Preferences {
         // Nothing in it can fail to be written: its maps have names, and what is not finite becomes null.
         serde_json::to_string(self).unwrap_or_default()
     }
+}
+
+/// Returns `mine` if it was changed since `base`, otherwise `theirs`.
+fn latest<T: PartialEq + Clone>(mine: &T, base: &T, theirs: &T) -> T {
+    if mine == base { theirs.clone() } else { mine.clone() }
 }
 
 /// Returns `theirs` without the items that `mine` lost since `base`, and with those that it gained.
@@ -184,8 +212,8 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 }
 
 impl Session {
-    /// What is kept between runs.
-    pub fn preferences(&self, light_theme: bool, scale: f32) -> Preferences {
+    /// Returns what is kept between runs.
+    pub fn preferences(&self, window: &WindowState) -> Preferences {
         Preferences {
             source: Some(match &self.source {
                 SceneSource::Builtin(_) => self.source.name(),
@@ -196,8 +224,7 @@ impl Session {
             size: self.state.size,
             recent: self.recent.clone(),
             hint_closed: self.hint_closed,
-            light_theme,
-            scale,
+            window: window.clone(),
             bookmarks: self.places.bookmarks.clone(),
             watched: self.watch.pixels.clone(),
         }
@@ -221,7 +248,7 @@ mod tests {
             recent: vec!["a.obj".into()],
             bookmarks: vec![bookmark; 3],
             watched: vec![(1, 2)],
-            scale: 1.5,
+            window: WindowState { scale: 1.5, window_size: Some([1000.0, 700.0]), ..WindowState::default() },
             ..Preferences::default()
         };
         assert_eq!(Preferences::read(&kept.write()), kept);

@@ -127,7 +127,7 @@ fn mirroring_twice_changes_nothing_and_preferences_speak_of_the_original() {
     let camera = session.state.camera;
     session.apply(Command::MirrorZ);
     assert_ne!(session.state.camera, camera);
-    assert_eq!(session.preferences(false, 1.0).camera, Some(camera));
+    assert_eq!(session.preferences(&WindowState::default()).camera, Some(camera));
     session.apply(Command::MirrorZ);
     assert_eq!(session.state.camera, camera);
 }
