@@ -308,6 +308,14 @@ fn broken_normals_and_texture_coordinates_load_with_a_warning() {
     let mesh = &loaded.scene.library.meshes()[0];
     assert_eq!((mesh.lost_normals(), mesh.triangles.len()), (1, 2));
     assert!(mesh.uvs.iter().all(|uv| uv.is_finite()));
+    let scene = &loaded.scene;
+    let frame = run(scene, &scene.home, &Recipe::default(), Viewport { width: 40, height: 30 }, &mut ());
+    let broken = Fates::of(scene, &Recipe::default(), &frame).broken;
+    assert_eq!(
+        broken.iter().map(|triangle| triangle.0).collect::<Vec<_>>(),
+        [0, 1],
+        "by a normal, and by a coordinate"
+    );
 }
 
 #[test]

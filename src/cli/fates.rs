@@ -30,6 +30,8 @@ struct Told<'a> {
     triangles: TriangleCounts,
     fragments: FragmentCounts<u64>,
     objects: &'a [ObjectFates],
+    /// Triangles with a normal or texture coordinate that was NaN or infinite in the model.
+    broken: usize,
     balanced: bool,
     account: &'a Account,
 }
@@ -46,6 +48,7 @@ pub(crate) fn run(args: &FatesArgs) -> Result<(), Failure> {
             triangles: fates.triangle_counts(),
             fragments: fates.fragment_counts(),
             objects: &fates.objects,
+            broken: fates.broken.len(),
             balanced: fates.account.is_balanced(),
             account: &fates.account,
         };
@@ -60,6 +63,12 @@ fn text(fates: &Fates) -> String {
     text += &funnel::<FragmentFate>("fragments", fragments.sum(), |fate| fragments.of(fate));
     text += &objects(&fates.objects, &triangles);
     text.push('\n');
+    if !fates.broken.is_empty() {
+        text += &format!(
+            "{} triangles have a normal or texture coordinate that was NaN or infinite.\n",
+            fates.broken.len()
+        );
+    }
     match fates.account.complaints() {
         none if none.is_empty() => text += "All sums match: every triangle and every fragment ended exactly once.\n",
         complaints => complaints.iter().for_each(|complaint| text += &format!("DOES NOT ADD UP: {complaint}.\n")),

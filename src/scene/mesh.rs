@@ -60,7 +60,7 @@ pub enum MeshError {
 }
 
 /// A checked mesh: indices in range, arrays of equal length, one unit normal per vertex, or a zero one where the one that
-/// was given was no number. Positions may be NaN or infinite: the clipper rejects triangles that use them. All other
+/// was given was not finite. Positions may be NaN or infinite: the clipper rejects triangles that use them. All other
 /// numbers are finite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mesh {
@@ -69,6 +69,8 @@ pub struct Mesh {
     visible_bounds: Aabb,
     clusters: Clusters,
     lost_normals: usize,
+    /// Triangles that use a normal or texture coordinate that was not finite, ascending.
+    broken: Vec<u32>,
 }
 
 impl Mesh {
@@ -87,31 +89,45 @@ impl Mesh {
         check_array("normals", &data.normals, count, false, |n| n.is_finite())?;
         check_array("texture coordinates", &data.uvs, count, true, |t| t.is_finite())?;
         check_array("vertex colours", &data.colors, count, true, |c| c.is_finite())?;
-        Ok(Self::of(data, 0))
+        Ok(Self::of(data))
     }
 
-    /// As [`Mesh::new`], but for normals that are no finite numbers: they become zero, so that no direct light reaches the
-    /// vertex, and are counted.
-    pub fn without_lost_normals(mut data: MeshData) -> Result<Self, MeshError> {
-        let mut lost_normals = 0;
-        for normal in data.normals.iter_mut().filter(|normal| !normal.is_finite()) {
-            *normal = Vec3::ZERO;
-            lost_normals += 1;
+    /// Like [`Mesh::new`], but repairs normals and texture coordinates that are not finite. Such a normal becomes zero: no
+    /// direct light reaches the vertex. Such a texture coordinate becomes (0, 1), the first texel of the file.
+    pub fn repaired(mut data: MeshData) -> Result<Self, MeshError> {
+        let lost_normals = data.normals.iter().filter(|normal| !normal.is_finite()).count();
+        let lost_uvs = data.uvs.iter().filter(|uv| !uv.is_finite()).count();
+        if lost_normals + lost_uvs == 0 {
+            return Self::new(data);
         }
-        Ok(Self { lost_normals, ..Self::new(data)? })
+        let is_lost = |vertex: u32| {
+            data.normals.get(vertex as usize).is_some_and(|normal| !normal.is_finite())
+                || data.uvs.get(vertex as usize).is_some_and(|uv| !uv.is_finite())
+        };
+        let is_broken = |corners: &[u32; 3]| corners.iter().any(|vertex| is_lost(*vertex));
+        let broken =
+            (0..).zip(&data.triangles).filter(|(_, corners)| is_broken(corners)).map(|(number, _)| number).collect();
+        data.normals.iter_mut().filter(|normal| !normal.is_finite()).for_each(|normal| *normal = Vec3::ZERO);
+        data.uvs.iter_mut().filter(|uv| !uv.is_finite()).for_each(|uv| *uv = Vec2::Y);
+        Ok(Self { lost_normals, broken, ..Self::new(data)? })
     }
 
-    /// From arrays that were checked.
-    fn of(data: MeshData, lost_normals: usize) -> Self {
+    /// Returns a mesh of arrays that were checked.
+    fn of(data: MeshData) -> Self {
         let bounds = Aabb::around(data.positions.iter().copied().filter(|position| position.is_finite()));
         let visible_bounds = visible_bounds(data.positions.iter().copied());
         let clusters = Clusters::new(&data.positions, &data.triangles);
-        Self { data, bounds, visible_bounds, clusters, lost_normals }
+        Self { data, bounds, visible_bounds, clusters, lost_normals: 0, broken: Vec::new() }
     }
 
-    /// How many vertices have no normal because the one that was given was no finite number.
+    /// Returns the number of vertices without a normal because the one that was given was not finite.
     pub fn lost_normals(&self) -> usize {
         self.lost_normals
+    }
+
+    /// Returns the numbers of the triangles with a normal or texture coordinate that was not finite, ascending.
+    pub fn broken_triangles(&self) -> &[u32] {
+        &self.broken
     }
 
     /// Returns the box around all vertices whose position is finite, model space.
@@ -140,7 +156,7 @@ impl Mesh {
         for triangle in &mut data.triangles {
             triangle.swap(1, 2);
         }
-        Self::of(data, self.lost_normals)
+        Self { lost_normals: self.lost_normals, broken: self.broken.clone(), ..Self::of(data) }
     }
 
     /// Bytes held by the arrays.
@@ -251,13 +267,31 @@ mod tests {
     }
 
     #[test]
-    fn normals_that_are_no_numbers_are_refused_or_taken_out_and_counted() {
+    fn normals_that_are_not_finite_are_refused_or_repaired_and_counted() {
         let normals = vec![Vec3::Z, Vec3::NAN, Vec3::new(0.0, f32::INFINITY, 0.0)];
         let data = MeshData { normals, ..triangle() };
         assert!(matches!(Mesh::new(data.clone()), Err(MeshError::NotFinite { attribute: "normals", index: 1 })));
-        let mesh = Mesh::without_lost_normals(data).unwrap();
+        let mesh = Mesh::repaired(data).unwrap();
         assert_eq!((mesh.normals.as_slice(), mesh.lost_normals()), ([Vec3::Z, Vec3::ZERO, Vec3::ZERO].as_slice(), 2));
         assert_eq!(mesh.mirrored_z().lost_normals(), 2);
+    }
+
+    #[test]
+    fn triangles_with_repaired_attributes_are_known() {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE, Vec3::Z].to_vec();
+        let triangles = vec![[0, 1, 2], [1, 3, 2], [0, 1, 4], [0, 2, 4]];
+        let data = MeshData { positions, triangles, normals: vec![Vec3::Z; 5], ..MeshData::default() };
+        for broken in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let (mut uvs, mut normals) = (vec![Vec2::ONE; 5], data.normals.clone());
+            assert!(
+                Mesh::repaired(MeshData { uvs: uvs.clone(), ..data.clone() }).unwrap().broken_triangles().is_empty()
+            );
+            uvs[3].x = broken;
+            normals[4].y = broken;
+            let mesh = Mesh::repaired(MeshData { uvs, normals, ..data.clone() }).unwrap();
+            assert_eq!((mesh.broken_triangles(), mesh.uvs[3]), ([1, 2, 3].as_slice(), Vec2::Y));
+            assert_eq!(mesh.mirrored_z().broken_triangles(), [1, 2, 3]);
+        }
     }
 
     #[test]

@@ -160,6 +160,10 @@ fn covered(at: u32, to: u32, from: u32) -> impl Iterator<Item = (u32, f32)> {
 
 #[cfg(test)]
 mod tests {
+    use num_bigint::BigInt;
+    use num_rational::BigRational;
+    use num_traits::{Signed as _, ToPrimitive as _, Zero as _};
+
     use super::*;
 
     #[test]
@@ -198,5 +202,107 @@ mod tests {
     fn what_cannot_be_seen_tints_nothing() {
         let leaf = Image::from_fn(2, 2, |x, _| if x == 0 { [0, 200, 0, 255] } else { [255, 0, 255, 0] });
         assert_eq!(smaller(&leaf, true)[0].at(0, 0), [0, 200, 0, 128]);
+    }
+
+    fn ratio(above: u32, below: u32) -> BigRational {
+        BigRational::new(above.into(), below.into())
+    }
+
+    /// One level in exact numbers: premultiplied colour and alpha of each texel, row by row.
+    struct Exact {
+        width: u32,
+        height: u32,
+        texels: Vec<[BigRational; 4]>,
+    }
+
+    impl Exact {
+        fn of(image: &Image<Rgba8>, value: impl Fn(u8) -> BigRational) -> Self {
+            let texel = |[r, g, b, a]: &Rgba8| {
+                let alpha = ratio((*a).into(), 255);
+                [value(*r) * &alpha, value(*g) * &alpha, value(*b) * &alpha, alpha]
+            };
+            Self { width: image.width(), height: image.height(), texels: image.pixels().iter().map(texel).collect() }
+        }
+
+        fn at(&self, x: u32, y: u32) -> &[BigRational; 4] {
+            &self.texels[(y * self.width + x) as usize]
+        }
+
+        /// The level of half the sides: each texel is the integral over its area, divided by that area.
+        fn halved(&self) -> Self {
+            let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+            // In units of 1 / `to` of a source texel all edges are integers.
+            let overlap = |at: u32, to: u32, from: u32, texel: u32| {
+                let (start, end) = ((at * from).max(texel * to), ((at + 1) * from).min((texel + 1) * to));
+                ratio(end.saturating_sub(start), from)
+            };
+            let mut texels = Vec::new();
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let mut sum: [BigRational; 4] = std::array::from_fn(|_| BigRational::zero());
+                for (column, row) in (0..self.height).flat_map(|row| (0..self.width).map(move |column| (column, row))) {
+                    let share = overlap(x, width, self.width, column) * overlap(y, height, self.height, row);
+                    for (sum, value) in sum.iter_mut().zip(self.at(column, row)) {
+                        *sum += value * &share;
+                    }
+                }
+                texels.push(sum);
+            }
+            Self { width, height, texels }
+        }
+    }
+
+    /// Checks a code against the exact value: `code_of` is increasing, so only rounding errors of f32 may part the two.
+    fn check(code: u8, exact: &BigRational, code_of: &dyn Fn(f32) -> u8, place: &str) {
+        let value = exact.to_f64().unwrap();
+        let slack = 4e-7 + 4e-6 * value;
+        let (least, most) = (code_of((value - slack) as f32), code_of((value + slack) as f32));
+        assert!(least <= code && code <= most, "{place}: {code} for {value}, {least} to {most}");
+    }
+
+    #[test]
+    fn every_texel_is_the_exact_mean_of_what_can_be_seen_below_it() {
+        let mut random = fastrand::Rng::with_seed(31);
+        for (width, height) in [(8, 8), (7, 5), (1, 6), (9, 2), (3, 3)] {
+            for (linear, density) in [(false, 0), (false, 2), (true, 1), (true, 3)] {
+                // Many texels are hidden, whose colours must appear nowhere.
+                let image = Image::from_fn(width, height, |_, _| {
+                    let alpha = if random.u8(0..4) < density { 0 } else { random.u8(..) };
+                    [random.u8(..), random.u8(..), random.u8(..), alpha]
+                });
+                let tables = Tables::get();
+                let value = |code: u8| {
+                    if linear {
+                        BigRational::from_float(tables.linear_of_code[code as usize]).unwrap()
+                    } else {
+                        ratio(code.into(), 255)
+                    }
+                };
+                let encode = |value: f32| if linear { tables.encode(value) } else { quantize(value) };
+                let mut levels = vec![Exact::of(&image, value)];
+                for _ in smaller(&image, linear) {
+                    levels.push(levels[levels.len() - 1].halved());
+                }
+                let below = |at: u32, from: u32, to: u32| (at * to / from).min(to - 1);
+                for (number, copy) in smaller(&image, linear).iter().enumerate() {
+                    for (x, y) in (0..copy.height()).flat_map(|y| (0..copy.width()).map(move |x| (x, y))) {
+                        let (mut level, mut at) = (number + 1, (x, y));
+                        let place = format!("{width} × {height}, linear {linear}, level {level}, {at:?}");
+                        check(copy.at(x, y)[3], &levels[level].at(x, y)[3], &quantize, &place);
+                        // A hidden texel has the colour of the first smaller level in which it is not.
+                        while level + 1 < levels.len() && !levels[level].at(at.0, at.1)[3].is_positive() {
+                            let (own, next) = (&levels[level], &levels[level + 1]);
+                            at = (below(at.0, own.width, next.width), below(at.1, own.height, next.height));
+                            level += 1;
+                        }
+                        let [colors @ .., alpha] = levels[level].at(at.0, at.1);
+                        for (code, color) in copy.at(x, y).iter().zip(colors) {
+                            let exact =
+                                if alpha.is_positive() { color / alpha } else { BigRational::from(BigInt::ZERO) };
+                            check(*code, &exact, &encode, &place);
+                        }
+                    }
+                }
+            }
+        }
     }
 }

@@ -137,6 +137,14 @@ impl Scene {
             .collect()
     }
 
+    /// Returns the triangles with a normal or texture coordinate that was not finite, in ascending order.
+    pub fn broken_triangles(&self) -> impl Iterator<Item = TriangleId> {
+        let meshes = self.instances.iter().map(|instance| self.library.mesh(instance.mesh));
+        meshes.zip(self.first_triangles()).flat_map(|(mesh, TriangleId(first))| {
+            mesh.broken_triangles().iter().map(move |triangle| TriangleId(first + triangle))
+        })
+    }
+
     /// Bytes held by the shared buffers and by the instance records.
     pub fn memory(&self) -> Memory {
         Memory {

@@ -32,12 +32,14 @@ pub struct Filter {
     area: [Option<f64>; 2],
     /// Whether it must have been cut by a plane of the view.
     is_cut: bool,
+    /// Whether a normal or texture coordinate must have been NaN or infinite.
+    is_broken: bool,
     /// Part of the name of the object or of its material, in lower case.
     name: String,
 }
 
 impl Filter {
-    /// Reads words such as `tri 123`, `area<1`, `area>=20`, `is:cut` and parts of a name, in any order.
+    /// Reads words such as `tri 123`, `area<1`, `area>=20`, `is:cut`, `is:broken` and parts of a name, in any order.
     pub fn parse(text: &str) -> Self {
         let mut filter = Self::default();
         // A bound is one word however it is spaced; "area" may be a word of a name, too.
@@ -56,6 +58,8 @@ impl Filter {
                 filter.id = Some(id);
             } else if word == "is:cut" {
                 filter.is_cut = true;
+            } else if word == "is:broken" {
+                filter.is_broken = true;
             } else {
                 name.push(word);
             }
@@ -72,6 +76,7 @@ impl Filter {
         self.id.is_none_or(|id| id == triangle.0)
             && (!asks_area || fates.area_px(triangle).is_some_and(in_range))
             && (!self.is_cut || fates.cut.contains(triangle))
+            && (!self.is_broken || fates.broken.contains(triangle))
     }
 
     fn names(&self, object: &ObjectFates) -> bool {

@@ -160,6 +160,8 @@ pub struct Fates {
     pub account: Account,
     /// Triangles that crossed a plane of the view and were cut.
     pub cut: TriangleSelection,
+    /// Triangles with a normal or texture coordinate that was not finite in the model.
+    pub broken: TriangleSelection,
     /// The triangle that was written last into each sample that is drawn, packed as the frame's framebuffer is.
     shown: Image<TriangleId>,
     /// What of each triangle reached the screen, whichever side it shows, in the order of the scene.
@@ -195,6 +197,7 @@ impl Fates {
             objects,
             account,
             cut: TriangleSelection::new("cut by a plane of the view", rejections.cut),
+            broken: TriangleSelection::new("with an attribute that was not finite", scene.broken_triangles()),
             shown,
             recipe: *recipe,
             sampling: frame.sampling,

@@ -31,7 +31,7 @@ impl Draft {
 
     /// The same of a mesh some of whose normals are no numbers.
     pub(super) fn repaired_mesh(&mut self, data: MeshData) -> MeshId {
-        self.library.add_mesh(Mesh::without_lost_normals(data).expect("generated meshes are valid but for normals"))
+        self.library.add_mesh(Mesh::repaired(data).expect("generated meshes are valid but for normals"))
     }
 
     /// Takes a generated picture. Panics if the generator made an empty one.

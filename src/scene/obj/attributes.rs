@@ -24,7 +24,7 @@ pub(super) struct Attributes {
     pub(super) positions: Vec<Vec3>,
     /// Colours behind the positions; empty if no vertex has one, else white for those without. In [0, 1].
     pub(super) colors: Vec<Vec3>,
-    /// `vt`, v running up as in the file.
+    /// `vt`, v running up as in the file. May be NaN or infinite.
     pub(super) uvs: Vec<Vec2>,
     /// `vn` at unit length; zero where the file's has no length, NaN where it is not finite.
     pub(super) normals: Vec<Vec3>,
@@ -111,7 +111,7 @@ impl Attributes {
         }
         let v = if words.count > 1 { any_number(words.list[1])? } else { 0.0 };
         let uv = Vec2::new(any_number(words.list[0])?, v);
-        push(&mut self.uvs, if uv.is_finite() { uv } else { Vec2::ZERO }, load)?;
+        push(&mut self.uvs, uv, load)?;
         Ok((!uv.is_finite()).then_some("texture coordinate that is not finite; taken as 0 0"))
     }
 
@@ -248,7 +248,7 @@ pub(super) mod tests {
                 if word.to_lowercase().contains("inf") || word == "1e300" { f32::INFINITY } else { f32::NAN };
             assert_eq!(lists.positions[0].y.abs().to_bits(), expected.to_bits(), "{word}");
             assert_eq!(lists.positions[0].y < 0.0, word == "-Infinity", "{word}");
-            assert_eq!((lists.uvs[0], lists.normals[0].is_nan()), (Vec2::ZERO, true), "{word}");
+            assert_eq!((lists.uvs[0].is_finite(), lists.normals[0].is_nan()), (false, true), "{word}");
             let lines: Vec<_> = warnings.finish(path).iter().map(|warning| warning.line).collect();
             assert_eq!(lines, [Some(1), Some(2), Some(3)], "{word}");
         }

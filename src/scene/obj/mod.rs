@@ -173,8 +173,8 @@ fn assemble<'a>(
         let part_name = if part.name.is_empty() { name.clone() } else { part.name.clone() };
         data.name.clone_from(&part_name);
         let material = materials.of(part, !data.colors.is_empty(), &mut library, warnings);
-        let mesh = Mesh::without_lost_normals(data)
-            .map_err(|e| SceneError::Unusable { path: path.to_owned(), reason: e.to_string() })?;
+        let mesh =
+            Mesh::repaired(data).map_err(|e| SceneError::Unusable { path: path.to_owned(), reason: e.to_string() })?;
         instances.push(Instance {
             name: part_name,
             mesh: library.add_mesh(mesh),
