@@ -39,3 +39,35 @@ pub struct LineAnswer {
     /// Columns and rows, from the first pixel on.
     pub pixels: Vec<(i64, i64)>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pixels of a case file that is read as any other.
+    fn pixels([p0, p1]: [[i64; 2]; 2], field: &str) -> Vec<(i64, i64)> {
+        let case = format!(r#"{{"p0": {p0:?}, "p1": {p1:?}, "last_pixel": true{field}}}"#);
+        serde_json::from_str::<Line>(&case).unwrap().answer(&Control::default()).unwrap().pixels
+    }
+
+    #[test]
+    fn both_directions_cover_the_same_nearest_pixels_if_the_case_asks_for_it() {
+        let independent = r#", "direction_independent": true"#;
+        let mut differing = 0;
+        for (x, y) in (-7..=7).flat_map(|y| (-7..=7).map(move |x| (x, y))) {
+            let ends = [[1, -2], [1 + x, -2 + y]];
+            let [forth, back] = [ends, [ends[1], ends[0]]].map(|ends| pixels(ends, independent));
+            assert!(forth.iter().eq(back.iter().rev()), "{ends:?}: {forth:?}, {back:?}");
+            let longest = x.abs().max(y.abs());
+            assert_eq!(forth.len() as i64, longest + 1);
+            for (column, row) in &forth {
+                // Distance along the minor axis, in units of 1 / `longest`.
+                let distance = (y * (column - 1) - x * (row + 2)).abs();
+                assert!(2 * distance <= longest, "{ends:?}: ({column}, {row}) is not nearest");
+            }
+            let [forth, back] = [ends, [ends[1], ends[0]]].map(|ends| pixels(ends, ""));
+            differing += usize::from(!forth.iter().eq(back.iter().rev()));
+        }
+        assert!(differing > 0, "without the field, ties depend on the direction");
+    }
+}
