@@ -8,6 +8,7 @@ use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::pixel::{TextureMap, inspect};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::{self, Loaded, TrMeaning};
 use rasterscope::scene::{Alpha, LoadControl, Material, MemoryLimit, Scene};
@@ -316,6 +317,38 @@ fn broken_normals_and_texture_coordinates_load_with_a_warning() {
         [0, 1],
         "by a normal, and by a coordinate"
     );
+}
+
+#[test]
+fn a_pixel_lists_the_texels_of_every_map() {
+    let maps = [
+        (TextureMap::Color, "map_Kd color.png", [200, 100, 50, 255]),
+        (TextureMap::Opacity, "map_d opacity.png", [180, 180, 180, 255]),
+        (TextureMap::Emission, "map_Ke emission.png", [30, 20, 10, 255]),
+        (TextureMap::Normal, "norm normal.png", [128, 128, 255, 255]),
+    ];
+    let statements: Vec<_> = maps.iter().map(|(_, statement, _)| *statement).collect();
+    let folder = folder_with(&format!("newmtl m\nKe 1 1 1\n{}\n", statements.join("\n")));
+    for (_, statement, texel) in &maps {
+        write_picture(&folder.path().join(statement.split(' ').nth(1).unwrap()), &[*texel; 4]);
+    }
+    let (loaded, told) = load(folder.path());
+    assert!(told.is_empty(), "{told:?}");
+    for filter in ["point", "bilinear", "trilinear"] {
+        let (recipe, drawn) = frame(&loaded.scene, &["shading=lambert", &format!("filter={filter}")]);
+        let report = inspect(&loaded.scene, &recipe, &drawn, 30, 23).unwrap();
+        let shading = report.visible().unwrap().shading.as_ref().unwrap();
+        for (map, _, texel) in &maps {
+            let read: Vec<_> = shading.texels_of(*map).collect();
+            let sum: f32 = read.iter().map(|texel| texel.tap.weight).sum();
+            assert!((sum - 1.0).abs() < 1e-6, "{filter}, {map:?}: {sum}");
+            // One number of an opacity map is moved to alpha.
+            let of = |color: &Rgba8| {
+                if *map == TextureMap::Opacity { [color[3]; 3] } else { [color[0], color[1], color[2]] }
+            };
+            assert!(read.iter().all(|read| of(&read.color) == texel[..3]), "{filter}, {map:?}: {read:?}");
+        }
+    }
 }
 
 #[test]

@@ -4,9 +4,9 @@ use std::fmt::Debug;
 
 use rasterscope::image::Rgba8;
 use rasterscope::inspect::history::SampleState;
-use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord};
+use rasterscope::inspect::pixel::{ShadingRecord, SourceRecord, TextureMap};
 use rasterscope::inspect::{DepthRecord, FragmentRecord, Outcome, PixelReport};
-use rasterscope::pipeline::settings::Arithmetic;
+use rasterscope::pipeline::settings::{Arithmetic, Choice as _};
 
 /// The whole report, several lines.
 pub(crate) fn describe(report: &PixelReport) -> String {
@@ -106,8 +106,11 @@ fn shading_rows(shading: &ShadingRecord) -> Vec<(&'static str, String)> {
     rows.extend(shading.uv.map(|uv| ("uv", numbers(&uv))));
     rows.extend(shading.texels.iter().map(|texel| {
         let tap = texel.tap;
-        let level = if texel.level > 0 { format!("level {} ", texel.level) } else { String::new() };
-        ("texel", format!("{level}({}, {}) × {:?}: {}", tap.x, tap.y, tap.weight, color(texel.color)))
+        let map = if texel.map == TextureMap::Color { "" } else { texel.map.id() };
+        let level = if texel.level > 0 { format!("level {}", texel.level) } else { String::new() };
+        let place = format!("({}, {})", tap.x, tap.y);
+        let source: Vec<_> = [map, &level, &place].into_iter().filter(|part| !part.is_empty()).collect();
+        ("texel", format!("{} × {:?}: {}", source.join(" "), tap.weight, color(texel.color)))
     }));
     let over = shading.below.map_or(String::new(), |below| format!(", blended with {}", color(below)));
     rows.push(("colour", color(shading.color) + &over));

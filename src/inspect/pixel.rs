@@ -17,7 +17,7 @@ use crate::pipeline::framebuffer::Framebuffer;
 use crate::pipeline::observe::Observer;
 use crate::pipeline::raster::Scissor;
 use crate::pipeline::sample::TexelTap;
-use crate::pipeline::settings::Arithmetic;
+use crate::pipeline::settings::{Arithmetic, Choice, choice};
 use crate::pipeline::viewport::Viewport;
 use crate::pipeline::{Extent, Until, draw, wireframe};
 use crate::scene::{Scene, Transparency, TriangleId};
@@ -119,7 +119,7 @@ pub struct ShadingRecord {
     pub highlight: Option<f32>,
     /// Emitted light, in the numbers that light is computed in.
     pub emission: Option<[f32; 3]>,
-    /// Texels read, with their weights.
+    /// Texels read from all maps of the material, with their weights: those of each map add up to 1.
     pub texels: Vec<TexelRecord>,
     /// The colour that it was blended with.
     pub below: Option<Rgba8>,
@@ -127,9 +127,28 @@ pub struct ShadingRecord {
     pub color: Rgba8,
 }
 
+impl ShadingRecord {
+    /// Returns the texels of one map.
+    pub fn texels_of(&self, map: TextureMap) -> impl Iterator<Item = &TexelRecord> {
+        self.texels.iter().filter(move |texel| texel.map == map)
+    }
+}
+
+choice! {
+    /// Purpose of a texture in a material.
+    TextureMap {
+        Color = "color", "Colour", "Colour of the surface (`map_Kd`).";
+        Opacity = "opacity", "Opacity", "Factor of the opacity, in alpha (`map_d`).";
+        Normal = "normal", "Normal", "Tangent-space normal (`norm`, `map_Bump`).";
+        Emission = "emission", "Emission", "Emitted light (`map_Ke`).";
+    }
+}
+
 /// One texel that was read.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct TexelRecord {
+    /// Map that it belongs to.
+    pub map: TextureMap,
     /// Which copy of the texture it belongs to: 0 is the texture itself, each next one half as long.
     pub level: usize,
     /// Where in that copy, and its share.

@@ -242,6 +242,11 @@ impl<'a> Shader<'a> {
         self.alpha_texture
     }
 
+    /// The texture of the emitted light, if one is read.
+    pub(crate) fn emission_texture(&self) -> Option<Readable<'a>> {
+        self.emission_texture
+    }
+
     /// The normal map, if it is read.
     pub(crate) fn normal_map(&self) -> Option<&NormalMap<'a>> {
         self.normal_map.as_ref()

@@ -1,8 +1,8 @@
 //! The observer that writes a replay down, fragment by fragment.
 
-use super::{FragmentRecord, Outcome, ShadingRecord, TexelRecord};
+use super::{FragmentRecord, Outcome, ShadingRecord, TexelRecord, TextureMap};
 use crate::chain::{Frame, Recipe};
-use crate::image::{Image, Rgba8};
+use crate::image::Rgba8;
 use crate::inspect::depth::DepthRecord;
 use crate::inspect::history::SampleState;
 use crate::pipeline::depth::{Comparison, clear_value, depth_at};
@@ -10,9 +10,9 @@ use crate::pipeline::interpolate::{Fragment, affine_weights, attribute_weights};
 use crate::pipeline::observe::{DepthOutcome, Observer};
 use crate::pipeline::plan::{DrawPlan, Part};
 use crate::pipeline::raster::Sample;
-use crate::pipeline::sample::TexelTap;
-use crate::pipeline::settings::{Arithmetic, DepthTest, Interpolation};
-use crate::pipeline::shade::Shader;
+use crate::pipeline::sample::{Sampler, TexelTap};
+use crate::pipeline::settings::{Arithmetic, Choice as _, DepthTest, Interpolation};
+use crate::pipeline::shade::{NormalMap, Readable, Shader};
 use crate::pipeline::viewport::ScreenTriangle;
 use crate::scene::material::CUT_OUT_BELOW;
 use crate::scene::{Scene, Transparency};
@@ -157,30 +157,38 @@ fn verb(transparency: Transparency) -> &'static str {
     if transparency == Transparency::Blended { "blended" } else { "written" }
 }
 
-/// The texels that are read in one copy of a texture, which counts for `share`.
-fn texel_records(
-    shader: &Shader<'_>,
-    image: &Image<Rgba8>,
-    (level, share): (usize, f32),
-    fragment: &Fragment,
-) -> Vec<TexelRecord> {
-    let (taps, count) = shader.sampler().taps(image.size(), fragment.uv);
-    let record = |tap: &TexelTap| {
-        let tap = TexelTap { weight: tap.weight * share, ..*tap };
-        TexelRecord { level, tap, color: image.at(tap.x, tap.y) }
+/// Returns the texture of one map that is read for a fragment, and how it is sampled.
+fn texture_of<'a>(map: TextureMap, shader: &Shader<'a>, fragment: &Fragment) -> Option<(Readable<'a>, Sampler)> {
+    let texture = match map {
+        TextureMap::Color => shader.texture_for(fragment),
+        TextureMap::Opacity => shader.alpha_texture(),
+        TextureMap::Normal => return shader.normal_map().map(NormalMap::texture),
+        TextureMap::Emission => shader.emission_texture(),
     };
-    taps[..count].iter().map(record).collect()
+    texture.map(|texture| (texture, shader.sampler()))
+}
+
+/// Returns the texels of one map that are read for a fragment.
+fn texels_of(map: TextureMap, texture: Readable<'_>, sampler: Sampler, fragment: &Fragment) -> Vec<TexelRecord> {
+    let (levels, count) = texture.levels(fragment);
+    let of_level = |&(level, share): &(usize, f32)| {
+        let image = texture.level(level);
+        let (taps, count) = sampler.taps(image.size(), fragment.uv);
+        taps.into_iter().take(count).map(move |tap| {
+            let tap = TexelTap { weight: tap.weight * share, ..tap };
+            TexelRecord { map, level, tap, color: image.at(tap.x, tap.y) }
+        })
+    };
+    levels[..count].iter().flat_map(of_level).collect()
 }
 
 fn shading_record(shader: &Shader<'_>, plan: &DrawPlan, fragment: &Fragment, color: Rgba8) -> ShadingRecord {
     let lit = plan.runs(Part::Light);
-    let texels = shader.texture_for(fragment).map_or_else(Vec::new, |texture| {
-        let (levels, count) = texture.levels(fragment);
-        levels[..count]
-            .iter()
-            .flat_map(|&(level, share)| texel_records(shader, texture.level(level), (level, share), fragment))
-            .collect()
-    });
+    let read = |map: &TextureMap| {
+        let (texture, sampler) = texture_of(*map, shader, fragment)?;
+        Some(texels_of(*map, texture, sampler, fragment))
+    };
+    let texels = TextureMap::ALL.iter().filter_map(read).flatten().collect();
     ShadingRecord {
         uv: plan.runs(Part::TextureCoordinates).then(|| fragment.uv.into()),
         normal: plan.runs(Part::Normals).then(|| shader.unit_normal(fragment).into()),

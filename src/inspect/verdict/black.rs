@@ -7,7 +7,7 @@ use super::instance_of;
 use crate::chain::Recipe;
 use crate::image::color::decode_rgb;
 use crate::inspect::lesson::{BLACK_CODE, is_black};
-use crate::inspect::pixel::{FragmentRecord, PixelReport, ShadingRecord};
+use crate::inspect::pixel::{FragmentRecord, PixelReport, ShadingRecord, TextureMap};
 use crate::pipeline::settings::{ColorSpace, Settings, Shading};
 use crate::pipeline::shade::{CEL_THRESHOLD, to_working_space};
 use crate::scene::{Instance, Scene};
@@ -64,7 +64,8 @@ fn factors(
     if let Some(color) = shading.vertex_color.map(Vec3::from).filter(|color| nothing(color.max_element())) {
         found.push(format!("the vertex colours here are {}", numbers(color)));
     }
-    let brightest = shading.texels.iter().filter(|texel| texel.tap.weight > 0.0).map(|texel| texel.color);
+    let brightest =
+        shading.texels_of(TextureMap::Color).filter(|texel| texel.tap.weight > 0.0).map(|texel| texel.color);
     if let Some([r, g, b, _]) = brightest.max_by_key(|[r, g, b, _]| *r.max(g).max(b)).filter(|color| is_black(*color)) {
         found.push(format!("every texel that it reads is black, the brightest {r} {g} {b}"));
     }
@@ -105,7 +106,7 @@ fn product(scene: &Scene, settings: &Settings, instance: &Instance, shading: &Sh
     let material = scene.library.material(instance.material);
     let mut factors = vec![format!("material {}", numbers(material.diffuse * instance.tint))];
     factors.extend(shading.vertex_color.map(|color| format!("vertex colour {}", numbers(color.into()))));
-    let weightiest = shading.texels.iter().max_by(|a, b| a.tap.weight.total_cmp(&b.tap.weight));
+    let weightiest = shading.texels_of(TextureMap::Color).max_by(|a, b| a.tap.weight.total_cmp(&b.tap.weight));
     factors.extend(weightiest.map(|texel| {
         let [r, g, b, _] = texel.color;
         format!("texel {r} {g} {b}")

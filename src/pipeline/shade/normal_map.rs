@@ -23,7 +23,12 @@ pub(crate) struct NormalMap<'a> {
     pub(super) mesh: PlacedMesh<'a>,
 }
 
-impl NormalMap<'_> {
+impl<'a> NormalMap<'a> {
+    /// Returns the texture, and how it is sampled.
+    pub(crate) fn texture(&self) -> (Readable<'a>, Sampler) {
+        (self.texture, self.sampler)
+    }
+
     /// Returns the vector that the map holds at a fragment, scaled, in tangent space.
     pub(crate) fn vector(&self, fragment: &Fragment) -> Vec3 {
         let [x, y, z] = (self.texture.color(self.sampler, fragment) * 2.0 - 1.0).to_array();

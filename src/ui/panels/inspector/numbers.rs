@@ -4,9 +4,9 @@ use eframe::egui::{self, RichText, Ui};
 
 use super::{codes, to_color};
 use crate::inspect::history::Absent;
-use crate::inspect::pixel::ShadingRecord;
+use crate::inspect::pixel::{ShadingRecord, TextureMap};
 use crate::inspect::{DepthRecord, FragmentRecord};
-use crate::pipeline::settings::Arithmetic;
+use crate::pipeline::settings::{Arithmetic, Choice as _};
 use crate::scene::Transparency;
 use crate::ui::format;
 use crate::ui::theme::{self, tokens};
@@ -148,13 +148,17 @@ fn shading_numbers(ui: &mut Ui, shading: &ShadingRecord) {
         value_row(ui, "Emission", &format!("{r:.4}  {g:.4}  {b:.4}"), "Emitted light, added after lighting");
     }
     for texel in &shading.texels {
-        ui.horizontal(|ui| {
+        let row = ui.horizontal(|ui| {
             swatch(ui, to_color(texel.color));
             let level = if texel.level > 0 { format!("level {} ", texel.level) } else { String::new() };
             let place = format!("{:>4}, {:<4}", texel.tap.x, texel.tap.y);
             let text = format!("{level}texel {place}  {}", format::f32_full(texel.tap.weight));
             ui.label(RichText::new(text).monospace());
+            if texel.map != TextureMap::Color {
+                ui.weak(texel.map.name());
+            }
         });
+        row.response.on_hover_text(texel.map.help());
     }
     if let Some(below) = shading.below {
         ui.horizontal(|ui| {
