@@ -1,5 +1,6 @@
 //! Statements of models and material libraries: what they change, and the warning where they change nothing.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
@@ -8,10 +9,13 @@ use rasterscope::chain::{Frame, Recipe, run};
 use rasterscope::image::{Image, Rgba8, file};
 use rasterscope::inspect::Fates;
 use rasterscope::inspect::fates::TriangleFate;
+use rasterscope::inspect::mesh_view::{self, Inner, MeshNormals, MeshStyle, Painting, paint};
 use rasterscope::inspect::pixel::{TextureMap, inspect};
+use rasterscope::inspect::selection::TriangleSelection;
+use rasterscope::pipeline::settings::{Choice as _, Settings};
 use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::scene::obj::{self, Loaded, TrMeaning};
-use rasterscope::scene::{Alpha, LoadControl, Material, MemoryLimit, Scene};
+use rasterscope::scene::{Alpha, LoadControl, Material, MemoryLimit, Scene, TriangleId};
 
 const SQUARE: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 const FACE: &str = "f 1/1 2/2 3/3 4/4\n";
@@ -267,8 +271,7 @@ fn frame(scene: &Scene, settings: &[&str]) -> (Recipe, Frame) {
 #[test]
 fn triangles_with_a_corner_that_is_not_finite_have_their_own_fate_in_every_execution() {
     // Inner vertices, each a corner of six triangles that share none with the others.
-    let broken = [(110, "nan 1 0"), (304, "12 inf 0"), (480, "-inf -inf nan"), (404, "1e99 0 0")];
-    let (whole, scene) = (grid(&[]), grid(&broken));
+    let (whole, (scene, broken)) = (grid(&[]), broken_grid());
     assert_eq!(scene.home, whole.home, "bounds and first view leave them out");
     let mut reference = None;
     for settings in [
@@ -285,12 +288,49 @@ fn triangles_with_a_corner_that_is_not_finite_have_their_own_fate_in_every_execu
             .iter()
             .filter(|triangle| triangle.iter().any(|i| !scene.library.meshes()[0].positions[*i as usize].is_finite()));
         assert_eq!(counts.of(TriangleFate::NotFinite), corners.count() as u64, "{settings:?}");
-        assert_eq!(counts.of(TriangleFate::NotFinite), 24, "{settings:?}");
+        assert_eq!(counts.of(TriangleFate::NotFinite), u64::from(broken), "{settings:?}");
         assert_eq!(counts.sum(), 24 * 24 * 2, "{settings:?}");
         let picture = drawn.image().pixels().to_vec();
         assert_eq!(&picture, reference.get_or_insert_with(|| picture.clone()), "{settings:?}");
     }
     assert_ne!(reference.as_deref(), Some(frame(&whole, &[]).1.image().pixels()), "there are holes");
+}
+
+/// A grid of which some corners are not finite, and the number of such triangles.
+fn broken_grid() -> (Scene, u32) {
+    (grid(&[(110, "nan 1 0"), (304, "12 inf 0"), (480, "-inf -inf nan"), (404, "1e99 0 0")]), 24)
+}
+
+#[test]
+fn pixels_beside_triangles_that_are_not_finite_are_replayed_as_they_were_drawn() {
+    let (scene, _) = broken_grid();
+    for settings in [
+        &["execution=tiled"] as &[&str],
+        &["execution=classic", "culling=none", "shading=lambert"],
+        &["antialias.method=regular", "shading=triangle-id"],
+        &["upscaler.method=bilinear", "upscaler.scale=2", "wireframe=on"],
+    ] {
+        let (recipe, drawn) = frame(&scene, settings);
+        for (x, y) in (0..47).flat_map(|y| (0..61).map(move |x| (x, y))).step_by(13) {
+            let report = inspect(&scene, &recipe, &drawn, x, y).unwrap();
+            assert_eq!(report.color, drawn.image().at(x, y), "{settings:?} at {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn the_mesh_view_leaves_out_triangles_that_are_not_finite() {
+    let (scene, broken) = broken_grid();
+    let size = Viewport { width: 300, height: 280 };
+    let inner = Inner { camera: scene.home, settings: Settings::default(), viewport: size };
+    for (style, apart) in MeshStyle::ALL.iter().flat_map(|style| [(*style, 0.0), (*style, 0.3)]) {
+        let normals = MeshNormals { vertices: true, faces: true, ..MeshNormals::default() };
+        let painting = Painting { style, apart, selection: TriangleSelection::default(), backdrop: [0, 0, 0], normals };
+        let outside = mesh_view::fit(scene.home, &scene, &inner, 1.0);
+        let picture = paint(&scene, &inner, outside, size, &painting);
+        let shown: BTreeSet<_> = picture.owner.pixels().iter().filter(|id| **id != TriangleId::NONE).collect();
+        assert_eq!(shown.len() as u32, 24 * 24 * 2 - broken, "{style:?}, moved apart by {apart}");
+    }
 }
 
 #[test]
