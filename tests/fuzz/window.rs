@@ -127,7 +127,8 @@ fn window(scene: &str, output: &Path) -> Harness<'static, Workbench> {
     let mut session = Session::new(Arc::new(loaded), source, Recipe::default(), camera);
     session.state.size = PictureSize::Fixed(96, 54);
     session.folder = output.to_owned();
-    Harness::builder().with_size(WINDOW).with_step_dt(0.1).build_eframe(|cc| {
+    // Names from files may hold any character; those without a glyph are drawn as boxes, as in the program.
+    Harness::builder().with_size(WINDOW).with_step_dt(0.1).allow_missing_glyphs().build_eframe(|cc| {
         theme::install(&cc.egui_ctx);
         Workbench::new(session, Worker::spawn(|| ()))
     })
