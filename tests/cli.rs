@@ -316,11 +316,17 @@ fn times_are_one_line_per_stage_after_the_result() {
     assert_success(&output);
     let lines: Vec<_> = stdout(&output).lines().collect();
     assert!(lines[0].starts_with("out.png: ") && lines.len() > 3, "{lines:?}");
-    for line in &lines[1..] {
+    let times = lines[1..].iter().map(|line| {
         let words: Vec<_> = line.split_whitespace().collect();
-        let [_stage, time, "ms"] = words[..] else { panic!("{line}") };
-        assert!(time.parse::<f64>().is_ok_and(|ms| ms >= 0.0), "{line}");
-    }
+        let [.., time, "ms"] = words[..] else { panic!("{line}") };
+        time.parse::<f64>().unwrap_or_else(|_| panic!("{line}"))
+    });
+    let times: Vec<f64> = times.collect();
+    let (frame, stages) = times.split_last().expect("there are stages");
+    assert!(lines[lines.len() - 1].starts_with("whole frame ") && times.iter().all(|ms| *ms >= 0.0), "{lines:?}");
+    // Each line is rounded to half a microsecond.
+    let rounding = 0.0006 * times.len() as f64;
+    assert!((stages.iter().sum::<f64>() - frame).abs() < rounding, "{lines:?}");
     for frames in ["0", "1001", "many"] {
         assert_failure(&run(&folder, &["render", "--times", frames, "-o", "out.png"]), 2, frames);
     }
@@ -962,6 +968,9 @@ fn a_bench_tells_what_frames_cost_in_words_and_in_json() {
         assert_machine(&report["machine"]);
         let stages = report["stages"].as_array().unwrap();
         assert!(stages.iter().any(|s| s["stage"] == stage), "{stages:?}");
+        let sum: f64 = stages.iter().filter_map(|s| s["ms"]["median"].as_f64()).sum();
+        let share = sum / report["frame_ms"]["median"].as_f64().unwrap();
+        assert!((share - 1.0).abs() < 1e-6, "the stages add up to the median frame: {share}");
     }
     let turning = run(&folder(), &[&size[..], &["--turn", "-0.5"]].concat());
     assert_success(&turning);

@@ -83,6 +83,11 @@ impl Antialiasing {
         matches!(self.method, Method::Jittered | Method::Multisample)
     }
 
+    /// Whether the picture is the mean of several passes, each with one sample per pixel.
+    pub fn has_passes(self) -> bool {
+        !self.is_off() && !self.is_per_pixel()
+    }
+
     /// Where samples lie.
     pub fn pattern(self) -> Pattern {
         let (side, count) = (self.samples.side(), self.samples.count());

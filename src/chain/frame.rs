@@ -25,11 +25,11 @@ use crate::upscale::{Drawn, History, Sampling, Surfaces};
 /// Wall-clock time of each part of a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FrameTimes {
-    /// Plan to cull. Tiled execution: of all passes.
+    /// Plan to cull, of all passes.
     pub geometry: Duration,
-    /// Rasterize to shade. Tiled execution: of all passes.
+    /// Rasterize to shade, of all passes; averaging where samples lie elsewhere in each pixel.
     pub pixels: Duration,
-    /// Averaging the samples of each pixel. Classic execution: with the passes after the first.
+    /// Averaging the passes of supersampling.
     pub resolve: Duration,
     /// Finding the surface that each pixel shows, for upscalers that read it.
     pub surfaces: Duration,
@@ -39,14 +39,6 @@ pub struct FrameTimes {
     pub post: Duration,
     /// Time from the plan to the finished picture.
     pub total: Duration,
-}
-
-impl FrameTimes {
-    /// Returns the time of the whole frame that belongs to none of its parts: buffers, pool, copies.
-    pub fn other(&self) -> Duration {
-        let parts = [self.geometry, self.pixels, self.resolve, self.surfaces, self.upscale, self.post];
-        self.total.saturating_sub(parts.into_iter().sum())
-    }
 }
 
 /// A finished frame and what it was made from.

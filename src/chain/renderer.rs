@@ -1,12 +1,12 @@
 //! Frame after frame, on all threads.
 
 use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
 use super::pixel_samples::with_pixel_samples;
-use super::run::{mean_of_passes, run_after};
+use super::run::{Passes, mean_of_passes, run_after};
 use super::view::{camera_of, outlines, raster_of, sampling_after, seen, shown_in_full, surfaces};
 use super::{Frame, FrameTimes, Recipe};
 use crate::image::{Image, Rgba8};
@@ -143,7 +143,7 @@ impl Renderer {
             LazyGeometry { made: OnceLock::new(), make }
         };
         // The centres of pixels are drawn for their colours, or for their depths, or not at all.
-        let one_pass = recipe.antialias.is_off() || recipe.antialias.is_per_pixel();
+        let one_pass = !recipe.antialias.has_passes();
         let mut centres = (one_pass || keep_depth == KeepDepth::Yes).then(|| {
             let memory = (self.spare.take(), self.spare_depth.take().filter(|_| keep_depth == KeepDepth::Yes));
             with_pixel_samples(recipe.antialias, self.lanes, |samples| {
@@ -151,9 +151,7 @@ impl Renderer {
             })
         });
         let mut passes = centres.as_ref().map(|(_, report)| report.times).unwrap_or_default();
-        let (passes_begun, mut in_passes) = (Instant::now(), Duration::ZERO);
-        let smooth = mean_of_passes(recipe, (grid, raster), |place, spare| {
-            let begun = Instant::now();
+        let Passes { mean, resolve } = mean_of_passes(recipe, (grid, raster), |place, spare| {
             let seen = camera_of(camera, sampling, viewport, place);
             let memory = (spare.or_else(|| self.spare.take()), None);
             let (mut drawn, report) =
@@ -161,18 +159,13 @@ impl Renderer {
             let color = std::mem::replace(&mut drawn.color, Image::filled(0, 0, [0; 4]));
             passes += report.times;
             centres.get_or_insert((drawn, report));
-            in_passes += begun.elapsed();
             color
         });
-        let resolve = passes_begun.elapsed().saturating_sub(in_passes);
-        let recipe_has_passes = smooth.is_some();
         let (mut drawn, mut report) = centres.unwrap_or_else(|| {
             self.draw_tiled(scene, &seen_by, settings, (grid, raster, PixelSamples::Centre), (None, None), keep_depth)
         });
-        if let Some(smooth) = smooth {
-            self.spare = Some(std::mem::replace(&mut drawn.color, smooth));
-        }
-        if recipe_has_passes {
+        if let Some(mean) = mean {
+            self.spare = Some(std::mem::replace(&mut drawn.color, mean));
             report.times = passes;
         }
         let surfaces_begun = Instant::now();

@@ -1,7 +1,7 @@
 //! The classic way: one triangle after the other, with everyone watching who wants to.
 
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use super::finish::{Finished, Spare, finish};
 use super::frame::LazyGeometry;
@@ -45,22 +45,27 @@ pub(super) fn run_after<O: Observer>(
     let raster = raster_of(sampling, viewport);
     let seen_by = camera_of(camera, sampling, viewport, place);
     let geometry = prepare(scene, &seen_by, &recipe.pipeline, raster, observer);
-    let geometry_done = Instant::now();
+    let mut geometry_time = start.elapsed();
 
     let grid = sampling.grid();
+    let pixels_begun = Instant::now();
     let mut drawn = draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, observer);
-    let first_pass_done = Instant::now();
-    let smooth = if recipe.antialias.is_per_pixel() {
-        Some(samples::per_pixel(scene, &geometry, recipe, (grid, raster)))
-    } else {
-        mean_of_passes(recipe, (grid, raster), |place, _| {
-            let seen = camera_of(camera, sampling, viewport, place);
-            let geometry = prepare(scene, &seen, &recipe.pipeline, raster, &mut ());
-            draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, &mut ()).color
-        })
-    };
-    drawn.color = smooth.unwrap_or(drawn.color);
-    let resolved = Instant::now();
+    if recipe.antialias.is_per_pixel() {
+        drawn.color = samples::per_pixel(scene, &geometry, recipe, (grid, raster));
+    }
+    let mut pixels_time = pixels_begun.elapsed();
+    let Passes { mean, resolve } = mean_of_passes(recipe, (grid, raster), |place, _| {
+        let begun = Instant::now();
+        let seen = camera_of(camera, sampling, viewport, place);
+        let geometry = prepare(scene, &seen, &recipe.pipeline, raster, &mut ());
+        let prepared = Instant::now();
+        let color = draw_pixels(scene, recipe, &geometry, (grid, raster), Until::Shade, &mut ()).color;
+        geometry_time += prepared - begun;
+        pixels_time += prepared.elapsed();
+        color
+    });
+    drawn.color = mean.unwrap_or(drawn.color);
+    let surfaces_begun = Instant::now();
     let surfaces = shown_in_full(recipe).and_then(|shown| {
         surfaces(past.as_deref(), camera, Lanes::best(), || {
             let geometry = prepare(scene, camera, &shown.pipeline, viewport, &mut ());
@@ -74,10 +79,10 @@ pub(super) fn run_after<O: Observer>(
     let Finished { picture, unfiltered, memory, post } =
         finish(recipe, &known, viewport, spare, || outlines.as_ref().unwrap_or(&geometry.triangles));
     let times = FrameTimes {
-        geometry: geometry_done - start,
-        pixels: first_pass_done - geometry_done,
-        resolve: resolved - first_pass_done,
-        surfaces: drawn_at - resolved,
+        geometry: geometry_time,
+        pixels: pixels_time,
+        resolve,
+        surfaces: drawn_at - surfaces_begun,
         upscale: drawn_at.elapsed().saturating_sub(post),
         post,
         total: start.elapsed(),
@@ -103,21 +108,33 @@ pub(super) fn run_after<O: Observer>(
     }
 }
 
-/// The mean of the passes of a recipe that `pass` draws, in memory that is no longer needed; nothing without
-/// passes.
+/// Result of the supersampling passes of a frame.
+pub(super) struct Passes {
+    /// Mean of the passes; `None` if the recipe has none.
+    pub(super) mean: Option<Image<Rgba8>>,
+    /// Time of averaging, without the passes themselves.
+    pub(super) resolve: Duration,
+}
+
+/// Averages the supersampling passes of a recipe, each drawn by `pass` at its place in the pixel, into a picture that is no
+/// longer needed if there is one.
 pub(super) fn mean_of_passes(
     recipe: &Recipe,
     (grid, raster): (SampleGrid, Viewport),
     mut pass: impl FnMut([f64; 2], Option<Image<Rgba8>>) -> Image<Rgba8>,
-) -> Option<Image<Rgba8>> {
+) -> Passes {
     let (width, height) = grid.packed_size(raster.width, raster.height);
-    let (mut mean, mut spare) = (None, None);
+    let (mut mean, mut spare, mut resolve) = (None, None, Duration::ZERO);
     for place in samples::passes(recipe.antialias) {
         let picture = pass(place, spare.take());
+        let drawn_at = Instant::now();
         mean.get_or_insert_with(|| Mean::new(width, height, recipe.antialias.light)).add(&picture);
+        resolve += drawn_at.elapsed();
         spare = Some(picture);
     }
-    mean.map(|mean| mean.picture())
+    let drawn_at = Instant::now();
+    let mean = mean.map(|mean| mean.picture());
+    Passes { mean, resolve: resolve + drawn_at.elapsed() }
 }
 
 /// Draws the triangles of a frame once more into a framebuffer of their own, as far as `until` says. `recipe` may differ
@@ -153,4 +170,26 @@ pub(super) fn draw_pixels<O: Observer>(
     draw(scene, geometry, settings, &Extent::all(geometry, viewport), until, &mut drawn, observer);
     drawn.depth_scale = geometry.depth_scale;
     drawn
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::antialias::settings::{Antialiasing, Method};
+
+    #[test]
+    fn the_time_of_averaging_holds_no_pass() {
+        let size = Viewport { width: 4, height: 4 };
+        let antialias = Antialiasing { method: Method::Regular, ..Antialiasing::default() };
+        let (begun, mut in_passes) = (Instant::now(), Duration::ZERO);
+        let passes = mean_of_passes(&Recipe { antialias, ..Recipe::default() }, (SampleGrid::FULL, size), |_, _| {
+            let begun = Instant::now();
+            std::thread::sleep(Duration::from_millis(2));
+            let picture = Image::filled(4, 4, [9, 9, 9, 255]);
+            in_passes += begun.elapsed();
+            picture
+        });
+        assert_eq!(passes.mean, Some(Image::filled(4, 4, [9, 9, 9, 255])));
+        assert!(passes.resolve + in_passes <= begun.elapsed(), "disjoint");
+    }
 }

@@ -28,7 +28,7 @@ use crate::upscale::{CENTRE, Sampling};
 
 /// Where the passes of a recipe sample each pixel, from its corner, px; none if it has no passes.
 pub(super) fn passes(antialias: Antialiasing) -> Vec<[f64; 2]> {
-    if antialias.is_off() || antialias.is_per_pixel() { Vec::new() } else { antialias.pattern().offsets(0, 0) }
+    if antialias.has_passes() { antialias.pattern().offsets(0, 0) } else { Vec::new() }
 }
 
 /// Packed rows that are sampled together: their samples fit into the caches.

@@ -9,6 +9,7 @@ use rasterscope::measure::against::Figures;
 use rasterscope::measure::bench::{BenchReport, Frames, bench};
 use rasterscope::measure::motion::{MotionError, Shot, Turn, between};
 use rasterscope::measure::noise;
+use rasterscope::measure::stages::StageSummary;
 use rasterscope::measure::timing::Summary;
 use rasterscope::upscale::Upscaling;
 use serde::Serialize;
@@ -187,10 +188,11 @@ fn table(report: &Report) -> String {
         text += "partial: interrupted before all frames were drawn\n\n";
     }
     text += &format!("{:24} {:>10} {:>10} {:>10}\n", "milliseconds", "median", "p10", "p90");
-    let line = |name: &str, ms: &Summary| format!("{name:24} {:10.3} {:10.3} {:10.3}\n", ms.median, ms.p10, ms.p90);
-    text += &line("whole frame", frame_ms);
-    text.extend(stages.iter().map(|stage| line(stage.stage, &stage.ms)));
-    text += &line("writing as many bytes", &writing.ms);
+    let line = |name: &str, [median, p10, p90]: [f64; 3]| format!("{name:24} {median:10.3} {p10:10.3} {p90:10.3}\n");
+    let of_series = |ms: &Summary| [ms.median, ms.p10, ms.p90];
+    text += &line("whole frame", of_series(frame_ms));
+    text.extend(stages.iter().map(|StageSummary { stage, ms }| line(stage, [ms.median, ms.p10, ms.p90])));
+    text += &line("writing as many bytes", of_series(&writing.ms));
     if let Some(noise) = noise {
         text += &format!(
             "\nnoise floor of the whole frame: {}, {:.3} ms; closer medians are {}\n",

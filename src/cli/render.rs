@@ -1,6 +1,5 @@
 //! `rasterscope render`: one frame, one of its buffers, or the picture after a stage, as a PNG; and what it cost.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, OnceLock};
 
@@ -16,8 +15,7 @@ use rasterscope::inspect::overlays::{Context, Layer, Sheet, compose, csv};
 use rasterscope::inspect::planes::planes;
 use rasterscope::inspect::view::{Range, Value};
 use rasterscope::inspect::{Buffer, Intermediate, Stage, capture, stages, view};
-use rasterscope::measure::stages::stage_times;
-use rasterscope::measure::timing::summarize;
+use rasterscope::measure::stages::{StageSummary, stage_times, summarize_stages};
 use rasterscope::pipeline::settings::Choice as _;
 use rasterscope::scene::seams::Seams;
 use rasterscope::scene::{Camera, Scene};
@@ -70,7 +68,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_name = "FILE.pfm", conflicts_with = "stage")]
     data: Option<PathBuf>,
 
-    /// Also print the time of each stage, each the median of this many frames
+    /// Also print the time of each stage of the median of this many frames, and of the whole frame, which they add up to
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=1000))]
     times: Option<u32>,
 
@@ -229,7 +227,7 @@ fn totals(sheet: &Sheet) -> String {
         .collect()
 }
 
-/// One line per stage: the median of its times over frames drawn for this.
+/// Prints one line per stage of the median of several frames, and one for the whole of it.
 fn print_times(
     scene: &Arc<Scene>,
     camera: &Camera,
@@ -238,13 +236,14 @@ fn print_times(
     frames: u32,
 ) -> Result<(), Failure> {
     let mut renderer = Renderer::default();
-    let mut samples_ms: BTreeMap<usize, (&str, Vec<f64>)> = BTreeMap::new();
-    for _ in 0..frames {
+    let times = (0..frames).map(|_| {
         let frame = renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
-        for (place, (name, time)) in stage_times(scene, camera, recipe, &frame).named().into_iter().enumerate() {
-            samples_ms.entry(place).or_insert((name, Vec::new())).1.push(time.as_secs_f64() * 1e3);
-        }
-    }
-    let medians = samples_ms.into_values().filter_map(|(name, ms)| Some((name, summarize(&ms)?.median)));
-    output::print(&medians.map(|(name, median)| format!("{name:11} {median:8.3} ms\n")).collect::<String>())
+        let times = stage_times(scene, camera, recipe, &frame).named();
+        renderer.recycle(frame);
+        times
+    });
+    let stages = summarize_stages(&times.collect::<Vec<_>>()).unwrap_or_default();
+    let line = |name: &str, ms: f64| format!("{name:11} {ms:8.3} ms\n");
+    let lines: String = stages.iter().map(|StageSummary { stage, ms }| line(stage, ms.median)).collect();
+    output::print(&(lines + &line("whole frame", stages.iter().map(|stage| stage.ms.median).sum())))
 }

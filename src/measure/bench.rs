@@ -10,6 +10,7 @@ use serde::Serialize;
 use super::machine::Machine;
 use super::motion::{Playback, Shot, Turn};
 use super::noise::{Noise, Pairs};
+use super::stages::{StageSummary, summarize_stages};
 use super::timing::{Summary, summarize};
 use crate::chain::{Frame, Recipe, Renderer};
 use crate::math::lanes::Lanes;
@@ -20,15 +21,6 @@ use crate::scene::Scene;
 
 /// Frames before those that count: memory is found, caches and clocks settle.
 const WARM_UP_FRAMES: i64 = 3;
-
-/// Milliseconds of one stage.
-#[derive(Clone, Debug, Serialize)]
-pub struct StageSummary {
-    /// Its name.
-    pub stage: &'static str,
-    /// Its time over the frames.
-    pub ms: Summary,
-}
 
 /// How long the bytes of a frame take to write when nothing is drawn: what no frame can fall below.
 #[derive(Clone, Debug, Serialize)]
@@ -60,7 +52,7 @@ pub struct BenchReport {
     pub noise: Option<Noise>,
     /// Milliseconds of a whole frame.
     pub frame_ms: Summary,
-    /// Milliseconds of its stages, in their order.
+    /// Milliseconds of its stages, in their order; they add up to the median frame.
     pub stages: Vec<StageSummary>,
     /// What merely writing it takes.
     pub writing: Writing,
@@ -136,12 +128,8 @@ pub fn bench(
     let frame_ms = summary(&mut samples.iter().map(|sample| sample.total))?;
     let mut pairs = Pairs::default();
     pairs.add_alternating(&samples.iter().map(|sample| ms(sample.total)).collect::<Vec<_>>());
-    let names: Vec<&'static str> = samples.first()?.stages.iter().map(|(name, _)| *name).collect();
-    let stages = names.into_iter().enumerate().filter_map(|(place, stage)| {
-        let ms = summary(&mut samples.iter().map(|sample| sample.stages[place].1))?;
-        Some(StageSummary { stage, ms })
-    });
     let Viewport { width, height } = shot.viewport;
+    let stages: Vec<_> = samples.iter_mut().map(|sample| std::mem::take(&mut sample.stages)).collect();
     let last = samples.last()?;
     let writing = summary(&mut times_of_writing(last.bytes, samples.len()).into_iter())?;
     let renderer_bytes = renderer.bytes() + playback.bytes();
@@ -154,7 +142,7 @@ pub fn bench(
         execution: last.execution,
         partial: samples.len() < count,
         noise: pairs.noise(),
-        stages: stages.collect(),
+        stages: summarize_stages(&stages)?,
         writing: Writing { frame_over_writing: frame_ms.median / writing.median, ms: writing },
         counts: last.counts.clone(),
         bytes: Bytes { frame: last.bytes, renderer: renderer_bytes, scene: scene.memory().shared_bytes },
@@ -195,13 +183,14 @@ fn stages(frame: &Frame, recipe: &Recipe) -> Vec<(&'static str, Duration)> {
     };
     let times = &frame.times;
     let rest = [
-        ("resolve", times.resolve, !recipe.antialias.is_off()),
+        ("resolve", times.resolve, recipe.antialias.has_passes()),
         ("surfaces", times.surfaces, recipe.upscaler.upscaler().reads().surfaces),
         ("upscale", times.upscale, true),
         ("post filter", times.post, !recipe.post.is_off() || recipe.wireframe),
-        ("other", times.other(), true),
     ];
     stages.extend(rest.into_iter().filter(|(.., runs)| *runs).map(|(name, time, _)| (name, time)));
+    let named: Duration = stages.iter().map(|(_, time)| *time).sum();
+    stages.push(("other", times.total.saturating_sub(named)));
     stages
 }
 

@@ -1,19 +1,24 @@
-//! Where the time of a frame goes, stage by stage.
+//! Time of a frame by stages.
 //!
-//! In tiled execution, stages run one after the other and each records its own time; the frame with the median time is shown. In the classic way rasterizing, depth and
-//! shading are interleaved sample by sample, and a clock in that loop would cost more than what it measures. There they are
-//! told apart by drawing the frame several times, each time one stage further, and taking differences. So they are estimates:
-//! a difference within the noise of its two runs comes out as zero, which means "too short to tell". The compiler may also
-//! move work from one stage into the next where only the next one reads the result.
+//! In tiled execution, stages run one after the other and each records its own time. In classic execution, rasterization,
+//! depth test and shading are interleaved sample by sample, and a clock in that loop would cost more than what it measures.
+//! Their common time is split in proportion to the differences between partial frames, each drawn one stage further than the
+//! one before. These are estimates: a difference within the noise of its two frames is zero, which means "too short to tell".
+//! The compiler may also move work from one stage into the next where only the next one reads the result.
+//!
+//! Medians of each stage do not add up to the median of the frame. Here stages are those of one frame, or shares of it.
 
 use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use serde::Serialize;
+
+use super::timing::summarize;
+use crate::antialias::settings::Method;
 use crate::chain::{Frame, FrameTimes, KeepDepth, Recipe, Renderer, redraw};
 use crate::pipeline::Until;
 use crate::pipeline::settings::{DepthTest, Execution};
-use crate::pipeline::tiled::TiledTimes;
 use crate::scene::{Camera, Scene};
 
 /// Time of each stage of a frame; `None` for a stage that did not run, or whose time is that of another one.
@@ -35,7 +40,7 @@ pub struct StageTimes {
     pub interpolate: Option<Duration>,
     /// Shading and writing. Tile by tile with interpolation.
     pub shade: Duration,
-    /// Averaging the samples of each pixel. Classic execution: with the passes after the first.
+    /// Averaging the passes of supersampling.
     pub resolve: Option<Duration>,
     /// Finding the surface that each pixel shows, for upscalers that read it.
     pub surfaces: Option<Duration>,
@@ -45,7 +50,7 @@ pub struct StageTimes {
     pub post: Option<Duration>,
     /// Work between the stages: buffers, thread pool, copies.
     pub other: Duration,
-    /// The whole frame: the sum of all stages. Tiled execution: the median of warm frames.
+    /// The whole frame: the sum of all stages.
     pub frame: Duration,
 }
 
@@ -70,54 +75,112 @@ impl StageTimes {
         stages.into_iter().filter_map(|(name, time)| Some((name, time?))).collect()
     }
 
-    /// Takes over the stages that no redraw measures, and adds up the frame.
+    /// Returns the times that a frame recorded while it was drawn. Classic execution: rasterization stands for all stages of
+    /// pixels.
+    fn recorded(recipe: &Recipe, frame: &Frame) -> Self {
+        let stages = match &frame.tiled {
+            Some(report) => {
+                let times = report.times;
+                Self {
+                    transform: times.transform,
+                    cull: times.cull,
+                    rasterize: times.rasterize,
+                    shade: times.shade,
+                    ..Self::default()
+                }
+            }
+            None => {
+                // Those of the first pass, which all passes resemble.
+                let times = frame.geometry.times;
+                let ends = running_sum([times.transform, times.clip, times.project, times.cull]);
+                let [transform, clip, project, cull] = split(frame.times.geometry, ends, [1; 4]);
+                let (clip, project, rasterize) = (Some(clip), Some(project), frame.times.pixels);
+                Self { transform, clip, project, cull, rasterize, ..Self::default() }
+            }
+        };
+        stages.with_rest_of(recipe, &frame.times)
+    }
+
+    /// Takes over the stages after shading, and adds up the frame.
     fn with_rest_of(self, recipe: &Recipe, times: &FrameTimes) -> Self {
         let mut all = Self {
-            resolve: (!recipe.antialias.is_off()).then_some(times.resolve),
+            resolve: recipe.antialias.has_passes().then_some(times.resolve),
             surfaces: recipe.upscaler.upscaler().reads().surfaces.then_some(times.surfaces),
             upscale: times.upscale,
             post: (!recipe.post.is_off() || recipe.wireframe).then_some(times.post),
-            other: times.other(),
+            other: Duration::ZERO,
             ..self
         };
-        all.frame = all.named().iter().map(|(_, time)| *time).sum();
+        let named: Duration = all.named().iter().map(|(_, time)| *time).sum();
+        all.other = times.total.saturating_sub(named);
+        all.frame = named + all.other;
         all
     }
 }
 
-/// Frames up to this long are drawn several times per level.
+/// Splits a time into four parts, in proportion to the differences of ascending times and their weights. A time below the one
+/// before it counts as equal; without any difference the first part is everything.
+fn split(total: Duration, ends: [Duration; 4], weights: [u32; 4]) -> [Duration; 4] {
+    let mut before = Duration::ZERO;
+    let parts = [0, 1, 2, 3].map(|part| {
+        let step = ends[part].saturating_sub(before);
+        before = before.max(ends[part]);
+        step * weights[part]
+    });
+    let sum: Duration = parts.iter().sum();
+    if sum.is_zero() {
+        return [total, Duration::ZERO, Duration::ZERO, Duration::ZERO];
+    }
+    let share = total.as_secs_f64() / sum.as_secs_f64();
+    parts.map(|part| part.mul_f64(share))
+}
+
+/// Sum of the times up to each one.
+fn running_sum(times: [Duration; 4]) -> [Duration; 4] {
+    let mut sum = Duration::ZERO;
+    times.map(|time| {
+        sum += time;
+        sum
+    })
+}
+
+/// Frames up to this long are drawn several times.
 const SHORT_FRAME: Duration = Duration::from_millis(250);
 
 /// Rounds for short frames.
 const ROUNDS: usize = 3;
 
-/// How far each level draws.
+/// Stages that partial frames of classic execution are drawn to.
 const LEVELS: [Until; 4] = [Until::Coverage, Until::Depth, Until::Interpolate, Until::Shade];
 
-/// Times the stages of one frame piece by piece, so that whoever waits for something else never waits long.
+/// Times the stages of one frame piece by piece, so that a request that comes in between never waits long.
 ///
-/// Rounds run all levels in turn, so that a disturbance hits one run and not one level; the least time of each level is the
-/// one that was disturbed least.
+/// Classic execution: rounds draw a whole frame and the partial frame of each level in turn, so that a disturbance hits one of
+/// them; the least time of each level is the one that was disturbed least. Tiled execution: every piece is a whole frame. Of
+/// the whole frames the one with the median time counts.
 #[derive(Debug)]
 pub struct StageTimer {
     least: [Duration; LEVELS.len()],
     runs: usize,
     wanted_runs: usize,
-    /// Draws frames once more tile by tile.
+    /// Draws whole frames, with memory and history of their own.
     renderer: Renderer,
-    tiled: Vec<(FrameTimes, TiledTimes)>,
+    frames: Vec<StageTimes>,
 }
 
+/// Pieces of a round: the whole frame, and one for each level.
+const PIECES: usize = LEVELS.len() + 1;
+
 impl StageTimer {
-    /// For a frame, which tells how many rounds are worth while.
+    /// Creates a timer of a frame, whose own time determines the number of rounds.
     pub fn new(frame: &Frame) -> Self {
         let rounds = if frame.times.total < SHORT_FRAME { ROUNDS } else { 1 };
         Self {
             least: [Duration::MAX; LEVELS.len()],
             runs: 0,
-            wanted_runs: rounds * LEVELS.len(),
+            wanted_runs: rounds * PIECES,
             renderer: Renderer::default(),
-            tiled: Vec::new(),
+            frames: Vec::new(),
         }
     }
 
@@ -126,73 +189,48 @@ impl StageTimer {
         self.runs > 0
     }
 
-    /// Times the next piece, at most one frame, of the frame that was drawn of `scene` by `recipe`. The times are there when
-    /// all pieces are.
+    /// Times the next piece, at most one frame, of the frame that was drawn of `scene` by `recipe`. Returns the times once all
+    /// pieces are timed.
     pub fn step(&mut self, scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> Option<StageTimes> {
-        if frame.execution == Execution::Tiled {
-            return self.step_tiled(scene, camera, recipe, frame);
+        let level = (self.runs % PIECES).checked_sub(1).filter(|_| frame.execution == Execution::Classic);
+        if let Some(level) = level {
+            let start = Instant::now();
+            black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
+            self.least[level] = self.least[level].min(start.elapsed());
+        } else {
+            let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
+            self.frames.push(StageTimes::recorded(recipe, &again));
+            self.renderer.recycle(again);
         }
-        let level = self.runs % LEVELS.len();
-        let start = Instant::now();
-        black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
-        self.least[level] = self.least[level].min(start.elapsed());
         self.runs += 1;
-        (self.runs >= self.wanted_runs).then(|| self.differences(recipe, frame))
+        (self.runs >= self.wanted_runs).then(|| {
+            self.frames.sort_by_key(|times| times.frame);
+            let median = self.frames[self.frames.len() / 2];
+            if frame.execution == Execution::Classic { self.split_pixels(median, recipe) } else { median }
+        })
     }
 
-    fn step_tiled(
-        &mut self,
-        scene: &Arc<Scene>,
-        camera: &Camera,
-        recipe: &Recipe,
-        frame: &Frame,
-    ) -> Option<StageTimes> {
-        let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
-        let times = again.tiled.as_ref().map(|report| report.times)?;
-        self.tiled.push((again.times, times));
-        self.renderer.recycle(again);
-        self.runs += 1;
-        (self.runs >= self.wanted_runs).then(|| self.median_frame(recipe))
-    }
-
-    /// Returns the stages of the frame whose time is the median: stages of one frame add up, medians of each do not.
-    fn median_frame(&mut self, recipe: &Recipe) -> StageTimes {
-        self.tiled.sort_by_key(|(frame, _)| frame.total);
-        let (frame, tiled) = self.tiled[self.tiled.len() / 2];
-        let stages = StageTimes {
-            transform: tiled.transform,
-            cull: tiled.cull,
-            rasterize: tiled.rasterize,
-            shade: tiled.shade,
-            ..StageTimes::default()
-        };
-        stages.with_rest_of(recipe, &frame)
-    }
-
-    fn differences(&self, recipe: &Recipe, frame: &Frame) -> StageTimes {
-        let [coverage, depth, interpolate, shade] = self.least;
-        let geometry = frame.geometry.times;
+    /// Splits the time of all stages of pixels of a classic frame in proportion to the levels.
+    fn split_pixels(&self, times: StageTimes, recipe: &Recipe) -> StageTimes {
+        let [coverage, depth, ..] = self.least;
         let tests_depth = recipe.pipeline.depth_test != DepthTest::Off;
-        // Without a test both levels do the same, and the better time stands for both.
-        let (coverage, depth) =
-            if tests_depth { (coverage, depth) } else { (coverage.min(depth), coverage.min(depth)) };
-        StageTimes {
-            transform: geometry.transform,
-            clip: Some(geometry.clip),
-            project: Some(geometry.project),
-            cull: geometry.cull,
-            rasterize: coverage,
-            depth: tests_depth.then(|| depth.saturating_sub(coverage)),
-            interpolate: Some(interpolate.saturating_sub(depth)),
-            shade: shade.saturating_sub(interpolate),
-            ..StageTimes::default()
+        let mut ends = self.least;
+        if !tests_depth {
+            // Both levels draw the same; the better time stands for both.
+            ends[..2].fill(coverage.min(depth));
         }
-        .with_rest_of(recipe, &frame.times)
+        // After the pass for the centres of pixels, multisampling covers every sample and shades each pixel once.
+        let samples = recipe.antialias.count();
+        let multisampled = recipe.antialias.method == Method::Multisample;
+        let weights = if multisampled { [1 + samples, 1 + samples, 2, 2] } else { [1; 4] };
+        let [rasterize, depth, interpolate, shade] = split(times.rasterize, ends, weights);
+        let depth = tests_depth.then_some(depth);
+        StageTimes { rasterize, depth, interpolate: Some(interpolate), shade, ..times }
     }
 }
 
-/// Times every stage of a frame that was drawn of `scene` by `recipe`; costs some ten more frames if it is a short one, else
-/// about three.
+/// Times every stage of a frame that was drawn of `scene` by `recipe`, which draws up to 15 more frames if it is a short one,
+/// else up to 5.
 pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: &Frame) -> StageTimes {
     let mut timer = StageTimer::new(frame);
     loop {
@@ -202,10 +240,51 @@ pub fn stage_times(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, frame: 
     }
 }
 
+/// Time of a stage over a series of frames, ms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StageMs {
+    /// Time in the median frame: the stage's share of the middle half of the frames, times the median of the frames. The stages
+    /// add up to that median.
+    pub median: f64,
+    /// 10th percentile over all frames.
+    pub p10: f64,
+    /// 90th percentile over all frames.
+    pub p90: f64,
+}
+
+/// Time of a named stage over a series of frames.
+#[derive(Clone, Debug, Serialize)]
+pub struct StageSummary {
+    /// Its name.
+    pub stage: &'static str,
+    /// Its time.
+    pub ms: StageMs,
+}
+
+/// Summarizes the stages of a series of frames, each the complete list of its stages in the same order; `None` without frames.
+pub fn summarize_stages(frames: &[Vec<(&'static str, Duration)>]) -> Option<Vec<StageSummary>> {
+    let ms = |time: &Duration| time.as_secs_f64() * 1e3;
+    let total = |frame: &&Vec<(&str, Duration)>| frame.iter().map(|(_, time)| ms(time)).sum::<f64>();
+    let mut sorted: Vec<_> = frames.iter().collect();
+    sorted.sort_by(|a, b| total(a).total_cmp(&total(b)));
+    let median = summarize(&sorted.iter().map(total).collect::<Vec<_>>())?.median;
+    let middle = &sorted[sorted.len() / 4..sorted.len() - sorted.len() / 4];
+    let all: f64 = middle.iter().map(total).sum();
+    let summary = |place: usize| {
+        let time = |frame: &&Vec<(&str, Duration)>| ms(&frame[place].1);
+        let share = middle.iter().map(time).sum::<f64>() / all.max(f64::MIN_POSITIVE);
+        let over_all = summarize(&sorted.iter().map(time).collect::<Vec<_>>())?;
+        let ms = StageMs { median: share * median, p10: over_all.p10, p90: over_all.p90 };
+        Some(StageSummary { stage: frames[0][place].0, ms })
+    };
+    (0..frames[0].len()).map(summary).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::chain::run;
+    use crate::pipeline::settings::Choice as _;
     use crate::pipeline::viewport::Viewport;
     use crate::scene::builtin;
 
@@ -235,24 +314,56 @@ mod tests {
         for settings in [
             &[][..],
             &["antialias.method=regular", "antialias.samples=4"],
+            &["antialias.method=jittered", "antialias.samples=4"],
             &["antialias.method=multisample", "antialias.samples=4"],
             &["upscaler.method=checkerboard-surfaces", "post.filter=fxaa", "wireframe=true"],
             &["upscaler.method=accumulation", "upscaler.scale=2"],
-            &["execution=classic", "antialias.method=regular", "antialias.samples=4", "post.filter=blur"],
+            &["upscaler.method=fsr1", "antialias.method=rotated-grid", "post.filter=blur"],
+            &["depth_test=off"],
         ] {
-            let mut recipe = Recipe::default();
-            recipe.set_all(settings).unwrap();
-            let frame = Renderer::default().render(&scene, &scene.home, &recipe, size, KeepDepth::Yes);
-            let times = stage_times(&scene, &scene.home, &recipe, &frame);
-            let sum: Duration = times.named().iter().map(|(_, time)| *time).sum();
-            assert_eq!(sum, times.frame, "{settings:?}");
-            let parts = frame.times;
-            let known = parts.geometry + parts.pixels + parts.resolve + parts.surfaces + parts.upscale + parts.post;
-            assert!(known <= parts.total, "{settings:?}: no part is counted twice: {parts:?}");
-            let names: Vec<_> = times.named().into_iter().map(|(name, _)| name).collect();
-            assert_eq!(names.contains(&"resolve"), !recipe.antialias.is_off(), "{settings:?}");
-            assert_eq!(names.contains(&"post filter"), !recipe.post.is_off() || recipe.wireframe, "{settings:?}");
+            for execution in Execution::ALL {
+                let mut recipe = Recipe { execution: *execution, ..Recipe::default() };
+                recipe.set_all(settings).unwrap();
+                let frame = Renderer::default().render(&scene, &scene.home, &recipe, size, KeepDepth::Yes);
+                let recorded = StageTimes::recorded(&recipe, &frame).frame;
+                // Shares are rounded to nanoseconds.
+                assert!(recorded.abs_diff(frame.times.total) < Duration::from_nanos(10), "{execution:?} {settings:?}");
+                let times = stage_times(&scene, &scene.home, &recipe, &frame);
+                let sum: Duration = times.named().iter().map(|(_, time)| *time).sum();
+                assert!(sum.abs_diff(times.frame) < Duration::from_nanos(10), "{execution:?} {settings:?}");
+                let parts = frame.times;
+                let known = parts.geometry + parts.pixels + parts.resolve + parts.surfaces + parts.upscale + parts.post;
+                assert!(known <= parts.total, "{execution:?} {settings:?}: no part is counted twice: {parts:?}");
+                let names: Vec<_> = times.named().into_iter().map(|(name, _)| name).collect();
+                assert_eq!(names.contains(&"resolve"), recipe.antialias.has_passes(), "{settings:?}");
+                assert_eq!(names.contains(&"post filter"), !recipe.post.is_off() || recipe.wireframe, "{settings:?}");
+            }
         }
+    }
+
+    #[test]
+    fn pixels_are_split_by_the_differences_of_the_levels() {
+        let ms = |times: [u64; 4]| times.map(Duration::from_millis);
+        let of_100 = |ends, weights| split(Duration::from_millis(100), ms(ends), weights);
+        assert_eq!(of_100([10, 20, 20, 50], [1; 4]), ms([20, 20, 0, 60]));
+        assert_eq!(of_100([10, 8, 20, 50], [1; 4]), ms([20, 0, 20, 60]), "a level within noise takes nothing");
+        assert_eq!(of_100([10, 20, 30, 40], [3, 3, 2, 2]), ms([30, 30, 20, 20]));
+        assert_eq!(of_100([0; 4], [1; 4]), ms([100, 0, 0, 0]));
+        assert_eq!(running_sum(ms([1, 2, 3, 4])), ms([1, 3, 6, 10]));
+    }
+
+    #[test]
+    fn stages_of_a_series_add_up_to_its_median() {
+        let frame = |a, b| vec![("a", Duration::from_millis(a)), ("b", Duration::from_millis(b))];
+        // Medians of each stage are 10 and 10, and the median frame is one of 30.
+        let frames = [frame(10, 10), frame(10, 20), frame(20, 10), frame(10, 90), frame(2, 8)];
+        let stages = summarize_stages(&frames).unwrap();
+        assert_eq!(stages.iter().map(|stage| stage.stage).collect::<Vec<_>>(), ["a", "b"]);
+        let sum: f64 = stages.iter().map(|stage| stage.ms.median).sum();
+        assert!((sum - 30.0).abs() < 1e-9, "{sum}");
+        // The middle half is 20, 30 and 30: 40 of 80 are of each stage.
+        assert!((stages[0].ms.median - 15.0).abs() < 1e-9, "{stages:?}");
+        assert!(summarize_stages(&[]).is_none());
     }
 
     #[test]

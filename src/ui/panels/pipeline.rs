@@ -54,19 +54,11 @@ pub fn ui(ui: &mut Ui, session: &Session, commands: &mut Vec<Command>) {
 fn rest(ui: &mut Ui, session: &Session) {
     let Some(StageFigures { times, .. }) = session.stages.as_ref() else { return };
     let rows = [
-        (
-            "Resolve",
-            times.resolve,
-            "Averaging the samples of each pixel. In classic execution with the passes after the first",
-        ),
+        ("Resolve", times.resolve, "Averaging the passes of supersampling"),
         ("Surfaces", times.surfaces, "Finding the surface that each pixel shows, which the upscaler reads"),
         ("Post filter", times.post, "Post filter and wireframe"),
         ("Other", Some(times.other), "Work between the stages: buffers, thread pool, copies"),
-        (
-            "Whole frame",
-            Some(times.frame),
-            "Sum of all stages; in tiled execution the frame with the median time of several",
-        ),
+        ("Whole frame", Some(times.frame), "Sum of all stages: the frame with the median time of several"),
     ];
     for (name, time, help) in rows {
         if let Some(time) = time {
@@ -150,7 +142,7 @@ fn figures(ui: &mut Ui, stage: Stage, shown: bool, session: &Session, commands: 
     }
     let time = session.stages.as_ref().and_then(|figures| time_of(stage, &figures.times));
     let time = time.map_or_else(|| "–".to_owned(), |t| format::ms(t.as_secs_f64() * 1e3));
-    let help = "Time of this stage for the frame on screen, of the frame with the median time of several. Tile by tile, projection counts with transform, clipping with cull, depth with rasterize, interpolation with shade. In the classic way rasterize, depth, interpolate and shade are told apart by drawing the frame several times, each time one stage further; 0 means too short to tell";
+    let help = "Time of this stage for the frame on screen, of the frame with the median time of several. Tile by tile, projection counts with transform, clipping with cull, depth with rasterize, interpolation with shade. In classic execution the time of rasterize, depth, interpolate and shade is split in proportion to partial frames, each drawn one stage further; 0 means too short to tell";
     figure(ui, &time, 62.0, tokens(ui).text).on_hover_text(help);
     if let Some((number, what)) = session.view.as_ref().and_then(|view| count_of(stage, session, view)) {
         let help = format!("{} {what}", format::count(number));
