@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::Arc;
 
 use rasterscope::case::Task;
 use rasterscope::chain::Recipe;
@@ -12,9 +13,15 @@ use rasterscope::inspect::assertions::Assertion;
 use rasterscope::inspect::outline::OutlineKind;
 use rasterscope::inspect::{Buffer, Intermediate, Stage};
 use rasterscope::lab::Page;
+use rasterscope::measure::motion::Turn;
+use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::pipeline::viewport::Viewport;
 use rasterscope::report::stability::catalogue;
-use rasterscope::scene::builtin;
+use rasterscope::report::upscaling::sweep::{self, Plan, Subject, every_upscaler};
+use rasterscope::scene::{SceneSource, builtin};
+#[cfg(feature = "ui")]
+use rasterscope::ui::compare::compute::{CompareRequest, Comparer};
 use rasterscope::upscale;
 use tempfile::TempDir;
 
@@ -329,6 +336,50 @@ fn times_are_one_line_per_stage_after_the_result() {
     assert!((stages.iter().sum::<f64>() - frame).abs() < rounding, "{lines:?}");
     for frames in ["0", "1001", "many"] {
         assert_failure(&run(&folder, &["render", "--times", frames, "-o", "out.png"]), 2, frames);
+    }
+}
+
+/// A method and its scale name one configuration, whatever draws it.
+#[test]
+fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
+    // As large as the crop of a report at most, which then is the whole picture.
+    let viewport = Viewport { width: 61, height: 47 };
+    let scene = SceneSource::named("chess".into()).load().unwrap().scene;
+    let subject = Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
+    let plan = Plan {
+        subjects: vec![subject.clone()],
+        recipes: every_upscaler(Recipe::default()),
+        viewport,
+        rounds: 1,
+        reference: Reference::Native,
+        turn: Turn::STILL,
+    };
+    let report = sweep::run(&plan, &|_| {}, &|| false).unwrap();
+    let folder = folder();
+    for row in &report.scenes[0].rows {
+        let upscaler = row.recipe.upscaler;
+        let settings =
+            [format!("upscaler.method={}", upscaler.method()), format!("upscaler.scale={}", upscaler.scale())];
+        let sets = ["--set", settings[0].as_str(), "--set", settings[1].as_str()];
+        let rendered = &[&["render", "chess", "--size", "61x47", "-o", "out.png"], &sets[..]].concat();
+        assert_success(&run(&folder, rendered));
+        let rendered = picture(&folder, "out.png");
+        assert_eq!(rendered.size(), row.crop.size(), "{}", row.label);
+        assert!(rendered == row.crop, "the report of {} has another picture", row.label);
+        #[cfg(feature = "ui")]
+        {
+            let request = CompareRequest {
+                scene: Arc::clone(&subject.scene),
+                camera: subject.camera,
+                viewport,
+                recipes: vec![row.recipe],
+                reference: Reference::Native,
+                region: None,
+                difference: None,
+            };
+            let mut comparer = Comparer::default();
+            assert!(*comparer.ask(request).tiles[0].picture == rendered, "the tile of {} differs", row.label);
+        }
     }
 }
 

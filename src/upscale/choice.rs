@@ -144,6 +144,11 @@ impl Upscaling {
         self.anchor
     }
 
+    /// Returns where in their blocks samples lie; `None` if blocks are single pixels, where all anchors agree.
+    pub fn block_anchor(self) -> Option<Anchor> {
+        (self.scale != Scale::ONE).then_some(self.anchor)
+    }
+
     /// What is filtered.
     pub fn light(self) -> Light {
         self.light
@@ -181,15 +186,26 @@ impl Upscaling {
         full
     }
 
-    /// Name with the enlargement and what was chosen besides, such as "Bicubic ×4" or "Lanczos 3 ×1.5, centre, linear".
+    /// Returns the name with the scale and every choice that is not the method's default, such as "Bicubic ×4" or
+    /// "Lanczos 3 ×1.5, centre, linear".
     pub fn label(self) -> String {
+        let default_anchor = self.upscaler().offers().anchors.first();
+        self.label_with(Some(self.anchor).filter(|anchor| default_anchor != Some(anchor)))
+    }
+
+    /// Returns [`Upscaling::label`] with the anchor even if it is the method's default, such as "FSR 1 ×2, centre".
+    pub fn label_with_anchor(self) -> String {
+        self.label_with(self.block_anchor())
+    }
+
+    fn label_with(self, anchor: Option<Anchor>) -> String {
         let offers = self.upscaler().offers();
         let mut label = self.upscaler().name().to_owned();
         if offers.scales.len() > 1 {
             label += &format!(" ×{}", self.scale);
         }
-        if offers.anchors.first() != Some(&self.anchor) {
-            label += &format!(", {}", self.anchor.id());
+        if let Some(anchor) = anchor {
+            label += &format!(", {}", anchor.id());
         }
         if offers.lights.first() != Some(&self.light) {
             label += &format!(", {}", self.light.id());

@@ -53,8 +53,6 @@ pub struct Tile {
     pub recipe: Recipe,
     /// Its picture.
     pub picture: Arc<Image<Rgba8>>,
-    /// Time of drawing it once, ms. A single frame: for comparing times there is the measurement in rounds.
-    pub frame_ms: f64,
     /// Share of its pixels that were drawn, in [0, 1].
     pub drawn_share: f64,
     /// Against the reference, when that is found out.
@@ -191,7 +189,6 @@ impl Comparer {
         let tile = Tile {
             recipe,
             picture: Arc::new(frame.image().clone()),
-            frame_ms: frame.times.total.as_secs_f64() * 1e3,
             drawn_share: frame.drawn_share(),
             measured: None,
             within: None,

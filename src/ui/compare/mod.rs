@@ -172,6 +172,14 @@ impl Comparison {
         }
     }
 
+    /// Whether the pictures shown have samples in different places of their blocks.
+    pub fn anchors_differ(&self, tiles: &Tiles, of_active: Recipe) -> bool {
+        let recipes = (0..self.shown(tiles)).map(|tile| tiles.recipe(tile, of_active));
+        let mut anchors = recipes.filter_map(|recipe| recipe.upscaler.block_anchor());
+        let first = anchors.next();
+        anchors.any(|anchor| Some(anchor) != first)
+    }
+
     /// Applies a change to this, to the tiles and to the recipe of the active one.
     pub fn apply(&mut self, change: Change, tiles: &mut Tiles, recipe: &mut Recipe) {
         tiles.fill(1, *recipe);
@@ -298,6 +306,23 @@ mod tests {
         bench.apply(Change::Every);
         let methods: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler.method()).collect();
         assert_eq!(methods, upscale::ALL.iter().map(|method| method.id()).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn anchors_differ_only_among_enlarged_pictures_that_are_shown() {
+        let mut bench = Bench::default();
+        bench.apply(Change::Count(3));
+        let differ = |bench: &Bench| bench.comparison.anchors_differ(&bench.tiles, bench.recipe);
+        let labels = |bench: &Bench| bench.recipes().iter().map(|r| r.upscaler.label()).collect::<Vec<_>>();
+        assert_eq!(labels(&bench), ["Native", "Bicubic ×4", "Nearest ×4"]);
+        assert!(!differ(&bench), "corners, and native has no blocks");
+        let fsr = Recipe { upscaler: Upscaling::new("fsr1", 2).unwrap(), ..bench.recipe };
+        bench.apply(Change::Recipe(2, Box::new(fsr)));
+        assert!(differ(&bench));
+        let stated: Vec<_> = bench.recipes().iter().map(|recipe| recipe.upscaler.label_with_anchor()).collect();
+        assert_eq!(stated, ["Native", "Bicubic ×4, corner", "FSR 1 ×2, centre"]);
+        bench.apply(Change::Mode(Mode::Wipe));
+        assert!(!differ(&bench), "the third is not shown");
     }
 
     #[test]

@@ -56,11 +56,7 @@ pub(super) fn figures_of_both(ui: &Ui, footer: Rect, compared: &Compared, sessio
 pub(super) fn figures_of(ui: &Ui, index: usize, footer: Rect, compared: &Compared, session: &Session) {
     let Some(tile) = compared.tiles.get(index) else { return };
     let response = ui.interact(footer, egui::Id::unique(("figures of tile", index)), Sense::hover());
-    let drawn = format!(
-        "{} of the pixels drawn; this one frame took {}",
-        format::percent(tile.drawn_share),
-        format::ms(tile.frame_ms)
-    );
+    let drawn = format!("{} of the pixels drawn", format::percent(tile.drawn_share));
     let lines = figure_lines(footer.width()) as f32 * LINE;
     let words = match &tile.measured {
         None => "measuring …".to_owned(),

@@ -5,12 +5,13 @@ use eframe::egui::{self, Rect, Role, Ui, UiBuilder, WidgetInfo, vec2};
 use super::color;
 use super::layout::Place;
 use crate::chain::Recipe;
+use crate::pipeline::settings::Choice as _;
 use crate::ui::command::Command;
 use crate::ui::compare::{Change, Mode, letter};
 use crate::ui::session::Session;
 use crate::ui::theme::{CONTROL_HEIGHT, space};
 use crate::ui::widgets::{combo, icon_button};
-use crate::upscale::Upscaling;
+use crate::upscale::{Anchor, Upscaling};
 
 /// Height of the row over a picture, in points.
 pub(super) const HEADER: f32 = CONTROL_HEIGHT + space::XS;
@@ -44,7 +45,9 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
         commands.push(Command::Compare(Change::Activate(tile)));
     }
     let width = row.available_width() - if removable { CONTROL_HEIGHT + space::S } else { 0.0 };
-    let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe));
+    let anchors_differ = session.comparison.anchors_differ(&session.state.tiles, session.state.recipe);
+    let anchor = recipe.upscaler.block_anchor().filter(|_| anchors_differ);
+    let chosen = row.name_inputs(format!("Upscaler of {name}"), |ui| upscalers(ui, width.max(40.0), recipe, anchor));
     if let Some(upscaler) = chosen {
         commands.push(Command::Compare(Change::Recipe(tile, Box::new(Recipe { upscaler, ..recipe }))));
     }
@@ -53,13 +56,19 @@ fn header(ui: &mut Ui, tile: usize, rect: Rect, session: &Session, commands: &mu
     }
 }
 
-/// All upscalers to choose from; the one that was chosen anew.
-fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe) -> Option<Upscaling> {
+/// Lists all upscalers, and returns another one if it is selected. The caption states `anchor` if there is one: that of the
+/// other pictures differs.
+fn upscalers(ui: &mut Ui, width: f32, recipe: Recipe, anchor: Option<Anchor>) -> Option<Upscaling> {
     let mut chosen = recipe.upscaler;
-    combo("tile upscaler", &recipe.upscaler.label(), width).height(480.0).show_ui(ui, |ui| {
+    let caption = if anchor.is_some() { chosen.label_with_anchor() } else { chosen.label() };
+    let list = combo("tile upscaler", &caption, width).height(480.0).show_ui(ui, |ui| {
         for upscaling in Upscaling::every() {
             ui.selectable_value(&mut chosen, upscaling, upscaling.label()).on_hover_text(upscaling.upscaler().help());
         }
     });
+    if let Some(anchor) = anchor {
+        let help = format!("The pictures compared have different anchors. Here “{}”: {}", anchor.name(), anchor.help());
+        list.response.on_hover_text(help);
+    }
     (chosen != recipe.upscaler).then_some(chosen)
 }
