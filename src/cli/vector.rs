@@ -1,14 +1,16 @@
 //! `rasterscope vector`: a scene as drawing commands, or as a bitmap of them.
 
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use clap::Args;
 use rasterscope::drawing::file;
-use rasterscope::inspect::outline::{OutlineKind, outline};
+use rasterscope::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
 
 use super::failure::Failure;
+use super::progress::ProgressLine;
 use super::scene_args::{FrameArgs, View};
-use super::{output, parse};
+use super::{interrupt, output, parse};
 
 /// What `vector` takes.
 #[derive(Args, Debug)]
@@ -29,8 +31,23 @@ pub(crate) struct VectorArgs {
 pub(crate) fn run(args: &VectorArgs) -> Result<(), Failure> {
     file::format_of(&args.output)?;
     let View { scene, recipe, camera, .. } = args.frame.view()?;
-    let drawing = outline(&scene, &camera, &recipe, args.frame.size(), args.kind);
-    file::write(&args.output, &drawing, 1.0)?;
+    let request = OutlineRequest {
+        scene: &scene,
+        camera: &camera,
+        recipe: &recipe,
+        viewport: args.frame.size(),
+        kind: args.kind,
+    };
+    let interrupted = interrupt::flag();
+    let line = ProgressLine::new();
+    let control = OutlineControl { progress: &|share| line.show_share("drawing", share), cancel: interrupted };
+    let drawing = outline(&request, control).ok_or_else(interrupt::nothing)?;
+    drop(line);
+    let bytes = file::encode(&args.output, &drawing, 1.0)?;
+    if interrupted.load(Ordering::Relaxed) {
+        return Err(interrupt::nothing());
+    }
+    file::save(&args.output, &bytes)?;
     let (path, shapes) = (output::display(&args.output), drawing.shape_count());
     output::print(&format!("{path}: {shapes} shapes on {} × {} px\n", drawing.size.x, drawing.size.y))
 }

@@ -5,6 +5,8 @@
 //! pixels ([`visible`]), and their boundaries follow the edges and intersections of triangles between its samples
 //! ([`crossing`], [`partition`]): no order of painting is needed, and triangles may pass through each other.
 
+mod control;
+
 mod crossing;
 
 mod partition;
@@ -16,6 +18,8 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+pub use control::OutlineControl;
+
 use crossing::Surfaces;
 use visible::Visibility;
 
@@ -24,7 +28,7 @@ use crate::drawing::{Drawing, Region, Rgb, Shape, Stroke};
 use crate::flat2d::line::part_inside;
 use crate::image::Image;
 use crate::pipeline::prepare;
-use crate::pipeline::settings::{Choice, DepthBias, DepthFormat, DepthTest, Settings, choice};
+use crate::pipeline::settings::{Choice, DepthBias, DepthFormat, DepthTest, choice};
 use crate::pipeline::viewport::{ScreenTriangle, ScreenVertex, Viewport};
 use crate::scene::{Camera, Scene};
 use crate::upscale::Upscaling;
@@ -46,24 +50,39 @@ const LINE: Stroke = Stroke { color: [20; 3], width: 0.7 };
 /// distance are lost. Large pictures get fewer.
 const MOST_SAMPLES_PER_PX: u32 = 5;
 
-/// Returns the drawing of a view; one unit per pixel of a picture of `viewport`'s size.
-pub fn outline(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, kind: OutlineKind) -> Drawing {
+/// The view that is drawn, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct OutlineRequest<'a> {
+    /// Scene.
+    pub scene: &'a Arc<Scene>,
+    /// View.
+    pub camera: &'a Camera,
+    /// Settings; those that lines and polygons have no use for are ignored.
+    pub recipe: &'a Recipe,
+    /// Size of the drawing, one unit per pixel.
+    pub viewport: Viewport,
+    /// What is drawn.
+    pub kind: OutlineKind,
+}
+
+/// Returns the drawing of a view; `None` if it was cancelled.
+pub fn outline(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Drawing> {
+    let OutlineRequest { scene, camera, recipe, viewport, kind } = *request;
     let size = DVec2::new(viewport.width.into(), viewport.height.into());
     let frame = || Renderer::default().render(scene, camera, &plain(recipe), viewport, KeepDepth::Yes);
-    match kind {
-        OutlineKind::Wireframe => Drawing { size, background: PAPER, shapes: edges(&frame()).map(whole).collect() },
+    let (background, shapes) = match kind {
+        OutlineKind::Wireframe => (PAPER, edges(&frame()).map(whole).collect()),
         OutlineKind::HiddenLine => {
             let frame = frame();
             let depth = frame.drawn.depth.as_ref();
-            let shapes = edges(&frame).flat_map(|edge| visible_parts(edge, depth)).collect();
-            Drawing { size, background: PAPER, shapes }
+            (PAPER, edges(&frame).flat_map(|edge| visible_parts(edge, depth)).collect())
         }
         OutlineKind::Polygons => {
-            let regions = polygons(scene, camera, &recipe.pipeline, viewport);
-            let background = recipe.pipeline.background.resolve(scene.background);
-            Drawing { size, background, shapes: vec![Shape::Partition(regions)] }
+            let regions = polygons(request, control)?;
+            (recipe.pipeline.background.resolve(scene.background), vec![Shape::Partition(regions)])
         }
-    }
+    };
+    control.check().map(|()| Drawing { size, background, shapes })
 }
 
 /// The recipe with what lines need: every pixel drawn, no lines over it, and depths that can be compared.
@@ -136,14 +155,16 @@ fn is_visible(depth: &Image<f32>, place: DVec2, z: f64) -> bool {
     stored.map(f64::from).any(|stored| z <= stored)
 }
 
-/// Returns the visible parts of all triangles and of the background, which together fill the picture.
-fn polygons(scene: &Scene, camera: &Camera, settings: &Settings, viewport: Viewport) -> Vec<Region> {
+/// Returns the visible parts of all triangles and of the background, which together fill the picture; `None` if cancelled.
+fn polygons(request: &OutlineRequest<'_>, control: OutlineControl<'_>) -> Option<Vec<Region>> {
+    let OutlineRequest { scene, camera, recipe, viewport, .. } = *request;
+    let settings = &recipe.pipeline;
     let magnified = |by: u32| Viewport { width: viewport.width * by, height: viewport.height * by };
     let samples_per_px = (2..=MOST_SAMPLES_PER_PX).rev().find(|by| magnified(*by).check().is_ok()).unwrap_or(1);
     let size = magnified(samples_per_px);
     let geometry = prepare(scene, camera, settings, size, &mut ());
-    let visibility = Visibility::of(scene, &geometry, settings, size);
-    partition::partition(&Surfaces { visibility: &visibility, geometry: &geometry, settings }, samples_per_px)
+    let visibility = Visibility::of(scene, &geometry, settings, size, control)?;
+    partition::partition(&Surfaces { visibility: &visibility, geometry: &geometry, settings }, samples_per_px, control)
 }
 
 #[cfg(test)]

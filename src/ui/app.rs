@@ -86,7 +86,7 @@ pub struct Workbench {
     measuring_growth: Option<MeasuringGrowth>,
     case_view: CaseView,
     /// Files that are being written.
-    saving: Vec<Task<(), Result<PathBuf, String>>>,
+    saving: Vec<Task<f32, Result<PathBuf, String>>>,
     canvas: Canvas,
     mesh: MeshPane,
     tiles: TilesView,
@@ -380,6 +380,7 @@ impl Workbench {
             Command::CancelLoading => {
                 (self.loading, self.opening_case, self.session.places.pending) = (None, None, None);
             }
+            Command::CancelExport => self.saving.iter().for_each(Task::cancel),
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
                 self.session.measuring = None;

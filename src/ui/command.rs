@@ -80,6 +80,8 @@ pub enum Command {
     CancelGrowth,
     /// Stop waiting for a model.
     CancelLoading,
+    /// Cancel the export of drawings.
+    CancelExport,
     /// Draw by this recipe.
     SetRecipe(Recipe),
     /// Draw with the upscaler that stands at this place of the list.

@@ -100,6 +100,8 @@ pub struct Session {
     pub case: Option<OpenCase>,
     /// The stability report.
     pub stability: Stability,
+    /// Completed share of the export of a drawing, from 0 to 1.
+    pub export_progress: Option<f32>,
     /// What the plan saves.
     pub savings: PlanSavings,
     /// How cost grows.
@@ -190,6 +192,7 @@ impl Session {
             measuring: None,
             case: None,
             stability: Stability::default(),
+            export_progress: None,
             savings: PlanSavings::default(),
             growth: Growth::default(),
             probing: Probing::default(),

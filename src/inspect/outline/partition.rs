@@ -12,6 +12,7 @@ use std::ops::Range;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
+use super::control::{OutlineControl, ParallelStep};
 use super::crossing::{Crossing, Surfaces};
 use super::visible::{RegionId, StackId};
 use crate::drawing::Region;
@@ -21,6 +22,12 @@ const STRAIGHT_PX: f64 = 0.01;
 
 /// Two lines count as one if the sines of half the angles between them are smaller, squared.
 const PARALLEL: f64 = 1e-5;
+
+/// Percent of a drawing that is complete before and after the vertices are found.
+const VERTICES_PERCENT: Range<usize> = 50..80;
+
+/// Percent of a drawing that is complete before and after the boundaries are traced.
+const BOUNDARIES_PERCENT: Range<usize> = 80..100;
 
 /// A vertex on the boundary of regions, in the cell around a corner of four samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,9 +48,14 @@ struct Vertices {
 }
 
 impl Vertices {
-    fn find(surfaces: &Surfaces<'_>) -> Self {
-        let rows: Vec<Vec<Vertex>> =
-            (0..=surfaces.visibility.height).into_par_iter().map(|row| vertices_of(surfaces, row)).collect();
+    /// Finds the vertices of all cells; `None` if cancelled.
+    fn find(surfaces: &Surfaces<'_>, control: OutlineControl<'_>) -> Option<Self> {
+        let height = surfaces.visibility.height;
+        let step = ParallelStep::new(control, VERTICES_PERCENT, height as usize + 1);
+        let rows: Vec<Vec<Vertex>> = (0..=height)
+            .into_par_iter()
+            .map(|row| step.advance().map(|()| vertices_of(surfaces, row)))
+            .collect::<Option<_>>()?;
         let mut ends = 0;
         let ranges = rows.iter().map(|row| {
             let start = ends;
@@ -51,7 +63,7 @@ impl Vertices {
             start..ends
         });
         let ranges = ranges.collect();
-        Self { all: rows.concat(), rows: ranges }
+        Some(Self { all: rows.concat(), rows: ranges })
     }
 
     /// Returns the index of the vertex in a cell that has one.
@@ -61,10 +73,14 @@ impl Vertices {
     }
 }
 
-/// Returns the regions of a picture in units of `samples_per_px` samples, each with its boundary.
-pub(super) fn partition(surfaces: &Surfaces<'_>, samples_per_px: u32) -> Vec<Region> {
+/// Returns the regions of a picture in units of `samples_per_px` samples, each with its boundary; `None` if cancelled.
+pub(super) fn partition(
+    surfaces: &Surfaces<'_>,
+    samples_per_px: u32,
+    control: OutlineControl<'_>,
+) -> Option<Vec<Region>> {
     let per_px = f64::from(samples_per_px);
-    let vertices = Vertices::find(surfaces);
+    let vertices = Vertices::find(surfaces, control)?;
     let mut outlines = Outlines {
         surfaces,
         kept: Kept {
@@ -76,12 +92,12 @@ pub(super) fn partition(surfaces: &Surfaces<'_>, samples_per_px: u32) -> Vec<Reg
     };
     let colors = surfaces.visibility.colors();
     let mut regions: Vec<_> = colors.iter().map(|fill| Region { contours: Vec::new(), fill: *fill }).collect();
-    for (region, boundary) in outlines.all() {
+    for (region, boundary) in outlines.all(control)? {
         let contour: Vec<_> = boundary.into_iter().map(|vertex| vertices.all[vertex].place / per_px).collect();
         regions[region as usize].contours.push(contour);
     }
     regions.retain(|region| !region.contours.is_empty());
-    regions
+    Some(regions)
 }
 
 /// Returns the stacks of a row of samples; none beyond the picture.
@@ -210,14 +226,18 @@ impl Side {
 
 impl Outlines<'_> {
     /// Returns all closed boundaries, each with the region inside, as indices of vertices. Boundaries that nearly vanish are
-    /// left out.
-    fn all(&mut self) -> Vec<(RegionId, Vec<usize>)> {
+    /// left out. Returns `None` if cancelled.
+    fn all(&mut self, control: OutlineControl<'_>) -> Option<Vec<(RegionId, Vec<usize>)>> {
         let visibility = self.surfaces.visibility;
         let (width, height) = (visibility.width, visibility.height);
         let mut boundaries = Vec::new();
         // Every boundary runs along the top of a sample.
         let mut walked = vec![false; width as usize * height as usize];
+        let step = ParallelStep::new(control, BOUNDARIES_PERCENT, height as usize);
         for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
+            if x == 0 {
+                step.advance()?;
+            }
             let top = Side { sample: [x, y], step: [1, 0] };
             let region = visibility.region(visibility.stack(x, y));
             if walked[y as usize * width as usize + x as usize] || self.beyond([x, y], top.outward()) == Some(region) {
@@ -242,7 +262,7 @@ impl Outlines<'_> {
                 boundaries.push((region, kept));
             }
         }
-        boundaries
+        Some(boundaries)
     }
 
     /// Returns the region a step away from a sample; none beyond the picture.

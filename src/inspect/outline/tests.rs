@@ -1,6 +1,8 @@
 //! Drawings compared with pictures that the renderer makes of the same view.
 
 use std::collections::HashMap;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
@@ -11,6 +13,37 @@ use crate::scene::builtin;
 use crate::scene::obj;
 
 const SIZE: Viewport = Viewport { width: 200, height: 150 };
+
+/// Draws a view to the end.
+fn outline(scene: &Arc<Scene>, camera: &Camera, recipe: &Recipe, viewport: Viewport, kind: OutlineKind) -> Drawing {
+    let control = OutlineControl { progress: &|_| {}, cancel: &AtomicBool::new(false) };
+    super::outline(&OutlineRequest { scene, camera, recipe, viewport, kind }, control).unwrap()
+}
+
+#[test]
+fn progress_ends_with_the_whole_and_cancelling_ends_at_the_next_report() {
+    let scene = Arc::new(builtin::by_id("cubes").unwrap().build());
+    let (camera, recipe) = (&scene.home, &Recipe::default());
+    let request = OutlineRequest { scene: &scene, camera, recipe, viewport: SIZE, kind: OutlineKind::Polygons };
+    // One thread reports in the order in which it completes.
+    let single = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for cancelled_at in [None, Some(0.3), Some(0.6), Some(0.9)] {
+        let (reports, cancel) = (Mutex::new(Vec::new()), AtomicBool::new(false));
+        let progress = |share: f32| {
+            reports.lock().unwrap().push(share);
+            cancel.fetch_or(cancelled_at.is_some_and(|at| share >= at), Ordering::Relaxed);
+        };
+        let drawing =
+            single.install(|| super::outline(&request, OutlineControl { progress: &progress, cancel: &cancel }));
+        let reports = reports.into_inner().unwrap();
+        assert!(reports.is_sorted(), "{reports:?}");
+        assert_eq!(drawing.is_none(), cancelled_at.is_some());
+        match cancelled_at {
+            None => assert_eq!(reports.last(), Some(&1.0)),
+            Some(at) => assert_eq!(reports.iter().filter(|share| **share >= at).count(), 1, "{reports:?}"),
+        }
+    }
+}
 
 fn drawn(id: &str, kind: OutlineKind) -> Drawing {
     let scene = Arc::new(builtin::ALL.iter().find(|scene| scene.id == id).unwrap().build());

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::control::{OutlineControl, ParallelStep};
 use crate::drawing::Rgb;
 use crate::image::Rgba8;
 use crate::pipeline::framebuffer::Framebuffer;
@@ -20,6 +21,9 @@ use crate::scene::{Scene, TriangleId};
 /// Rows of samples that are drawn together: enough that most triangles are set up once, and few enough for every thread to
 /// get several.
 const ROWS: u32 = 64;
+
+/// Percent of a drawing that is complete before and after the visible surfaces are found.
+const VISIBILITY_PERCENT: Range<usize> = 0..50;
 
 /// Index of a stack of surfaces in [`Stacks`].
 pub(super) type StackId = u32;
@@ -84,16 +88,24 @@ pub(super) struct Visibility {
 }
 
 impl Visibility {
-    /// Draws `geometry`, which was prepared for a picture of `size`.
-    pub(super) fn of(scene: &Scene, geometry: &Geometry, settings: &Settings, size: Viewport) -> Self {
+    /// Draws `geometry`, which was prepared for a picture of `size`; `None` if cancelled.
+    pub(super) fn of(
+        scene: &Scene,
+        geometry: &Geometry,
+        settings: &Settings,
+        size: Viewport,
+        control: OutlineControl<'_>,
+    ) -> Option<Self> {
         let firsts: Vec<u32> = (0..size.height).step_by(ROWS as usize).collect();
+        let step = ParallelStep::new(control, VISIBILITY_PERCENT, firsts.len());
         let bands: Vec<Band> = firsts
             .into_par_iter()
             .map(|first| {
                 let rows = first..size.height.min(first + ROWS);
-                Band::draw(scene, geometry, settings, (size, rows))
+                let band = Band::draw(scene, geometry, settings, (size, rows));
+                step.advance().map(|()| band)
             })
-            .collect();
+            .collect::<Option<_>>()?;
         let mut labels = Vec::with_capacity(size.width as usize * size.height as usize);
         let (mut stacks, mut triangles) = (Stacks::<u32>::new(), Stacks::<TriangleId>::new());
         let (mut regions, mut sums) = (vec![BACKGROUND], vec![Sum::default()]);
@@ -115,7 +127,7 @@ impl Visibility {
             labels.extend(band.labels.iter().map(|label| numbers[*label as usize]));
         }
         let colors = sums.iter().map(|sum| sum.mean().unwrap_or(scene.background)).collect();
-        Self { width: size.width, height: size.height, labels, stacks, regions, colors }
+        Some(Self { width: size.width, height: size.height, labels, stacks, regions, colors })
     }
 
     /// Returns the stack of each sample of a row.

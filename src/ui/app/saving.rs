@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use eframe::egui::{self, Ui};
 
@@ -9,7 +10,7 @@ use super::Workbench;
 use crate::case::MinimalCase;
 use crate::image::file::encode_png;
 use crate::image::{Image, Rgba8};
-use crate::inspect::outline::{OutlineKind, outline};
+use crate::inspect::outline::{OutlineControl, OutlineKind, OutlineRequest, outline};
 use crate::lab::drawing::encode_recording;
 use crate::pipeline::settings::Choice as _;
 use crate::ui::engine::Request;
@@ -55,10 +56,12 @@ impl Workbench {
     /// Writes the scene on screen as drawing commands.
     pub(super) fn save_outline(&mut self, ui: &Ui, kind: OutlineKind, end: &'static str) {
         let Request { scene, camera, recipe, viewport, .. } = self.session.request();
-        self.save(ui, (kind.id(), end), move || {
-            let drawing = outline(&scene, &camera, &recipe, viewport, kind);
-            drawing::file::encode(Path::new(kind.id()).with_extension(end).as_path(), &drawing, 1.0)
-                .map_err(|error| error.to_string())
+        self.save_cancellable(ui, (kind.id(), end), move |progress, cancel| {
+            let request = OutlineRequest { scene: &scene, camera: &camera, recipe: &recipe, viewport, kind };
+            let drawing = outline(&request, OutlineControl { progress, cancel })?;
+            let path = Path::new(kind.id()).with_extension(end);
+            let encoded = drawing::file::encode(&path, &drawing, 1.0).map_err(|error| error.to_string());
+            (!cancel.load(Ordering::Relaxed)).then_some(encoded)
         });
     }
 
@@ -102,26 +105,38 @@ impl Workbench {
     pub(super) fn save(
         &mut self,
         ui: &Ui,
-        (stem, extension): (&str, &'static str),
+        name: (&str, &'static str),
         encode: impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static,
     ) {
+        self.save_cancellable(ui, name, |_, _| Some(encode()));
+    }
+
+    /// [`Self::save`] for work that reports its completed share, from 0 to 1, and returns `None` if it is cancelled.
+    fn save_cancellable(
+        &mut self,
+        ui: &Ui,
+        (stem, extension): (&str, &'static str),
+        encode: impl FnOnce(&(dyn Fn(f32) + Sync), &AtomicBool) -> Option<Result<Vec<u8>, String>> + Send + 'static,
+    ) {
         let (folder, stem) = (self.session.folder.clone(), stem.to_owned());
-        let save = move || {
+        let save = move |progress: &(dyn Fn(f32) + Sync), cancel: &AtomicBool| {
+            let encoded = encode(progress, cancel)?;
             let written = |bytes: Vec<u8>| disk::write_new(&folder, &stem, extension, &bytes);
             let unwritable = |error| format!("{}.{extension}: cannot write it: {error}", folder.join(&stem).display());
-            written(encode()?).map_err(unwritable)
+            Some(encoded.and_then(|bytes| written(bytes).map_err(unwritable)))
         };
         if self.waits {
-            self.saved(save());
+            let outcome = save(&|_| {}, &AtomicBool::new(false));
+            outcome.into_iter().for_each(|outcome| self.saved(outcome));
         } else {
-            self.saving.push(Task::start(ui.ctx().clone(), move |_, _| Some(save())));
+            self.saving.push(Task::start(ui.ctx().clone(), save));
         }
     }
 
     /// Takes what has become of files that are being written.
     pub(super) fn hear_saving(&mut self) {
         let mut outcomes = Vec::new();
-        self.saving.retain(|saving| match saving.listen(&mut None) {
+        self.saving.retain(|saving| match saving.listen(&mut self.session.export_progress) {
             Listening::GoesOn => true,
             Listening::Ended(outcome) => {
                 outcomes.extend(outcome.map(|outcome| *outcome));

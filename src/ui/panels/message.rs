@@ -40,6 +40,13 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, command
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
             ui.add(Label::new(format!("Loading {} … {:.0} %", path.display(), 100.0 * completed)).truncate());
+        } else if let Some(completed) = session.export_progress {
+            ui.spinner();
+            if ui.button("Cancel").on_hover_text("No file is written").clicked() {
+                commands.push(Command::CancelExport);
+            }
+            ui.add(ProgressBar::new(completed).desired_width(120.0));
+            ui.add(Label::new(format!("Exporting … {:.0} %", 100.0 * completed)).truncate());
         } else if session.lab.open {
             line(ui, Icon::Lightbulb, tokens(ui).accent, LAB_HINT, None, commands);
         } else if !session.hint_closed {

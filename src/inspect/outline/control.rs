@@ -1,0 +1,55 @@
+//! Progress and cancellation of a drawing.
+
+use std::fmt;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// How a drawing is followed and cancelled.
+#[derive(Clone, Copy)]
+pub struct OutlineControl<'a> {
+    /// Receives the completed share, from 0 to 1, at most once per percent. Threads may report in another order than they
+    /// complete.
+    pub progress: &'a (dyn Fn(f32) + Sync),
+    /// Cancels the drawing once it is `true`.
+    pub cancel: &'a AtomicBool,
+}
+
+impl OutlineControl<'_> {
+    /// Returns `None` once the drawing is cancelled.
+    pub(super) fn check(self) -> Option<()> {
+        (!self.cancel.load(Ordering::Relaxed)).then_some(())
+    }
+}
+
+impl fmt::Debug for OutlineControl<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("OutlineControl").field("cancel", &self.cancel).finish_non_exhaustive()
+    }
+}
+
+/// A step of a drawing: equal parts that threads complete in any order.
+pub(super) struct ParallelStep<'a> {
+    control: OutlineControl<'a>,
+    /// Completed percent of the whole drawing before and after the step.
+    percent: Range<usize>,
+    /// Number of parts.
+    parts: usize,
+    completed: AtomicUsize,
+}
+
+impl<'a> ParallelStep<'a> {
+    /// Begins a step of `parts` parts that takes the drawing through `percent`.
+    pub(super) fn new(control: OutlineControl<'a>, percent: Range<usize>, parts: usize) -> Self {
+        Self { control, percent, parts, completed: AtomicUsize::new(0) }
+    }
+
+    /// Reports that one more part is complete. Returns `None` once the drawing is cancelled.
+    pub(super) fn advance(&self) -> Option<()> {
+        let before = self.completed.fetch_add(1, Ordering::Relaxed);
+        let percent = |completed: usize| self.percent.start + self.percent.len() * completed / self.parts;
+        if percent(before) < percent(before + 1) {
+            (self.control.progress)(percent(before + 1) as f32 / 100.0);
+        }
+        self.control.check()
+    }
+}
