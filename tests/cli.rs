@@ -344,7 +344,7 @@ fn times_are_one_line_per_stage_after_the_result() {
 fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
     // As large as the crop of a report at most, which then is the whole picture.
     let viewport = Viewport { width: 61, height: 47 };
-    let scene = SceneSource::named("chess".into()).load().unwrap().scene;
+    let scene = SceneSource::named("cubes".into()).load().unwrap().scene;
     let subject = Subject { name: scene.name.clone(), camera: scene.home, scene: Arc::new(scene) };
     let plan = Plan {
         subjects: vec![subject.clone()],
@@ -361,7 +361,7 @@ fn reports_and_tiles_have_the_pictures_that_the_same_settings_draw() {
         let settings =
             [format!("upscaler.method={}", upscaler.method()), format!("upscaler.scale={}", upscaler.scale())];
         let sets = ["--set", settings[0].as_str(), "--set", settings[1].as_str()];
-        let rendered = &[&["render", "chess", "--size", "61x47", "-o", "out.png"], &sets[..]].concat();
+        let rendered = &[&["render", "cubes", "--size", "61x47", "-o", "out.png"], &sets[..]].concat();
         assert_success(&run(&folder, rendered));
         let rendered = picture(&folder, "out.png");
         assert_eq!(rendered.size(), row.crop.size(), "{}", row.label);
