@@ -3,17 +3,21 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::process::Command;
+use std::sync::Arc;
 
 use rasterscope::antialias::pattern::Pattern;
-use rasterscope::antialias::settings::{Method, Samples};
-use rasterscope::chain::{Recipe, run};
+use rasterscope::antialias::settings::{Antialiasing, Filter, Method, Samples};
+use rasterscope::chain::{Recipe, Renderer};
 use rasterscope::image::color::decode_byte;
 use rasterscope::image::{Image, Rgba8};
+use rasterscope::measure::difference::Difference;
+use rasterscope::measure::reference::Reference;
 use rasterscope::pipeline::depth::{DepthEncoding, DepthScale};
-use rasterscope::pipeline::settings::Choice as _;
+use rasterscope::pipeline::settings::{self, Choice};
 use rasterscope::pipeline::viewport::Viewport;
-use rasterscope::scene::{DepthMapping, builtin};
-use rasterscope::upscale::{Anchor, Drawn, Upscaling};
+use rasterscope::scene::{DepthMapping, Scene, builtin};
+use rasterscope::upscale::{Anchor, Drawn, Light, Upscaling};
 
 /// A sentence, or the part of one that claims something.
 struct Claim {
@@ -52,13 +56,33 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/antialias/settings.rs",
-        words: "Closer to the truth than the regular grid where patterns run along rows, as on the chess floor",
-        proof: Proof::Here(low_discrepancy_is_closer_on_the_chess_floor),
+        words: "With 16, 64 or 256 samples closer to the truth than the regular grid on the scene chess",
+        proof: Proof::Test("tests/claims.rs", "low_discrepancy_is_closer_on_chess"),
     },
     Claim {
         source: "src/antialias/settings.rs",
         words: "the regular grid is closer on edges in random directions",
         proof: Proof::Here(regular_grid_is_closer_on_edges_in_random_directions),
+    },
+    Claim {
+        source: "src/antialias/settings.rs",
+        words: "and with 16 samples on the scenes cubes and cel",
+        proof: Proof::Test("tests/claims.rs", "regular_grid_is_closer_on_cubes_and_cel"),
+    },
+    Claim {
+        source: "src/antialias/settings.rs",
+        words: "edges that are nearly upright or level show only n steps",
+        proof: Proof::Here(a_regular_grid_has_a_step_for_each_square_of_an_axis),
+    },
+    Claim {
+        source: "src/antialias/settings.rs",
+        words: "Inside of surfaces, in textures and at cut-outs, nothing improves.",
+        proof: Proof::Test("src/chain/samples.rs", "multisampling_leaves_the_inside_of_triangles_alone"),
+    },
+    Claim {
+        source: "src/antialias/settings.rs",
+        words: "the number that the converged reference has",
+        proof: Proof::Here(the_converged_reference_has_all_samples),
     },
     Claim {
         source: "src/antialias/settings.rs",
@@ -106,6 +130,52 @@ const CLAIMS: &[Claim] = &[
         proof: Proof::Here(|| overshoots("lanczos3", 12.0)),
     },
     Claim {
+        source: "src/upscale/bilinear.rs",
+        words: "never leaves the range of its neighbours",
+        proof: Proof::Here(|| overshoots("bilinear", 0.0)),
+    },
+    Claim {
+        source: "src/upscale/choice.rs",
+        words: "Slower: each sample is decoded and each pixel encoded.",
+        proof: Proof::Command(
+            "diff chess --size 1920x1080 --set upscaler.method=bilinear --set upscaler.scale=2 \
+             --set upscaler.light=linear --against upscaler.light=bytes",
+        ),
+    },
+    Claim {
+        source: "src/upscale/checkerboard/mean.rs",
+        words: "half of the picture",
+        proof: Proof::Test("src/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
+    },
+    Claim {
+        source: "src/upscale/checkerboard/edges.rs",
+        words: "Good on upright and level edges, which the plain checkerboard frays.",
+        proof: Proof::Test("src/upscale/checkerboard/edges.rs", "upright_and_level_edges_come_back_as_they_were"),
+    },
+    Claim {
+        source: "src/upscale/checkerboard/edges.rs",
+        words: "as half of them was never drawn",
+        proof: Proof::Test("src/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
+    },
+    Claim {
+        source: "src/upscale/checkerboard/surfaces.rs",
+        words: "Half of the pixels are shaded",
+        proof: Proof::Test("src/chain/whole.rs", "only_what_the_upscaler_reads_is_rasterized"),
+    },
+    Claim {
+        source: "src/upscale/checkerboard/surfaces.rs",
+        words: "it saves time where shading costs more than that, as with supersampling",
+        proof: Proof::Command(
+            "diff chess --set antialias.method=regular --set antialias.samples=16 \
+             --set upscaler.method=checkerboard-surfaces --against upscaler.method=native",
+        ),
+    },
+    Claim {
+        source: "src/upscale/accumulation.rs",
+        words: "enlarged ones regain the detail that one frame has not",
+        proof: Proof::Test("src/chain/tests.rs", "enlarged_accumulation_regains_what_one_frame_has_not"),
+    },
+    Claim {
         source: "src/upscale/checkerboard/temporal.rs",
         words: "While the view stands still the picture is native from the second frame on, bit for bit.",
         proof: Proof::Test("src/chain/tests.rs", "a_settled_picture_changes_no_more"),
@@ -114,6 +184,100 @@ const CLAIMS: &[Claim] = &[
         source: "src/upscale/accumulation.rs",
         words: "Still pictures become the mean of 16 samples of each pixel, one a frame, and then change no more",
         proof: Proof::Test("src/chain/tests.rs", "accumulation_comes_to_the_mean_of_its_samples"),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "the truth, and slower",
+        proof: Proof::Command("diff chess --set execution=classic --set arithmetic=exact --against arithmetic=fixed"),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "always right, and slower",
+        proof: Proof::Command("diff stained-glass --set blending.order=exact --against blending.order=triangles"),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "always right",
+        proof: Proof::Test("tests/properties/transparency.rs", "exact_order_is_that_of_fragments_sorted_by_depth"),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "at most 2⁻²³ of the distance from it",
+        proof: Proof::Test(
+            "tests/properties/depth.rs",
+            "the_resolution_is_the_distance_between_two_neighbouring_depths",
+        ),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "floats are finest where perspective is coarsest, so far surfaces fight less",
+        proof: Proof::Test("tests/depth_cases.rs", "close_surfaces_tie_as_often_as_theory_says"),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "in perspective nearly all steps lie close to the near plane",
+        proof: Proof::Here(nearly_all_steps_lie_near),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "Shared edges are drawn exactly once.",
+        proof: Proof::Test(
+            "tests/properties/coverage.rs",
+            "a_closed_mesh_over_the_picture_covers_every_pixel_exactly_once_under_sound_rules",
+        ),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "shared edges are drawn twice",
+        proof: Proof::Test("src/lab/tests.rs", "a_shared_side_is_drawn_once_by_sound_rules_and_not_by_others"),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "Opaque textures look the same either way.",
+        proof: Proof::Test("tests/shading.rs", "opaque_textures_are_the_same_under_both_alpha_modes"),
+    },
+    Claim {
+        source: "src/pipeline/settings.rs",
+        words: "The picture is the same; what the plan saves shows in the time.",
+        proof: Proof::Test("tests/tiled/main.rs", "every_switch_gives_the_same_picture"),
+    },
+    Claim {
+        source: "src/scene/builtin/cubes.rs",
+        words: "shows what sharing a mesh saves",
+        proof: Proof::Test("src/scene/builtin/cubes.rs", "cubes_share_one_mesh_and_so_a_fraction_of_the_memory"),
+    },
+    Claim {
+        source: "README.md",
+        words: "ends in exactly one bin, and the sums are checked",
+        proof: Proof::Test("tests/fate_sums.rs", "sums_match_in_every_builtin_scene"),
+    },
+    Claim {
+        source: "README.md",
+        words: "the floor is the 90th percentile of the relative differences of all pairs",
+        proof: Proof::Test("src/measure/noise.rs", "the_floor_is_the_90th_percentile_of_the_medians_of_blocks"),
+    },
+    Claim {
+        source: "README.md",
+        words: "areas are right to the last bit or the one before",
+        proof: Proof::Test("tests/exact_cases.rs", "areas_are_right_to_the_last_bit"),
+    },
+    Claim {
+        source: "README.md",
+        words: "answers whose lists take more than 192 MiB are refused before they are computed",
+        proof: Proof::Test("src/case/control/tests.rs", "answers_beyond_the_limit_are_refused_with_the_limit_and_soon"),
+    },
+    Claim {
+        source: "README.md",
+        words: "onto a grid of 1/256 px before any edge is built",
+        proof: Proof::Test("src/math/fixed.rs", "snapping_rounds_to_nearest_with_ties_to_even"),
+    },
+    Claim {
+        source: "README.md",
+        words: "tests hold that it arrives at the same colour everywhere",
+        proof: Proof::Test(
+            "tests/replay.rs",
+            "every_pixel_of_every_builtin_scene_replays_to_the_frame_under_every_upscaler",
+        ),
     },
     Claim {
         source: "README.md",
@@ -155,9 +319,100 @@ fn every_claim_stands_in_its_source_and_has_a_proof() {
                     "{file} has no test {name}"
                 );
             }
-            Proof::Command(arguments) => assert!(!arguments.is_empty()),
+            Proof::Command(arguments) => assert_runs(arguments),
         }
     }
+}
+
+/// Checks that the program accepts a command and completes it, on a small picture and without repetition.
+fn assert_runs(arguments: &str) {
+    const REPEATED: [&str; 3] = ["--size", "--frames", "--rounds"];
+    let mut words = arguments.split_whitespace();
+    let mut short = vec!["--size", "32x18"];
+    while let Some(word) = words.next() {
+        if REPEATED.contains(&word) {
+            words.next();
+        } else {
+            short.push(word);
+        }
+    }
+    let command = short.remove(2);
+    short.insert(0, command);
+    match command {
+        "bench" if !short.contains(&"--verify") => short.extend(["--turn", "0", "--frames", "1"]),
+        "diff" => short.extend(["--turn", "0", "--rounds", "1"]),
+        _ => {}
+    }
+    let output = Command::new(env!("CARGO_BIN_EXE_rasterscope")).args(&short).output().expect("the program starts");
+    assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Help texts of a set of alternatives.
+fn help_of<T: Choice>() -> impl Iterator<Item = &'static str> {
+    T::ALL.iter().map(|choice| choice.help())
+}
+
+/// Words by which a sentence compares or counts.
+const COMPARISONS: [&str; 18] = [
+    "faster", "slower", "cheap", "cheaper", "closer", "dear", "cost", "costs", "pays", "saves", "less", "fewer",
+    "half", "halved", "twice", "better", "best", "worse",
+];
+
+/// Parts of sentences that have such a word and say what something is.
+const DEFINITIONS: &[&str] = &[
+    "samples at the corners of pixels, shared edges drawn twice",
+    "snapped to 1/256 px",
+    "filled in up to the border",
+    "from the row or the column, whichever changes less",
+];
+
+/// Whether a sentence has a comparing word, or a number with a unit.
+fn claims_something(sentence: &str) -> bool {
+    let words = || sentence.split(|c: char| !c.is_alphanumeric() && c != '½').filter(|word| !word.is_empty());
+    let after_number = sentence.split_whitespace().zip(sentence.split_whitespace().skip(1)).any(|(number, unit)| {
+        number.ends_with(|c: char| c.is_ascii_digit() || c == '½')
+            && ["%", "ms", "px"].iter().any(|u| unit.starts_with(u))
+    });
+    after_number
+        || sentence.contains("at most")
+        || sentence.contains("up to")
+        || words().any(|word| COMPARISONS.contains(&word.to_lowercase().as_str()))
+}
+
+#[test]
+fn every_help_text_that_compares_has_its_claims_in_the_table() {
+    let helps = rasterscope::upscale::ALL.iter().map(|upscaler| upscaler.help());
+    let helps = helps
+        .chain(help_of::<Method>())
+        .chain(help_of::<Samples>())
+        .chain(help_of::<Filter>())
+        .chain(help_of::<Light>())
+        .chain(help_of::<Anchor>())
+        .chain(help_of::<Reference>())
+        .chain(help_of::<Difference>())
+        .chain(help_of::<settings::Execution>())
+        .chain(help_of::<settings::Culling>())
+        .chain(help_of::<settings::Rasterizer>())
+        .chain(help_of::<settings::Arithmetic>())
+        .chain(help_of::<settings::FillRule>())
+        .chain(help_of::<settings::DepthTest>())
+        .chain(help_of::<settings::DepthFormat>())
+        .chain(help_of::<settings::Interpolation>())
+        .chain(help_of::<settings::Shading>())
+        .chain(help_of::<settings::Filter>())
+        .chain(help_of::<settings::AlphaMode>())
+        .chain(help_of::<settings::Address>())
+        .chain(help_of::<settings::ColorSpace>())
+        .chain(help_of::<settings::BlendingOrder>());
+    let known = |sentence: &str| {
+        let row = |words: &str| sentence.contains(words.trim_end_matches('.')) || words.contains(sentence);
+        CLAIMS.iter().any(|claim| row(&flowing(claim.words)))
+            || DEFINITIONS.iter().any(|words| sentence.contains(words))
+    };
+    let helps: Vec<&str> = helps.collect();
+    let sentences = helps.iter().flat_map(|help| help.split(". "));
+    let unproven: Vec<&str> = sentences.filter(|sentence| claims_something(sentence) && !known(sentence)).collect();
+    assert!(unproven.is_empty(), "neither a row of the table nor a definition:\n{}", unproven.join("\n"));
 }
 
 /// Sentences that were measured and found untrue, or that nothing can measure.
@@ -194,8 +449,23 @@ fn low_discrepancy_has_a_step_for_each_sample() {
     }
 }
 
+fn a_regular_grid_has_a_step_for_each_square_of_an_axis() {
+    for samples in Samples::ALL {
+        let side = samples.side();
+        assert_eq!([0, 1].map(|axis| steps(Pattern::Regular { side }, axis)), [side as usize; 2]);
+    }
+}
+
 fn the_converged_reference_has_all_samples() {
-    assert_eq!(Samples::All.count(), 256);
+    assert_eq!([Samples::All.count(), Reference::Converged.samples()], [256; 2]);
+}
+
+fn nearly_all_steps_lie_near() {
+    let scale = DepthScale::perspective(DepthMapping::Standard, DepthEncoding::Unorm24, 0.1, 1e4);
+    // At ten times the near plane nine tenths of the steps are used, at a hundred times 99 %.
+    for (distance, share) in [(1.0, 0.9), (10.0, 0.99)] {
+        assert!((f64::from(scale.stored(distance)) - share).abs() < 1e-3, "{distance}");
+    }
 }
 
 /// Root mean square error of the coverage of a pixel by half-planes whose borders cross it.
@@ -231,35 +501,49 @@ fn regular_grid_is_closer_on_edges_in_random_directions() {
     }
 }
 
-fn drawn(scene: &str, size: (u32, u32), antialias: Option<Method>) -> Image<Rgba8> {
-    let scene = builtin::by_id(scene).expect("a built-in scene").build();
-    let mut recipe = Recipe::default();
-    if let Some(method) = antialias {
-        (recipe.antialias.method, recipe.antialias.samples) = (method, Samples::Sixteen);
-    }
+fn drawn(scene: &Arc<Scene>, size: (u32, u32), antialias: Antialiasing) -> Image<Rgba8> {
+    let recipe = Recipe { antialias, ..Recipe::default() };
     let viewport = Viewport { width: size.0, height: size.1 };
-    run(&scene, &scene.home, &recipe, viewport, &mut ()).image().clone()
+    Renderer::default().render_settled(scene, &scene.home, &recipe, viewport).image().clone()
 }
 
-fn low_discrepancy_is_closer_on_the_chess_floor() {
+/// Asserts that one of two methods has the smaller squared error in light on a scene, for each number of samples. The truth is
+/// the mean of many pixels of a large picture.
+fn assert_closer(scene: &str, samples: &[Samples], [closer, farther]: [Method; 2]) {
     /// Pixels along a side of the large picture for each of the small one.
-    const FINE: u32 = 20;
-    const SIZE: (u32, u32) = (64, 36);
-    let fine = drawn("chess", (SIZE.0 * FINE, SIZE.1 * FINE), None);
+    const FINE: u32 = 32;
+    const SIZE: (u32, u32) = (48, 27);
+    let scene = Arc::new(builtin::by_id(scene).expect("a built-in scene").build());
+    let fine = drawn(&scene, (SIZE.0 * FINE, SIZE.1 * FINE), Antialiasing::default());
     let truth = |x: u32, y: u32, channel: usize| {
         let block = (0..FINE).flat_map(|dy| (0..FINE).map(move |dx| (x * FINE + dx, y * FINE + dy)));
         block.map(|(x, y)| f64::from(decode_byte(fine.at(x, y)[channel]))).sum::<f64>() / f64::from(FINE * FINE)
     };
     let truth = Image::from_fn(SIZE.0, SIZE.1, |x, y| [0, 1, 2].map(|channel| truth(x, y, channel)));
-    let [regular, low] = [Method::Regular, Method::LowDiscrepancy].map(|method| {
-        let picture = drawn("chess", SIZE, Some(method));
-        let pairs = picture.pixels().iter().zip(truth.pixels());
-        let off = |(color, exact): (&Rgba8, &[f64; 3])| -> f64 {
-            color.iter().zip(exact).map(|(code, exact)| (f64::from(decode_byte(*code)) - exact).powi(2)).sum()
-        };
-        pairs.map(off).sum::<f64>()
-    });
-    assert!(low < regular, "squared errors in light: {low} and {regular}");
+    for samples in samples {
+        let [closer, farther] = [closer, farther].map(|method| {
+            let picture = drawn(&scene, SIZE, Antialiasing { method, samples: *samples, ..Antialiasing::default() });
+            let pairs = picture.pixels().iter().zip(truth.pixels());
+            let off = |(color, exact): (&Rgba8, &[f64; 3])| -> f64 {
+                color.iter().zip(exact).map(|(code, exact)| (f64::from(decode_byte(*code)) - exact).powi(2)).sum()
+            };
+            pairs.map(off).sum::<f64>()
+        });
+        assert!(closer < farther, "{} {samples:?}: squared errors in light: {closer} and {farther}", scene.name);
+    }
+}
+
+#[test]
+fn low_discrepancy_is_closer_on_chess() {
+    let samples = [Samples::Sixteen, Samples::SixtyFour, Samples::All];
+    assert_closer("chess", &samples, [Method::LowDiscrepancy, Method::Regular]);
+}
+
+#[test]
+fn regular_grid_is_closer_on_cubes_and_cel() {
+    for scene in ["cubes", "cel"] {
+        assert_closer(scene, &[Samples::Sixteen], [Method::Regular, Method::LowDiscrepancy]);
+    }
 }
 
 fn nearest_from_the_corner_moves_the_picture() {
@@ -294,11 +578,10 @@ fn overshoots(method: &str, most: f64) {
     assert!(greatest <= most + rounding && greatest >= most - 1.0 - rounding, "{method}: {greatest} %, not {most} %");
 }
 
-/// Shares of the table, in percent as they are printed, from random pairs of distances.
+/// Percentage of the pairs whose depths are equal, at evenly spaced positions of `distance` in 0…1.
 fn ties(scale: &DepthScale, distance: impl Fn(f64) -> f64) -> f64 {
-    let mut random = fastrand::Rng::with_seed(26);
-    let equal = |_: &u32| {
-        let near = distance(random.f64());
+    let equal = |pair: &u32| {
+        let near = distance((f64::from(*pair) + 0.5) / f64::from(PAIRS));
         scale.stored(near as f32) == scale.stored((near * (1.0 + GAP)) as f32)
     };
     100.0 * (0..PAIRS).filter(equal).count() as f64 / f64::from(PAIRS)
@@ -329,12 +612,8 @@ fn depths_tie_as_often_as_the_table_says() {
         let cells: Vec<&str> = row.trim_end_matches('|').rsplit('|').map(str::trim).take(2).collect();
         for (cell, found) in cells.iter().rev().zip(found) {
             let percent = cell.strip_suffix(" %").expect("a share in percent");
-            let digits = percent.split_once('.').map_or(0, |(_, digits)| digits.len() as i32);
-            let printed: f64 = percent.parse().expect("a number");
-            // Half a printed step, and five standard deviations of the share of as many random pairs.
-            let deviation = (found * (100.0 - found) / f64::from(PAIRS)).sqrt();
-            let margin = 0.5 * 0.1_f64.powi(digits) + 5.0 * deviation;
-            assert!((found - printed).abs() <= margin, "{format}: {found} %, not {printed} % ± {margin}");
+            let digits = percent.split_once('.').map_or(0, |(_, digits)| digits.len());
+            assert_eq!(percent, format!("{found:.digits$}"), "{format}: {found} %");
         }
     }
 }

@@ -14,7 +14,7 @@ choice! {
         Recursive = "recursive", "Supersampling, recursive", "The pixel quartered again and again, as some ray tracers do: the places of the regular grid, square by square. It splits everywhere, so the picture is that of the regular grid.";
         Jittered = "jittered", "Supersampling, jittered", "Somewhere in each of n × n squares, elsewhere in each pixel: what would be moiré becomes noise.";
         RotatedGrid = "rotated-grid", "Supersampling, rotated grid", "Four samples, each in a row and a column of its own: four steps along edges where the regular grid of four has two.";
-        LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy", "The first points of Sobol's sequence, each in a row and a column of its own: as many steps as samples along upright and level edges. Closer to the truth than the regular grid where patterns run along rows, as on the chess floor; the regular grid is closer on edges in random directions.";
+        LowDiscrepancy = "low-discrepancy", "Supersampling, low discrepancy", "The first points of Sobol's sequence, each in a row and a column of its own: as many steps as samples along upright and level edges. With 16, 64 or 256 samples closer to the truth than the regular grid on the scene chess, whose floor repeats along rows; the regular grid is closer on edges in random directions, and with 16 samples on the scenes cubes and cel.";
         Multisample = "multisample", "Multisampling", "Coverage and depth at every sample, but each triangle shaded once in a pixel: smooth edges at less cost than supersampling. Inside of surfaces, in textures and at cut-outs, nothing improves.";
     }
 }

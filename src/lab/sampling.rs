@@ -35,7 +35,7 @@ choice! {
         AreaBox = "area-box", "Area, box", "The share of the pixel that is covered.";
         AreaPyramid = "area-pyramid", "Area, pyramid", "What is near the centre counts more; reaches into the neighbours.";
         AreaCone = "area-cone", "Area, cone", "The same without a preferred direction.";
-        Blur = "blur", "One point, then blur", "The point-sampled picture convolved with a 3 × 3 mask: cheap, and details are lost.";
+        Blur = "blur", "One point, then blur", "The point-sampled picture convolved with a 3 × 3 mask: details are lost.";
         Sharpen = "sharpen", "One point, then sharpen", "A mask with negative weights around the middle.";
         Motion = "motion", "One point, then motion blur", "A mask along a diagonal, as a movement during the exposure.";
     }

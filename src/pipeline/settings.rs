@@ -55,7 +55,7 @@ pub(crate) use choice;
 choice! {
     /// How the pipeline is executed. The picture is the same, bit for bit; the time is not.
     Execution {
-        Tiled = "tiled", "Tiled", "Tile by tile, eight samples at a time, on all threads; each visible sample is shaded once.";
+        Tiled = "tiled", "Tiled", "Tile by tile, several samples at a time, on all threads; each visible sample is shaded once.";
         Classic = "classic", "Classic", "Triangle after triangle through every stage, on one thread: what the stages and rasterizers can be told apart with.";
     }
 }
@@ -158,14 +158,14 @@ choice! {
         ReversedInfinite = "reversed-infinite", "Reversed, infinite far", "Reversed f32 with the far plane at infinity: nothing is too far to be drawn. Without perspective it is reversed f32.";
         Unorm24 = "unorm24", "unorm24", "z/w in 24-bit steps, 0 near and 1 far, as graphics cards keep it: in perspective nearly all steps lie close to the near plane.";
         Unorm16 = "unorm16", "unorm16", "z/w in 16-bit steps, 0 near and 1 far: surfaces fight wherever they are close to each other.";
-        WBuffer = "w-buffer", "w-buffer", "The distance itself as a float, 0 at the near plane and 1 at the far plane: no place is coarse, but every fragment costs a division.";
+        WBuffer = "w-buffer", "w-buffer", "The distance itself as a float, 0 at the near plane and 1 at the far plane: its steps are finest at the near plane and at most 2⁻²³ of the distance from it.";
     }
 }
 
 choice! {
     /// How attributes follow the screen.
     Interpolation {
-        Affine = "affine", "Affine", "Attributes change linearly on the screen: cheap, and wrong in perspective (textures swim and kink).";
+        Affine = "affine", "Affine", "Attributes change linearly on the screen: wrong in perspective (textures swim and kink).";
         Perspective = "perspective", "Perspective-correct", "Attributes change linearly in space: weights are divided by w and normalised.";
         Published = "published", "Affine (as published)", "Faulty, to show it: affine weights by a formula that divides by the width of one edge, and fails where that edge is vertical.";
     }
@@ -176,7 +176,7 @@ choice! {
     Shading {
         Texture = "texture", "Texture, unlit", "Texture × material colour, no light.";
         VertexColor = "vertex-color", "Vertex colour", "The colours given at the vertices, interpolated, no light.";
-        Gouraud = "gouraud", "Gouraud", "Light is computed at the vertices and interpolated: cheap, and highlights depend on the mesh.";
+        Gouraud = "gouraud", "Gouraud", "Light is computed at the vertices and interpolated: highlights depend on the mesh.";
         Lambert = "lambert", "Lambert", "The normal is interpolated and light computed in every pixel.";
         BlinnPhong = "blinn-phong", "Blinn–Phong", "Lambert plus a highlight: Ks·max(0, N·H)^Ns, with H halfway between the directions to the light and to the eye.";
         Cel = "cel", "Cel", "Two textures: the light one where N·L > 0.5, the dark one elsewhere.";

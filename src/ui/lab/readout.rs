@@ -45,9 +45,16 @@ pub(super) fn ui(ui: &mut Ui, lab: &Lab, changes: &mut Vec<Change>) {
     ui.add_space(space::S);
     ui.horizontal_wrapped(|ui| {
         let compares = lab.lesson().compare_is_possible();
-        let button = ui.add_enabled(compares, eframe::egui::Button::new((theme::icon(Icon::ChartScatter), "Compare all ways")));
-        let help = "Runs all ways to do the same on a larger input, against the truth, and times them: some tenths of a second";
-        if button.on_hover_text(help).on_disabled_hover_text("Points, lines and triangles are what they are: there is no truth that ways could differ from").clicked() {
+        let button =
+            ui.add_enabled(compares, eframe::egui::Button::new((theme::icon(Icon::ChartScatter), "Compare all ways")));
+        let help = "Runs all ways to do the same on a larger input, measures each against the truth, and times it";
+        if button
+            .on_hover_text(help)
+            .on_disabled_hover_text(
+                "Points, lines and triangles are what they are: there is no truth that ways could differ from",
+            )
+            .clicked()
+        {
             changes.push(Change::Compare);
         }
         ui.menu_button((theme::icon(Icon::Download), "Save drawing"), |ui| save_menu(ui, changes));

@@ -30,9 +30,9 @@ impl Upscaler for CheckerboardSurfaces {
 
     fn help(&self) -> &'static str {
         "Draws the 2×2-pixel squares of one colour of a checkerboard, and finds of all pixels which object they show and \
-         how far away; a missing pixel takes only of neighbours that show the same. Outlines stay as sharp as native; \
-         textures still lose half of their detail. Shading is halved, finding surfaces is not: it pays where shading is \
-         dear. Consoles do so with an id buffer in hardware (PlayStation 4 Pro, 2016)."
+         how far away; a missing pixel takes only of neighbours that show the same. Outlines stay sharp; textures lose \
+         detail as in the plain checkerboard. Half of the pixels are shaded, but the surfaces of all are found: it saves \
+         time where shading costs more than that, as with supersampling. Consoles do so with an id buffer in hardware (PlayStation 4 Pro, 2016)."
     }
 
     fn offers(&self) -> Offers {

@@ -40,7 +40,7 @@ impl Upscaler for Fsr1 {
 
     fn help(&self) -> &'static str {
         "Weighs twelve samples by a kernel that is stretched along the edge there, never leaves the range of the four \
-         nearest, then sharpens if asked. Good on slanted edges, which come out smoother than by any fixed weights. Where \
+         nearest, then sharpens if asked. Good on slanted edges. Where \
          the drawn picture has stairs it takes them for edges and keeps them; fine texture may turn into strokes. Source: \
          AMD FidelityFX Super Resolution 1.0, EASU and RCAS (2021)."
     }
