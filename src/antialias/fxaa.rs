@@ -1,40 +1,50 @@
-//! Smoothing the edges of a finished picture: an FXAA-class filter.
+//! Smooths the edges of a finished picture: an FXAA-class filter.
 //!
-//! After T. Lottes, "FXAA" (NVIDIA, 2009), in its later form that follows edges to their ends. Brightness is luma of sRGB
-//! codes, as the eye sees contrast. Where it changes enough:
+//! After T. Lottes, "FXAA" (NVIDIA, 2009) and the white paper of FXAA 3.11. Contrast is measured in 8-bit luma of sRGB codes,
+//! as FXAA 3.11 stores it in the alpha channel. Where the contrast is large enough:
 //!
-//! 1. the second differences say whether the edge lies along the row or along the column, the first ones on which side;
-//! 2. on the line between the two pixels the edge is followed both ways until the brightness there changes;
-//! 3. a slanted line from end to end passes the pixel at some distance: that much the pixel takes of its neighbour across
-//!    the edge, if it lies on the side that the line cuts into;
-//! 4. a pixel that stands out from its eight neighbours takes at least a share by how much it does.
+//! 1. second differences decide whether the edge is horizontal or vertical, first differences which neighbour lies across it;
+//! 2. the line between the two pixels is followed both ways until the luma there changes;
+//! 3. a slanted line from end to end covers some share of the pixel: the pixel takes that share of its neighbour across the
+//!    edge, if it lies on the side that the line cuts into;
+//! 4. a pixel that stands out from its eight neighbours takes at least a share that grows with how much it does.
+
+use std::cell::RefCell;
 
 use rayon::prelude::*;
 
-use crate::image::color::{Tables, luma};
+use crate::image::color::Tables;
 use crate::image::{Image, Rgba8};
 use crate::math::lanes::*;
 
-/// Least contrast around a pixel that counts as an edge, in codes: below, nobody sees stairs.
-const LEAST_CONTRAST: f32 = 8.0;
+/// Least contrast around a pixel that counts as an edge, in codes.
+const LEAST_CONTRAST: i16 = 8;
 
-/// Least contrast as a share of the brightest pixel around.
-const LEAST_SHARE: f32 = 0.125;
+/// Least contrast as a share of the brightest pixel around: 2⁻³.
+const LEAST_CONTRAST_SHIFT: u32 = 3;
 
-/// How much a pixel that stands alone takes of its neighbour at most.
+/// Greatest share that an isolated pixel takes of its neighbour.
 const SUBPIXEL: f32 = 0.75;
 
-/// Pixels that an edge is followed each way.
+/// Smaller shares leave the pixel unchanged: a fifth to a half of all edge pixels, whose change is invisible.
+const LEAST_SHARE: f32 = 1.0 / 256.0;
+
+/// Pixels that an edge is followed each way. An edge ends where the luma on its line changes by a quarter of its gradient.
 pub const SEARCH_PX: u32 = 16;
 
-/// Change along an edge that ends it, as a share of the contrast across.
-const END_SHARE: f32 = 0.25;
+/// Pixels that are searched together.
+const BLOCK: usize = 32;
 
-/// Rows that are filtered together: their brightness, with that of the rows around, stays in the second-level cache.
-const BAND_ROWS: u32 = 64;
+/// Rows and columns of luma around a band: as far as a search reads.
+const MARGIN: usize = SEARCH_PX as usize;
 
-/// Pixels beside a row of brightness, each way: what a search or a block of sixteen reads beyond the borders.
-const MARGIN: usize = 2 * WIDE;
+/// Bands per thread: few, because the luma of [`MARGIN`] rows on either side of a band is computed twice.
+const BANDS_PER_THREAD: usize = 4;
+
+thread_local! {
+    /// Luma of a band, kept from picture to picture to avoid page faults.
+    static LUMA: RefCell<Vec<i16>> = RefCell::default();
+}
 
 /// Filters a picture, mixing in linear light or in codes. The result is written into `memory` where there is any.
 pub fn apply(picture: &Image<Rgba8>, linear: bool, memory: Option<Image<Rgba8>>) -> Image<Rgba8> {
@@ -44,221 +54,277 @@ pub fn apply(picture: &Image<Rgba8>, linear: bool, memory: Option<Image<Rgba8>>)
 fn apply_on(lanes: Lanes, picture: &Image<Rgba8>, linear: bool, memory: Option<Image<Rgba8>>) -> Image<Rgba8> {
     let (width, height) = picture.size();
     let mut result = Image::reusing(memory, width, height, [0; 4]);
-    let bands = result.pixels_mut().par_chunks_mut((width * BAND_ROWS).max(1) as usize);
-    bands.zip((0..height).into_par_iter().step_by(BAND_ROWS as usize)).for_each_init(
-        Vec::new,
-        |lumas, (rows, first)| {
-            on_lanes!(lanes, simd => {
-                let band = Band::new(simd, picture, first, lumas);
-                for (row, y) in rows.chunks_exact_mut(width as usize).zip(first..) {
-                    band.filter_row(simd, y, linear, row);
-                }
-            });
-        },
-    );
+    let rows = (height as usize).div_ceil(BANDS_PER_THREAD * rayon::current_num_threads()).max(1);
+    let bands = result.pixels_mut().par_chunks_mut((width as usize * rows).max(1));
+    bands.enumerate().for_each(|(index, band)| {
+        LUMA.with_borrow_mut(
+            |luma| on_lanes!(lanes, simd => fill_band(simd, (picture, linear), luma, index * rows, band)),
+        );
+    });
     result
 }
 
-/// Some rows of a picture and their brightness, continued beyond the borders of the picture.
-struct Band<'a> {
-    picture: &'a Image<Rgba8>,
-    lumas: &'a [f32],
-    /// Numbers from row to row.
+/// Filters the rows of `band`, the first of which is row `first` of the picture. Luma is computed [`MARGIN`] rows ahead, so that
+/// all rows in use stay in the second-level cache.
+#[inline(always)]
+fn fill_band<S: Simd>(
+    simd: S,
+    (picture, linear): (&Image<Rgba8>, bool),
+    luma: &mut Vec<i16>,
+    first: usize,
+    band: &mut [Rgba8],
+) {
+    let (width, last) = (picture.width() as usize, picture.height() as usize - 1);
+    let stride = width.next_multiple_of(BLOCK) + 2 * MARGIN;
+    luma.resize((band.len() / width + 2 * MARGIN) * stride, 0);
+    let source = |row: usize| picture.row((first + row).saturating_sub(MARGIN).min(last) as u32);
+    for (row, luma) in luma.chunks_exact_mut(stride).take(2 * MARGIN).enumerate() {
+        fill_luma(simd, source(row), luma);
+    }
+    for (row, result) in band.chunks_exact_mut(width).enumerate() {
+        let ahead = row + 2 * MARGIN;
+        fill_luma(simd, source(ahead), &mut luma[ahead * stride..][..stride]);
+        result.copy_from_slice(picture.row((first + row) as u32));
+        let edges = Neighbourhood { luma, stride, place: (row + MARGIN) * stride + MARGIN };
+        filter_row(simd, (picture, linear), &edges, (first + row) * width, result);
+    }
+}
+
+/// Computes the luma of a row, and repeats that of its ends in the margins.
+#[inline(always)]
+fn fill_luma<S: Simd>(simd: S, pixels: &[Rgba8], luma: &mut [i16]) {
+    let (blocks, rest) = pixels.as_chunks::<BLOCK>();
+    let within = &mut luma[MARGIN..];
+    for (block, luma) in blocks.iter().zip(within.as_chunks_mut::<BLOCK>().0) {
+        luma_of_block(simd, block).store_array(luma);
+    }
+    if !rest.is_empty() {
+        let mut block = [[0; 4]; BLOCK];
+        block[..rest.len()].copy_from_slice(rest);
+        luma_of_block(simd, &block).store_slice(&mut within[blocks.len() * BLOCK..][..BLOCK]);
+    }
+    let (left, right) = (luma[MARGIN], luma[MARGIN + pixels.len() - 1]);
+    luma[..MARGIN].fill(left);
+    luma[MARGIN + pixels.len()..].fill(right);
+}
+
+/// Computes (54 r + 183 g + 19 b + 128) / 256, rounded down: luma by the Rec. 709 weights in 1/256.
+#[inline(always)]
+fn luma_of_block<S: Simd>(simd: S, pixels: &[Rgba8; BLOCK]) -> i16x32<S> {
+    let halves = pixels.as_chunks::<WIDE>().0;
+    let [low, high] = each!(half in [&halves[0], &halves[1]] => {
+        let codes = u8x64::from_slice(simd, half.as_flattened()).bitcast::<u32x16<S>>();
+        // One multiplication for red and blue: 54 r + 19 b lies in the upper half of the product, 19 r in the lower.
+        let red_and_blue = ((codes & 0x00FF_00FF) * (54 << 16 | 19)) >> 16;
+        (red_and_blue + (codes >> 8 & 0xFF) * 183 + 128) >> 8
+    });
+    low.narrow(high).bitcast()
+}
+
+/// Filters a row, which holds the unfiltered pixels; `start` is the index of its first pixel in the picture.
+#[inline(always)]
+fn filter_row<S: Simd>(
+    simd: S,
+    (picture, linear): (&Image<Rgba8>, bool),
+    row_luma: &Neighbourhood<'_>,
+    start: usize,
+    row: &mut [Rgba8],
+) {
+    let (tables, width) = (Tables::get(), row.len());
+    for (x, block) in (0..).step_by(BLOCK).zip(row.chunks_mut(BLOCK)) {
+        let luma = Neighbourhood { place: row_luma.place + x, ..*row_luma };
+        let within = mask16x32::from_bitmask(simd, (1 << block.len()) - 1);
+        let found = luma.contrasts(simd) & within;
+        if !found.any_true() {
+            continue;
+        }
+        let blends = luma.blends(simd, found);
+        let mut left = blends.found;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let across = if blends.horizontal >> lane & 1 != 0 { width } else { 1 };
+            let own = start + x + lane;
+            // Inside the picture: a repeated border pixel has no gradient to its original, and so no share.
+            let other = if blends.towards_before >> lane & 1 != 0 { own - across } else { own + across };
+            block[lane] = mix(tables, block[lane], picture.pixels()[other], blends.shares[lane], linear);
+        }
+    }
+}
+
+/// Luma around [`BLOCK`] pixels of a row.
+#[derive(Clone, Copy)]
+struct Neighbourhood<'a> {
+    luma: &'a [i16],
+    /// Distance between rows.
     stride: usize,
-    /// Row of the picture that the first row of `lumas` is beside.
-    first: i64,
+    /// Index of the first pixel.
+    place: usize,
 }
 
-/// Sixteen neighbouring pixels, each as the centre of its edge.
-struct Edges {
-    /// A bit for each pixel whose edge lies along the row.
-    level: u32,
-    /// A bit for each whose edge is shared with the pixel above or to the left.
+/// Edges through [`BLOCK`] pixels.
+struct Edges<S: Simd> {
+    /// Whether the neighbour across the edge is the one above or to the left.
+    towards_before: mask16x32<S>,
+    /// Sum of the luma on both sides.
+    line: i16x32<S>,
+    /// Change of that sum that ends an edge.
+    ends_at: i16x32<S>,
+}
+
+/// Ends of edges, in one direction.
+#[derive(Clone, Copy)]
+struct Ends<S: Simd> {
+    /// Distance in pixels.
+    step: i16x32<S>,
+    /// Change of [`Edges::line`] there.
+    change: i16x32<S>,
+}
+
+/// Which neighbours [`BLOCK`] pixels take a share of, as a bit for each pixel, and how much.
+struct Blends {
+    /// Pixels whose share is at least [`LEAST_SHARE`].
+    found: u32,
+    horizontal: u32,
     towards_before: u32,
-    /// A bit for each that is darker than the line between the two sides.
-    below_edge: u32,
-    gradient: [f32; WIDE],
-    edge: [f32; WIDE],
-    /// Share of the neighbour that a pixel takes for standing out.
-    alone: [f32; WIDE],
+    shares: [f32; BLOCK],
 }
 
-impl<'a> Band<'a> {
-    /// Computes the brightness of [`BAND_ROWS`] rows from `first` on, and of those around that a search reads.
+impl Neighbourhood<'_> {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, picture: &'a Image<Rgba8>, first: u32, lumas: &'a mut Vec<f32>) -> Self {
-        let (width, height) = picture.size();
-        let stride = (width as usize).next_multiple_of(WIDE) + 2 * MARGIN;
-        let around = i64::from(SEARCH_PX) + 1;
-        let (top, bottom) = (i64::from(first) - around, i64::from((first + BAND_ROWS).min(height)) + around);
-        lumas.resize(stride * (bottom - top) as usize, 0.0);
-        for (lumas, y) in lumas.chunks_exact_mut(stride).zip(top..bottom) {
-            let row = picture.row(y.clamp(0, i64::from(height) - 1) as u32);
-            let (blocks, rest) = row.as_chunks::<WIDE>();
-            let within = &mut lumas[MARGIN..];
-            for (block, lumas) in blocks.iter().zip(within.as_chunks_mut::<WIDE>().0) {
-                luma_of_sixteen(simd, block).store_array(lumas);
-            }
-            for (pixel, luma_of_pixel) in rest.iter().zip(&mut within[blocks.len() * WIDE..]) {
-                *luma_of_pixel = luma(*pixel);
-            }
-            let (left, right) = (lumas[MARGIN], lumas[MARGIN + row.len() - 1]);
-            lumas[..MARGIN].fill(left);
-            lumas[MARGIN + row.len()..].fill(right);
-        }
-        Self { picture, lumas, stride, first: top }
+    fn at<S: Simd>(&self, simd: S, place: usize) -> i16x32<S> {
+        i16x32::from_slice(simd, &self.luma[place..place + BLOCK])
     }
 
-    /// Position of a pixel's brightness.
+    /// Returns luma above, below, left, right and at the pixels.
     #[inline(always)]
-    fn place(&self, x: usize, y: u32) -> usize {
-        (i64::from(y) - self.first) as usize * self.stride + MARGIN + x
+    fn cross<S: Simd>(&self, simd: S) -> [i16x32<S>; 5] {
+        let Self { stride, place, .. } = *self;
+        each!(at in [place - stride, place + stride, place - 1, place + 1, place] => self.at(simd, at))
     }
 
-    /// Filters a row of the picture.
+    /// Returns the pixels around which the contrast is large enough.
     #[inline(always)]
-    fn filter_row<S: Simd>(&self, simd: S, y: u32, linear: bool, row: &mut [Rgba8]) {
-        row.copy_from_slice(self.picture.row(y));
-        let tables = Tables::get();
-        for (x, block) in (0..).step_by(WIDE).zip(row.chunks_mut(WIDE)) {
-            let place = self.place(x, y);
-            let mut found = self.contrasts(simd, place) & ((1_u32 << block.len()) - 1);
-            if found == 0 {
-                continue;
-            }
-            let edges = self.edges(simd, place);
-            while found != 0 {
-                let lane = found.trailing_zeros() as usize;
-                found &= found - 1;
-                let (is_level, side) =
-                    (edges.level >> lane & 1 != 0, 1 - 2 * (edges.towards_before >> lane & 1) as i64);
-                let share = self.share(simd, &edges, place, lane);
-                if share > 0.0 {
-                    let (dx, dy) = if is_level { (0, side) } else { (side, 0) };
-                    let other = self.picture.at_clamped((x + lane) as i64 + dx, i64::from(y) + dy);
-                    block[lane] = mix(tables, block[lane], other, share, linear);
-                }
-            }
-        }
+    fn contrasts<S: Simd>(&self, simd: S) -> mask16x32<S> {
+        let cross = self.cross(simd);
+        let least = (brightest(cross) + ((1 << LEAST_CONTRAST_SHIFT) - 1)) >> LEAST_CONTRAST_SHIFT;
+        contrast(cross).simd_ge(least.max(LEAST_CONTRAST))
     }
 
+    /// Computes the shares of the pixels in `found`.
     #[inline(always)]
-    fn sixteen<S: Simd>(&self, simd: S, place: usize) -> f32x16<S> {
-        f32x16::from_slice(simd, &self.lumas[place..place + WIDE])
-    }
-
-    /// Returns a bit for each of sixteen pixels around which brightness changes enough.
-    #[inline(always)]
-    fn contrasts<S: Simd>(&self, simd: S, place: usize) -> u32 {
-        let [middle, n, s, w, e] = each!(at in
-            [place, place - self.stride, place + self.stride, place - 1, place + 1] => self.sixteen(simd, at));
-        let brightest = n.max(s).max(w).max(e).max(middle);
-        let contrast = brightest - n.min(s).min(w).min(e).min(middle);
-        contrast.simd_ge((brightest * LEAST_SHARE).max(LEAST_CONTRAST)).to_bitmask() as u32
-    }
-
-    /// Finds direction, side and height of the edges of sixteen pixels; without meaning where there is too little contrast.
-    #[inline(always)]
-    fn edges<S: Simd>(&self, simd: S, place: usize) -> Edges {
-        let [above, below] = [place - self.stride, place + self.stride];
-        let [nw, n, ne] = each!(place in [above - 1, above, above + 1] => self.sixteen(simd, place));
-        let [w, middle, e] = each!(at in [place - 1, place, place + 1] => self.sixteen(simd, at));
-        let [sw, s, se] = each!(place in [below - 1, below, below + 1] => self.sixteen(simd, place));
-        let along_row = bend(n, middle, s) * 2.0 + bend(nw, w, sw) + bend(ne, e, se);
-        let along_column = bend(w, middle, e) * 2.0 + bend(nw, n, ne) + bend(sw, s, se);
-        let is_level = along_row.simd_ge(along_column);
-        let (before, after) = (is_level.select(n, w), is_level.select(s, e));
+    fn blends<S: Simd>(&self, simd: S, found: mask16x32<S>) -> Blends {
+        let cross = self.cross(simd);
+        let [n, s, w, e, middle] = cross;
+        let [above, below] = [self.place - self.stride, self.place + self.stride];
+        let [nw, ne, sw, se] = each!(at in [above - 1, above + 1, below - 1, below + 1] => self.at(simd, at));
+        let across_rows = bend(n, middle, s) * 2 + bend(nw, w, sw) + bend(ne, e, se);
+        let across_columns = bend(w, middle, e) * 2 + bend(nw, n, ne) + bend(sw, s, se);
+        let horizontal = across_rows.simd_ge(across_columns);
+        let (before, after) = (horizontal.select(n, w), horizontal.select(s, e));
         let towards_before = (before - middle).abs().simd_ge((after - middle).abs());
         let beyond = towards_before.select(before, after);
-        let edge = (middle + beyond) * 0.5;
-        let contrast = n.max(s).max(w).max(e).max(middle) - n.min(s).min(w).min(e).min(middle);
-        let around = ((n + s + w + e) * 2.0 + nw + ne + sw + se) / 12.0;
-        let stands_out = ((around - middle).abs() / contrast).min(1.0);
-        let smooth = stands_out * stands_out * (f32x16::splat(simd, 3.0) - stands_out * 2.0);
-        Edges {
-            level: is_level.to_bitmask() as u32,
+        let gradient = (beyond - middle).abs();
+        let found = found & gradient.simd_gt(0);
+
+        let edges = Edges { towards_before, line: middle + beyond, ends_at: (gradient + 1) >> 1 };
+        let zero = i16x32::splat(simd, 0);
+        let mut ends = [Ends { step: i16x32::splat(simd, 1), change: zero }; 2];
+        self.search(simd, [1, self.stride], &edges, found & horizontal, &mut ends);
+        self.search(simd, [self.stride, 1], &edges, found & !horizontal, &mut ends);
+        let [back, ahead] = ends;
+        let nearest = back.step.simd_le(ahead.step).select(back.change, ahead.change);
+        // The line cuts into a pixel if the edge ends towards the luma of the other side.
+        let cuts_in = nearest.simd_lt(0) ^ middle.simd_lt(beyond);
+        let off_centre = (found & cuts_in).select((ahead.step - back.step).abs(), zero);
+        let around = (n + s + w + e) * 2 + nw + ne + sw + se;
+        let stands_out = found.select((around - middle * 12).abs(), zero);
+
+        let (off_low, off_high) = off_centre.widen();
+        let (length_low, length_high) = (back.step + ahead.step).widen();
+        let (out_low, out_high) = stands_out.widen();
+        let (contrast_low, contrast_high) = contrast(cross).widen();
+        let low = share([off_low, length_low, out_low, contrast_low]);
+        let high = share([off_high, length_high, out_high, contrast_high]);
+        let mut shares = [0.0; BLOCK];
+        low.store_slice(&mut shares[..WIDE]);
+        high.store_slice(&mut shares[WIDE..]);
+        Blends {
+            // Without contrast the share is 0 / 0, hence the mask.
+            found: (found & low.simd_ge(LEAST_SHARE).narrow(high.simd_ge(LEAST_SHARE))).to_bitmask() as u32,
+            horizontal: horizontal.to_bitmask() as u32,
             towards_before: towards_before.to_bitmask() as u32,
-            below_edge: middle.simd_lt(edge).to_bitmask() as u32,
-            gradient: (beyond - middle).abs().to_array(),
-            edge: edge.to_array(),
-            alone: (smooth * smooth * SUBPIXEL).to_array(),
+            shares,
         }
     }
 
-    /// Returns the share that a pixel takes of its neighbour across the edge.
+    /// Follows the edges of the pixels in `found` backwards and forwards. `along` and `across` are distances in luma between
+    /// neighbours along the edge and across it.
     #[inline(always)]
-    fn share<S: Simd>(&self, simd: S, edges: &Edges, place: usize, lane: usize) -> f32 {
-        let (place, edge) = (place + lane, edges.edge[lane]);
-        let ends_at = edges.gradient[lane] * END_SHARE;
-        let is_level = edges.level >> lane & 1 != 0;
-        let towards_before = edges.towards_before >> lane & 1 != 0;
-        let across = if is_level { self.stride } else { 1 };
-        let beyond = if towards_before { place - across } else { place + across };
-        let [back, ahead] = if is_level {
-            self.ends_along_row(simd, [place, beyond], edge, ends_at)
-        } else {
-            [false, true].map(|is_ahead| self.end_along_column([place, beyond], is_ahead, edge, ends_at))
-        };
-        let nearest = if back.0 <= ahead.0 { back } else { ahead };
-        // The line cuts into this pixel if the edge ends towards the other side's brightness.
-        let cuts_in = (nearest.1 < 0.0) != (edges.below_edge >> lane & 1 != 0);
-        let of_line = if cuts_in { 0.5 - nearest.0 / (back.0 + ahead.0) } else { 0.0 };
-        of_line.max(edges.alone[lane])
-    }
-
-    /// Follows an edge along the row, both ways: returns how far it reaches and how much brighter it is there. All steps of one
-    /// way are compared at once.
-    #[inline(always)]
-    fn ends_along_row<S: Simd>(&self, simd: S, sides: [usize; 2], edge: f32, ends_at: f32) -> [(f32, f32); 2] {
-        let beside = |first: [usize; 2]| (self.sixteen(simd, first[0]) + self.sixteen(simd, first[1])) * 0.5 - edge;
-        let back = beside(sides.map(|place| place - WIDE));
-        let ahead = beside(sides.map(|place| place + 1));
-        let ends = |values: f32x16<S>| values.abs().simd_ge(ends_at).to_bitmask() as u32;
-        let (back_ends, ahead_ends) = (ends(back) & 0xFFFF, ends(ahead) & 0xFFFF);
-        let back_step = if back_ends == 0 { WIDE } else { back_ends.leading_zeros() as usize - 15 };
-        let ahead_step = if ahead_ends == 0 { WIDE } else { ahead_ends.trailing_zeros() as usize + 1 };
-        let at = |places: [usize; 2]| (self.lumas[places[0]] + self.lumas[places[1]]) * 0.5 - edge;
-        [
-            (back_step as f32, at(sides.map(|place| place - back_step))),
-            (ahead_step as f32, at(sides.map(|place| place + ahead_step))),
-        ]
-    }
-
-    /// Follows an edge along the column: returns how far it reaches and how much brighter it is there.
-    #[inline(always)]
-    fn end_along_column(&self, sides: [usize; 2], is_ahead: bool, edge: f32, ends_at: f32) -> (f32, f32) {
-        let stride = if is_ahead { self.stride as isize } else { -(self.stride as isize) };
-        let (mut places, mut step) = (sides, 0);
-        loop {
-            step += 1;
-            places = places.map(|place| place.wrapping_add_signed(stride));
-            let value = (self.lumas[places[0]] + self.lumas[places[1]]) * 0.5 - edge;
-            if step == SEARCH_PX || value.abs() >= ends_at {
-                return (step as f32, value);
+    fn search<S: Simd>(
+        &self,
+        simd: S,
+        [along, across]: [usize; 2],
+        edges: &Edges<S>,
+        found: mask16x32<S>,
+        [back, ahead]: &mut [Ends<S>; 2],
+    ) {
+        let [mut going_back, mut going_ahead] = [found; 2];
+        for step in 1..=MARGIN {
+            if !(going_back | going_ahead).any_true() {
+                break;
             }
+            let [before, after] = each!(place in [self.place - step * along, self.place + step * along] => {
+                let beyond =
+                    edges.towards_before.select(self.at(simd, place - across), self.at(simd, place + across));
+                self.at(simd, place) + beyond - edges.line
+            });
+            going_back = back.extend(going_back, step, before, edges.ends_at);
+            going_ahead = ahead.extend(going_ahead, step, after, edges.ends_at);
         }
     }
 }
 
-/// [`luma`] of sixteen pixels.
-#[inline(always)]
-fn luma_of_sixteen<S: Simd>(simd: S, pixels: &[Rgba8; WIDE]) -> f32x16<S> {
-    let codes = u32x16::load_array(
-        simd,
-        each!(i in
-        [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15] => u32::from_le_bytes(pixels[i])),
-    );
-    let [r, g, b] = each!(shift in [0, 8, 16] => float_of(codes >> shift & 0xFF));
-    r * 0.2126 + g * 0.7152 + b * 0.0722
+impl<S: Simd> Ends<S> {
+    /// Moves the ends of the edges in `going` to `step`, and returns those that go on.
+    #[inline(always)]
+    fn extend(&mut self, going: mask16x32<S>, step: usize, change: i16x32<S>, ends_at: i16x32<S>) -> mask16x32<S> {
+        self.step = going.select(i16x32::splat(change.simd, step as i16), self.step);
+        self.change = going.select(change, self.change);
+        going & change.abs().simd_lt(ends_at)
+    }
 }
 
-/// Magnitude of the second difference of brightness.
 #[inline(always)]
-fn bend<S: Simd>(before: f32x16<S>, own: f32x16<S>, after: f32x16<S>) -> f32x16<S> {
-    (before - own * 2.0 + after).abs()
+fn brightest<S: Simd>([n, s, w, e, middle]: [i16x32<S>; 5]) -> i16x32<S> {
+    n.max(s).max(w).max(e).max(middle)
 }
 
-/// `own` and a share of `other`.
+/// Returns the difference between the brightest and the darkest.
+#[inline(always)]
+fn contrast<S: Simd>(cross: [i16x32<S>; 5]) -> i16x32<S> {
+    let [n, s, w, e, middle] = cross;
+    brightest(cross) - n.min(s).min(w).min(e).min(middle)
+}
+
+/// Returns the share of the neighbour: half the distance from the middle of an edge by its length, or more where the pixel
+/// stands out from the mean of its neighbours; `stands_out` is twelve times the difference from that mean.
+#[inline(always)]
+fn share<S: Simd>(numbers: [i32x16<S>; 4]) -> f32x16<S> {
+    let [off_centre, length, stands_out, contrast] = each!(i in [0, 1, 2, 3] => numbers[i].to_float::<f32x16<S>>());
+    let of_line = off_centre * 0.5 / length;
+    let stands_out = (stands_out / (contrast * 12.0)).min(1.0);
+    let smooth = stands_out * stands_out * (3.0 - stands_out * 2.0);
+    of_line.max(smooth * smooth * SUBPIXEL)
+}
+
+/// Returns the magnitude of the second difference of luma.
+#[inline(always)]
+fn bend<S: Simd>(before: i16x32<S>, own: i16x32<S>, after: i16x32<S>) -> i16x32<S> {
+    (before + after - own * 2).abs()
+}
+
+/// Returns `own` with a share of `other` mixed in.
 #[inline(always)]
 fn mix(tables: &Tables, own: Rgba8, other: Rgba8, share: f32, linear: bool) -> Rgba8 {
     let mut result = own;
@@ -277,54 +343,62 @@ fn mix(tables: &Tables, own: Rgba8, other: Rgba8, share: f32, linear: bool) -> R
 mod tests {
     use super::*;
 
+    fn luma([r, g, b, _]: Rgba8) -> i32 {
+        (54 * i32::from(r) + 183 * i32::from(g) + 19 * i32::from(b) + 128) / 256
+    }
+
     /// One pixel, as published: plain code that the lanes must agree with.
-    fn filtered(picture: &Image<Rgba8>, lumas: &Image<f32>, at: (i64, i64), linear: bool) -> Rgba8 {
+    fn filtered(picture: &Image<Rgba8>, lumas: &Image<i32>, at: (i64, i64), linear: bool) -> Rgba8 {
         let own = picture.at_clamped(at.0, at.1);
         match blend(lumas, at) {
-            None => own,
-            Some(([dx, dy], share)) => mix(Tables::get(), own, picture.at_clamped(at.0 + dx, at.1 + dy), share, linear),
+            Some(([dx, dy], share)) if share >= LEAST_SHARE => {
+                mix(Tables::get(), own, picture.at_clamped(at.0 + dx, at.1 + dy), share, linear)
+            }
+            _ => own,
         }
     }
 
     /// Which neighbour a pixel takes a share of, and how much; none where there is no edge.
-    fn blend(lumas: &Image<f32>, (x, y): (i64, i64)) -> Option<([i64; 2], f32)> {
+    fn blend(lumas: &Image<i32>, (x, y): (i64, i64)) -> Option<([i64; 2], f32)> {
         let at = |dx: i64, dy: i64| lumas.at_clamped(x + dx, y + dy);
         let (middle, [n, s, w, e]) = (at(0, 0), [at(0, -1), at(0, 1), at(-1, 0), at(1, 0)]);
         let brightest = n.max(s).max(w).max(e).max(middle);
         let contrast = brightest - n.min(s).min(w).min(e).min(middle);
-        if contrast < LEAST_CONTRAST.max(brightest * LEAST_SHARE) {
+        if contrast < 8 || contrast * 8 < brightest {
             return None;
         }
         let [nw, ne, sw, se] = [at(-1, -1), at(1, -1), at(-1, 1), at(1, 1)];
-        let bend = |before: f32, own: f32, after: f32| (before - 2.0 * own + after).abs();
-        let along_row = 2.0 * bend(n, middle, s) + bend(nw, w, sw) + bend(ne, e, se);
-        let along_column = 2.0 * bend(w, middle, e) + bend(nw, n, ne) + bend(sw, s, se);
+        let bend = |before: i32, own: i32, after: i32| (before - 2 * own + after).abs();
+        let along_row = 2 * bend(n, middle, s) + bend(nw, w, sw) + bend(ne, e, se);
+        let along_column = 2 * bend(w, middle, e) + bend(nw, n, ne) + bend(sw, s, se);
         let is_level = along_row >= along_column;
 
         let (before, after) = if is_level { (n, s) } else { (w, e) };
         let towards_before = (before - middle).abs() >= (after - middle).abs();
         let (beyond, side) = if towards_before { (before, -1) } else { (after, 1) };
         let gradient = (beyond - middle).abs();
+        if gradient == 0 {
+            return None;
+        }
         let (across, along) = if is_level { ([0, side], [1, 0]) } else { ([side, 0], [0, 1]) };
 
-        let edge = (middle + beyond) / 2.0;
         let on_edge = |step: i64| {
             let (px, py) = (along[0] * step, along[1] * step);
-            (at(px, py) + at(px + across[0], py + across[1])) / 2.0 - edge
+            at(px, py) + at(px + across[0], py + across[1]) - middle - beyond
         };
         let end = |direction: i64| {
-            let ends = |step: &i64| on_edge(direction * step).abs() >= gradient * END_SHARE;
+            let ends = |step: &i64| 2 * on_edge(direction * step).abs() >= gradient;
             let step = (1..=i64::from(SEARCH_PX)).find(ends).unwrap_or(i64::from(SEARCH_PX));
             (step as f32, on_edge(direction * step))
         };
         let (back, ahead) = (end(-1), end(1));
         let nearest = if back.0 <= ahead.0 { back } else { ahead };
         // The line cuts into this pixel if the edge ends towards the other side's brightness.
-        let cuts_in = (nearest.1 < 0.0) != (middle < edge);
-        let of_line = if cuts_in { 0.5 - nearest.0 / (back.0 + ahead.0) } else { 0.0 };
+        let cuts_in = (nearest.1 < 0) != (middle < beyond);
+        let of_line = if cuts_in { (ahead.0 - back.0).abs() / 2.0 / (back.0 + ahead.0) } else { 0.0 };
 
-        let around = (2.0 * (n + s + w + e) + nw + ne + sw + se) / 12.0;
-        let stands_out = ((around - middle).abs() / contrast).min(1.0);
+        let difference = (2 * (n + s + w + e) + nw + ne + sw + se - 12 * middle).abs();
+        let stands_out = (difference as f32 / (12 * contrast) as f32).min(1.0);
         let smooth = stands_out * stands_out * (3.0 - 2.0 * stands_out);
         Some((across, of_line.max(smooth * smooth * SUBPIXEL)))
     }

@@ -31,8 +31,7 @@ pub fn mask_of(filter: &PostFilter) -> Option<Mask> {
 /// How many pixels around a pixel a filter reads; none if there is nothing to do.
 pub fn reach(filter: &PostFilter) -> Option<u32> {
     match filter.filter {
-        // Along the edge to its end, and around there by one.
-        Filter::Fxaa => Some(fxaa::SEARCH_PX + 1),
+        Filter::Fxaa => Some(fxaa::SEARCH_PX),
         _ => mask_of(filter).map(|mask| mask.reach()),
     }
 }

@@ -9,8 +9,8 @@ use std::sync::LazyLock;
 
 pub use fearless_simd::prelude::*;
 pub use fearless_simd::{
-    Level, Simd, f32x4, f32x8, f32x16, f64x4, f64x8, i16x16, i16x32, i32x8, i32x16, mask32x8, mask32x16, mask64x8,
-    u8x32, u8x64, u16x32, u32x4, u32x8, u32x16, u64x2, u64x8,
+    Level, Simd, f32x4, f32x8, f32x16, f64x4, f64x8, i16x16, i16x32, i32x8, i32x16, mask16x32, mask32x8, mask32x16,
+    mask64x8, u8x32, u8x64, u16x32, u32x4, u32x8, u32x16, u64x2, u64x8,
 };
 
 /// What every processor of the architecture has.
