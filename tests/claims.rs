@@ -91,8 +91,9 @@ const CLAIMS: &[Claim] = &[
     },
     Claim {
         source: "src/antialias/settings.rs",
-        words: "The cost grows with the number of pixels and of edges, not with that of triangles.",
-        proof: Proof::Command("bench chess --size 1920x1080 --set post.filter=fxaa"),
+        words: "The cost grows with the number of pixels and of edges, not with that of triangles: 1.4 to 3.8 ms at \
+                1920 × 1080 px with two threads (Zen 4), 23 to 84 % of the frame without it",
+        proof: Proof::Command("bench chess --size 1920x1080 --threads 2 --set post.filter=fxaa"),
     },
     Claim {
         source: "src/measure/reference.rs",

