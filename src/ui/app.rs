@@ -168,11 +168,12 @@ impl Workbench {
 
     /// Keeps the preferences on disk from now on.
     pub(super) fn keep_in(&mut self, store: Store) {
+        self.window = store.window().clone();
         self.store = Some(store);
     }
 
     /// Hands changed preferences to the thread that writes them, and reports what could not be written.
-    fn keep_preferences(&mut self) {
+    pub(super) fn keep_preferences(&mut self) {
         let Some(store) = &mut self.store else { return };
         store.keep(self.session.preferences(&self.window));
         for failure in store.failures().collect::<Vec<_>>() {
@@ -189,8 +190,8 @@ impl Workbench {
             let viewport = i.viewport();
             self.window.maximized = viewport.maximized.unwrap_or(false);
             let is_ordinary = !self.window.maximized && !viewport.fullscreen.unwrap_or(false);
-            if let Some(inner) = viewport.inner_rect.filter(|_| is_ordinary) {
-                self.window.window_size = Some((inner.size() * self.window.scale).round().into());
+            if is_ordinary {
+                self.window.window_size = Some((i.viewport_rect().size() * self.window.scale).round().into());
             }
         });
     }
@@ -484,7 +485,9 @@ impl eframe::App for Workbench {
     }
 
     /// Keeps the layout. The toolkit calls this every half minute, and when the window closes.
-    fn save(&mut self, _: &mut dyn eframe::Storage) {
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        // Earlier versions kept geometry and layout there, and the toolkit would still prefer them.
+        ["window", "egui"].into_iter().for_each(|key| storage.remove_string(key));
         if let Some(context) = &self.context {
             self.window.layout = start::layout(context);
         }

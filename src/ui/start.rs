@@ -223,12 +223,12 @@ fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &efra
 /// Returns the state of panels and headings as text.
 pub(super) fn layout(context: &egui::Context) -> String {
     // If it cannot be written, the next window has the default layout.
-    context.memory(serde_json::to_string).unwrap_or_default()
+    context.memory(ron::to_string).unwrap_or_default()
 }
 
 /// Restores what [`layout`] returned; any other text changes nothing.
 fn restore_layout(context: &egui::Context, layout: &str) {
-    if let Ok(memory) = serde_json::from_str(layout) {
+    if let Ok(memory) = ron::from_str(layout) {
         context.memory_mut(|current| *current = memory);
     }
 }
@@ -403,12 +403,36 @@ mod tests {
         let (before, after) = (egui::Context::default(), egui::Context::default());
         let id = egui::Id::unique("heading");
         before.data_mut(|data| data.insert_persisted(id, 12.5_f32));
+        // A pass fills the maps of areas and viewports.
+        let mut pass = |ui: &mut egui::Ui| {
+            egui::Window::new("floating").show(ui, |ui| ui.label("text"));
+        };
+        drop(before.run_ui(egui::RawInput::default(), &mut pass));
         let kept = layout(&before);
         for text in ["", "{", &kept[..kept.len() / 2], &*kept] {
             restore_layout(&after, text);
             let expected = (text == kept).then_some(12.5_f32);
             assert_eq!(after.data_mut(|data| data.get_persisted::<f32>(id)), expected, "{text}");
         }
+    }
+
+    #[test]
+    fn the_first_frame_keeps_layout_and_size_of_the_window() {
+        let folder = tempfile::tempdir().unwrap();
+        let window = WindowState {
+            window_size: Some([1010.0, 707.0]),
+            layout: "kept".to_owned(),
+            light_theme: true,
+            ..WindowState::default()
+        };
+        let preferences = Preferences { window: window.clone(), ..Preferences::default() };
+        let mut app = workbench(start(), preferences.clone(), Worker::inline());
+        app.keep_in(Store::new(folder.path().to_owned(), preferences));
+        let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Light);
+        headless.pass(Vec::new(), |ui| app.show(ui));
+        app.keep_preferences();
+        drop(app);
+        assert_eq!(store::read(folder.path()).unwrap().preferences.window, window);
     }
 
     #[test]

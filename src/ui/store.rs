@@ -10,11 +10,14 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use super::session::Preferences;
+use super::session::{Preferences, WindowState};
 use crate::disk;
 
 /// Name of the file in the folder of the program's data.
 const FILE: &str = "preferences.json";
+
+/// Name of backups, without extension and number.
+const BACKUP: &str = "preferences-backup";
 
 /// Largest file that is read, bytes.
 const MAX_BYTES: u64 = 16 << 20;
@@ -50,24 +53,43 @@ pub fn read(folder: &Path) -> Option<Found> {
         return None;
     }
     let (preferences, warning) = match read_file(&path) {
-        Ok(read) => read,
+        Ok((preferences, damage)) => (preferences, damage.map(|damage| damage.warning)),
         Err(error) => (Preferences::default(), Some(format!("{}: cannot read it: {error}", path.display()))),
     };
     Some(Found { preferences, warning })
 }
 
-/// Reads the file. If some of it cannot be read, it is kept as a backup, reported, and replaced by what can be read.
-fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<String>)> {
+/// Report of a file of which some cannot be read.
+struct Damage {
+    warning: String,
+    /// Whether it was not reported before: no backup held these bytes.
+    is_new: bool,
+}
+
+/// Reads the file. If some of it cannot be read, the file is kept as a backup.
+fn read_file(path: &Path) -> std::io::Result<(Preferences, Option<Damage>)> {
     let bytes = disk::read_own(path, MAX_BYTES)?;
     let (preferences, is_complete) = Preferences::read_checked(&String::from_utf8_lossy(&bytes));
     if is_complete {
         return Ok((preferences, None));
     }
     let folder = path.parent().unwrap_or(Path::new("."));
-    let backup = disk::write_new(folder, "preferences-backup", "json", &bytes)?;
-    let warning = format!("{}: some of it cannot be read; kept as {}", path.display(), backup.display());
-    disk::write(path, preferences.write().as_bytes())?;
-    Ok((preferences, Some(warning)))
+    let known = backup_of(folder, &bytes);
+    let is_new = known.is_none();
+    let kept = known.map_or_else(|| disk::write_new(folder, BACKUP, "json", &bytes), Ok);
+    let kept = match kept {
+        Ok(backup) => format!("kept as {}", backup.display()),
+        Err(error) => format!("no backup can be written: {error}"),
+    };
+    let warning = format!("{}: some of it cannot be read; {kept}", path.display());
+    Ok((preferences, Some(Damage { warning, is_new })))
+}
+
+/// Returns the backup in `folder` that holds these bytes.
+fn backup_of(folder: &Path, bytes: &[u8]) -> Option<PathBuf> {
+    let entries = std::fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+    let is_backup = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(BACKUP));
+    entries.filter(is_backup).find(|path| disk::read_own(path, MAX_BYTES).is_ok_and(|kept| kept == bytes))
 }
 
 impl Store {
@@ -87,6 +109,11 @@ impl Store {
             drop(changes.send(now.clone()));
             self.known = now;
         }
+    }
+
+    /// Returns the state of the window that was kept last.
+    pub fn window(&self) -> &WindowState {
+        &self.known.window
     }
 
     /// Returns failures since the last call.
@@ -151,8 +178,8 @@ impl Writer {
         // Where files cannot be locked, merging still keeps what is not written in the same instant.
         let lock = disk::lock(&self.folder.join("preferences.lock")).ok();
         let theirs = if path.exists() {
-            let (theirs, warning) = read_file(&path)?;
-            if let Some(warning) = warning {
+            let (theirs, damage) = read_file(&path)?;
+            if let Some(Damage { warning, .. }) = damage.filter(|damage| damage.is_new) {
                 drop(self.report.send(warning));
             }
             theirs
@@ -225,7 +252,8 @@ mod tests {
             assert!(found.warning.unwrap().contains("preferences-backup.json"), "{damaged}");
             let backup = std::fs::read_to_string(folder.path().join("preferences-backup.json")).unwrap();
             assert_eq!((found.preferences, &*backup), (Preferences::default(), damaged));
-            assert_eq!(read(folder.path()).unwrap().warning, None, "repaired and kept once");
+            assert!(read(folder.path()).unwrap().warning.is_some(), "it is still damaged");
+            assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "one backup");
         }
     }
 

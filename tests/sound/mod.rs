@@ -18,7 +18,9 @@ pub(crate) fn sound(loaded: &Loaded) -> Result<(), String> {
             return Err("a normal is no unit vector".to_owned());
         }
         let bounds = mesh.bounds();
-        if !((bounds.max - bounds.min).length_squared().is_finite() && mesh.uvs.iter().all(|t| t.is_finite())) {
+        // The box of a mesh without any finite position is empty.
+        let has_finite_box = bounds.is_empty() || (bounds.max - bounds.min).length_squared().is_finite();
+        if !(has_finite_box && mesh.uvs.iter().all(|t| t.is_finite())) {
             return Err("extent or texture coordinates are not finite".to_owned());
         }
     }

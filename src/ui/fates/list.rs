@@ -35,7 +35,7 @@ pub fn ui(ui: &mut Ui, view: &FatesView, fates: &Fates, picked: Option<TriangleI
 fn filter(ui: &mut Ui, view: &FatesView, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let mut text = view.text.clone();
-        let hint = "filter: tri 123, area<1, a name";
+        let hint = "filter: tri 123, area<1, is:cut, a name";
         let edit = TextEdit::singleline(&mut text).hint_text(hint).desired_width(ui.available_width() * 0.55);
         let response = ui.add(edit).on_hover_text(
             "By number (tri 123), by area on the screen in px² (area<1, area>20), cut by a plane of the view (is:cut), with a normal or texture coordinate that was NaN or infinite (is:broken), by a part of the name of an object or its material",

@@ -9,8 +9,9 @@ use serde_json::{Map, Value, json};
 use super::{RECENT_FILES, Session};
 use crate::chain::Recipe;
 use crate::disk::stored_path::StoredPath;
+use crate::inspect::Place;
 use crate::pipeline::viewport::Viewport;
-use crate::scene::{Camera, SceneSource};
+use crate::scene::Camera;
 use crate::ui::place::Bookmark;
 use crate::ui::watch;
 
@@ -56,7 +57,7 @@ impl PointerMode {
     }
 }
 
-/// State of the window itself, whatever it shows.
+/// State of the window itself.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct WindowState {
@@ -68,7 +69,7 @@ pub struct WindowState {
     pub window_size: Option<[f32; 2]>,
     /// Whether the window is maximized.
     pub maximized: bool,
-    /// State of panels and headings, as JSON of [`eframe::egui::Memory`]; empty at first.
+    /// State of panels and headings, as RON of [`eframe::egui::Memory`]; empty at first.
     pub layout: String,
 }
 
@@ -214,13 +215,12 @@ fn the_readable<'de, D: Deserializer<'de>, T: DeserializeOwned + Serialize>(from
 impl Session {
     /// Returns what is kept between runs.
     pub fn preferences(&self, window: &WindowState) -> Preferences {
+        // A scene that is still loading is where the window is going.
+        let Place { scene, camera, mirrored, .. } = self.places.pending.clone().unwrap_or_else(|| self.place());
         Preferences {
-            source: Some(match &self.source {
-                SceneSource::Builtin(_) => self.source.name(),
-                SceneSource::File(path, _) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
-            }),
+            source: Some(scene),
             recipe: self.state.recipe,
-            camera: Some(if self.mirrored { self.state.camera.mirrored_z() } else { self.state.camera }),
+            camera: Some(if mirrored { camera.mirrored_z() } else { camera }),
             size: self.state.size,
             recent: self.recent.clone(),
             hint_closed: self.hint_closed,
@@ -236,6 +236,19 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::scene::SceneSource;
+
+    #[test]
+    fn a_scene_that_is_still_loading_is_kept() {
+        let source = SceneSource::default();
+        let scene = source.load().unwrap().scene;
+        let home = scene.home;
+        let mut session = Session::new(Arc::new(scene), source, Recipe::default(), home);
+        let camera = Camera { far: 77.0, ..home };
+        session.places.pending = Some(Place { scene: "/models/large.obj".into(), camera, ..session.place() });
+        let kept = session.preferences(&WindowState::default());
+        assert_eq!((kept.source, kept.camera), (Some("/models/large.obj".into()), Some(camera)));
+    }
 
     #[test]
     fn what_cannot_be_read_costs_nothing_else() {
