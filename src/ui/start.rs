@@ -400,14 +400,12 @@ mod tests {
 
     #[test]
     fn the_layout_is_restored_and_damaged_text_ignored() {
-        let (before, after) = (egui::Context::default(), egui::Context::default());
+        let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Dark);
+        let (before, after) = (headless.context().clone(), egui::Context::default());
         let id = egui::Id::unique("heading");
         before.data_mut(|data| data.insert_persisted(id, 12.5_f32));
-        // A pass fills the maps of areas and viewports.
-        let mut pass = |ui: &mut egui::Ui| {
-            egui::Window::new("floating").show(ui, |ui| ui.label("text"));
-        };
-        drop(before.run_ui(egui::RawInput::default(), &mut pass));
+        // A floating window fills the maps of areas.
+        headless.pass(Vec::new(), |ui| drop(egui::Window::new("floating").show(ui, |ui| ui.label("text"))));
         let kept = layout(&before);
         for text in ["", "{", &kept[..kept.len() / 2], &*kept] {
             restore_layout(&after, text);
