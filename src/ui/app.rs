@@ -10,12 +10,12 @@ mod saving;
 
 mod tasks;
 
-use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Context, Panel, Ui};
 
 use opening::{Loading, OpeningCase, SLOW_LOAD};
+use saving::Saving;
 
 use super::canvas::Canvas;
 use super::checks;
@@ -86,7 +86,7 @@ pub struct Workbench {
     measuring_growth: Option<MeasuringGrowth>,
     case_view: CaseView,
     /// Files that are being written.
-    saving: Vec<Task<f32, Result<PathBuf, String>>>,
+    saving: Vec<Saving>,
     canvas: Canvas,
     mesh: MeshPane,
     tiles: TilesView,
@@ -381,7 +381,7 @@ impl Workbench {
             Command::CancelLoading => {
                 (self.loading, self.opening_case, self.session.places.pending) = (None, None, None);
             }
-            Command::CancelExport => self.saving.iter().for_each(Task::cancel),
+            Command::CancelExport => self.saving.iter().for_each(Saving::cancel),
             Command::Measure => self.measure(),
             Command::CancelMeasure => {
                 self.session.measuring = None;

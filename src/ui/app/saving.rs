@@ -20,6 +20,22 @@ use crate::ui::task::{Listening, Task};
 use crate::ui::what_if;
 use crate::{disk, drawing};
 
+/// A file that is being written on a thread of its own.
+pub(super) struct Saving {
+    task: Task<f32, Result<PathBuf, String>>,
+    /// Completed share, from 0 to 1; `None` for work that reports none, which cannot be cancelled.
+    completed: Option<f32>,
+}
+
+impl Saving {
+    /// Cancels an export that reports its progress.
+    pub(super) fn cancel(&self) {
+        if self.completed.is_some() {
+            self.task.cancel();
+        }
+    }
+}
+
 impl Workbench {
     /// Writes all frame times into the current folder.
     pub(super) fn export_timings(&mut self, ui: &Ui) {
@@ -129,14 +145,14 @@ impl Workbench {
             let outcome = save(&|_| {}, &AtomicBool::new(false));
             outcome.into_iter().for_each(|outcome| self.saved(outcome));
         } else {
-            self.saving.push(Task::start(ui.ctx().clone(), save));
+            self.saving.push(Saving { task: Task::start(ui.ctx().clone(), save), completed: None });
         }
     }
 
     /// Takes what has become of files that are being written.
     pub(super) fn hear_saving(&mut self) {
         let mut outcomes = Vec::new();
-        self.saving.retain(|saving| match saving.listen(&mut self.session.export_progress) {
+        self.saving.retain_mut(|saving| match saving.task.listen(&mut saving.completed) {
             Listening::GoesOn => true,
             Listening::Ended(outcome) => {
                 outcomes.extend(outcome.map(|outcome| *outcome));
@@ -147,6 +163,7 @@ impl Workbench {
                 false
             }
         });
+        self.session.export_progress = self.saving.iter().find_map(|saving| saving.completed);
         outcomes.into_iter().for_each(|outcome| self.saved(outcome));
     }
 }

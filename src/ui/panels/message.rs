@@ -42,7 +42,7 @@ pub fn ui(ui: &mut Ui, session: &Session, loading: Option<(&Path, f32)>, command
             ui.add(Label::new(format!("Loading {} … {:.0} %", path.display(), 100.0 * completed)).truncate());
         } else if let Some(completed) = session.export_progress {
             ui.spinner();
-            if ui.button("Cancel").on_hover_text("No file is written").clicked() {
+            if ui.button("Cancel").on_hover_text("Stop the export").clicked() {
                 commands.push(Command::CancelExport);
             }
             ui.add(ProgressBar::new(completed).desired_width(120.0));
