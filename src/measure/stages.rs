@@ -6,7 +6,8 @@
 //! one before. These are estimates: a difference within the noise of its two frames is zero, which means "too short to tell".
 //! The compiler may also move work from one stage into the next where only the next one reads the result.
 //!
-//! Medians of each stage do not add up to the median of the frame. Here stages are those of one frame, or shares of it.
+//! The medians of the stages do not add up to the median of the frame. Therefore [`StageTimes`] are those of one frame, and
+//! [`summarize_stages`] scales the stages to the median of the frame.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -197,6 +198,9 @@ impl StageTimer {
             let start = Instant::now();
             black_box(redraw(scene, recipe, frame, LEVELS[level], &mut ()));
             self.least[level] = self.least[level].min(start.elapsed());
+        } else if self.wanted_runs == PIECES && frame.execution == Execution::Classic {
+            // A single frame of a new renderer would be a cold one.
+            self.frames.push(StageTimes::recorded(recipe, frame));
         } else {
             let again = self.renderer.render(scene, camera, recipe, frame.viewport, KeepDepth::Yes);
             self.frames.push(StageTimes::recorded(recipe, &again));
@@ -255,9 +259,9 @@ pub struct StageMs {
 /// Time of a named stage over a series of frames.
 #[derive(Clone, Debug, Serialize)]
 pub struct StageSummary {
-    /// Its name.
+    /// Name of the stage, as in [`StageTimes::named`].
     pub stage: &'static str,
-    /// Its time.
+    /// Time of the stage in milliseconds.
     pub ms: StageMs,
 }
 
