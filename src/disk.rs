@@ -39,7 +39,7 @@ pub fn read(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
 /// not count as an input.
 ///
 /// # Errors
-/// As for [`read`].
+/// Errors are those of [`read`].
 pub fn read_own(path: &Path, max_bytes: u64) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {

@@ -349,8 +349,8 @@ fn assert_runs(arguments: &str) {
 }
 
 /// Help texts of a set of alternatives.
-fn help_of<T: Choice>() -> impl Iterator<Item = &'static str> {
-    T::ALL.iter().map(|choice| choice.help())
+fn help_of<T: Choice>() -> Vec<&'static str> {
+    T::ALL.iter().map(|choice| choice.help()).collect()
 }
 
 /// Words by which a sentence compares or counts.
@@ -382,35 +382,36 @@ fn claims_something(sentence: &str) -> bool {
 
 #[test]
 fn every_help_text_that_compares_has_its_claims_in_the_table() {
-    let helps = rasterscope::upscale::ALL.iter().map(|upscaler| upscaler.help());
-    let helps = helps
-        .chain(help_of::<Method>())
-        .chain(help_of::<Samples>())
-        .chain(help_of::<Filter>())
-        .chain(help_of::<Light>())
-        .chain(help_of::<Anchor>())
-        .chain(help_of::<Reference>())
-        .chain(help_of::<Difference>())
-        .chain(help_of::<settings::Execution>())
-        .chain(help_of::<settings::Culling>())
-        .chain(help_of::<settings::Rasterizer>())
-        .chain(help_of::<settings::Arithmetic>())
-        .chain(help_of::<settings::FillRule>())
-        .chain(help_of::<settings::DepthTest>())
-        .chain(help_of::<settings::DepthFormat>())
-        .chain(help_of::<settings::Interpolation>())
-        .chain(help_of::<settings::Shading>())
-        .chain(help_of::<settings::Filter>())
-        .chain(help_of::<settings::AlphaMode>())
-        .chain(help_of::<settings::Address>())
-        .chain(help_of::<settings::ColorSpace>())
-        .chain(help_of::<settings::BlendingOrder>());
+    let helps = [
+        rasterscope::upscale::ALL.iter().map(|upscaler| upscaler.help()).collect(),
+        help_of::<Method>(),
+        help_of::<Samples>(),
+        help_of::<Filter>(),
+        help_of::<Light>(),
+        help_of::<Anchor>(),
+        help_of::<Reference>(),
+        help_of::<Difference>(),
+        help_of::<settings::Execution>(),
+        help_of::<settings::Culling>(),
+        help_of::<settings::Rasterizer>(),
+        help_of::<settings::Arithmetic>(),
+        help_of::<settings::FillRule>(),
+        help_of::<settings::DepthTest>(),
+        help_of::<settings::DepthFormat>(),
+        help_of::<settings::Interpolation>(),
+        help_of::<settings::Shading>(),
+        help_of::<settings::Filter>(),
+        help_of::<settings::AlphaMode>(),
+        help_of::<settings::Address>(),
+        help_of::<settings::ColorSpace>(),
+        help_of::<settings::BlendingOrder>(),
+    ]
+    .concat();
     let known = |sentence: &str| {
         let row = |words: &str| sentence.contains(words.trim_end_matches('.')) || words.contains(sentence);
         CLAIMS.iter().any(|claim| row(&flowing(claim.words)))
             || DEFINITIONS.iter().any(|words| sentence.contains(words))
     };
-    let helps: Vec<&str> = helps.collect();
     let sentences = helps.iter().flat_map(|help| help.split(". "));
     let unproven: Vec<&str> = sentences.filter(|sentence| claims_something(sentence) && !known(sentence)).collect();
     assert!(unproven.is_empty(), "neither a row of the table nor a definition:\n{}", unproven.join("\n"));

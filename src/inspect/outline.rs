@@ -50,18 +50,18 @@ const LINE: Stroke = Stroke { color: [20; 3], width: 0.7 };
 /// distance are lost. Large pictures get fewer.
 const MOST_SAMPLES_PER_PX: u32 = 5;
 
-/// The view that is drawn, and how.
+/// View of a scene to draw as shapes.
 #[derive(Clone, Copy, Debug)]
 pub struct OutlineRequest<'a> {
-    /// Scene.
+    /// Scene whose triangles become shapes.
     pub scene: &'a Arc<Scene>,
-    /// View.
+    /// Camera that the scene is seen by.
     pub camera: &'a Camera,
-    /// Settings; those that lines and polygons have no use for are ignored.
+    /// Settings. Lines ignore the upscaler and the depth settings.
     pub recipe: &'a Recipe,
     /// Size of the drawing, one unit per pixel.
     pub viewport: Viewport,
-    /// What is drawn.
+    /// Kind of shapes.
     pub kind: OutlineKind,
 }
 

@@ -4,7 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// How a drawing is followed and cancelled.
+/// Progress callback and cancellation flag of a drawing.
 #[derive(Clone, Copy)]
 pub struct OutlineControl<'a> {
     /// Receives the completed share, from 0 to 1, at most once per percent. Threads may report in another order than they
@@ -32,7 +32,7 @@ pub(super) struct ParallelStep<'a> {
     control: OutlineControl<'a>,
     /// Completed percent of the whole drawing before and after the step.
     percent: Range<usize>,
-    /// Number of parts.
+    /// Number of equal parts, at least 1.
     parts: usize,
     completed: AtomicUsize,
 }
