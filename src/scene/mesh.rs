@@ -93,7 +93,7 @@ impl Mesh {
     }
 
     /// Like [`Mesh::new`], but repairs normals and texture coordinates that are not finite. Such a normal becomes zero: no
-    /// direct light reaches the vertex. Such a texture coordinate becomes (0, 1), the first texel of the file.
+    /// direct light reaches the vertex. Such a texture coordinate becomes (0, 1), `vt 0 0` of the file.
     pub fn repaired(mut data: MeshData) -> Result<Self, MeshError> {
         let lost_normals = data.normals.iter().filter(|normal| !normal.is_finite()).count();
         let lost_uvs = data.uvs.iter().filter(|uv| !uv.is_finite()).count();

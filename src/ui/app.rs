@@ -4,6 +4,8 @@
 
 mod asking;
 
+mod keeping;
+
 mod opening;
 
 mod saving;
@@ -28,6 +30,7 @@ use super::fates;
 use super::fates::finder::Finder;
 use super::judging::{Judging, MeasuringGrowth, MeasuringSavings};
 use super::lab;
+use super::layout;
 use super::mesh_view::MeshPane;
 use super::navigate::FLYING_KEYS;
 use super::overlays;
@@ -41,7 +44,6 @@ use super::place;
 use super::range;
 use super::scrub;
 use super::session::{Level, PointerMode, Session, WindowState};
-use super::start;
 use super::store::Store;
 use super::task::Task;
 use super::theme;
@@ -164,36 +166,6 @@ impl Workbench {
     /// Does all this with the next frame, as if a person had asked for it.
     pub fn ask_for(&mut self, commands: Vec<Command>) {
         self.asked_for.extend(commands);
-    }
-
-    /// Keeps the preferences on disk from now on.
-    pub(super) fn keep_in(&mut self, store: Store) {
-        self.window = store.window().clone();
-        self.store = Some(store);
-    }
-
-    /// Hands changed preferences to the thread that writes them, and reports what could not be written.
-    pub(super) fn keep_preferences(&mut self) {
-        let Some(store) = &mut self.store else { return };
-        store.keep(self.session.preferences(&self.window));
-        for failure in store.failures().collect::<Vec<_>>() {
-            self.session.report(Level::Error, failure);
-        }
-    }
-
-    /// Notes theme, scale and size of the window.
-    fn observe_window(&mut self, ui: &Ui) {
-        self.context.get_or_insert_with(|| ui.ctx().clone());
-        self.window.light_theme = !ui.visuals().dark_mode;
-        self.window.scale = ui.ctx().zoom_factor();
-        ui.input(|i| {
-            let viewport = i.viewport();
-            self.window.maximized = viewport.maximized.unwrap_or(false);
-            let is_ordinary = !self.window.maximized && !viewport.fullscreen.unwrap_or(false);
-            if is_ordinary {
-                self.window.window_size = Some((i.viewport_rect().size() * self.window.scale).round().into());
-            }
-        });
     }
 
     /// One frame of the window.
@@ -489,7 +461,7 @@ impl eframe::App for Workbench {
         // Earlier versions kept geometry and layout there, and the toolkit would still prefer them.
         ["window", "egui"].into_iter().for_each(|key| storage.remove_string(key));
         if let Some(context) = &self.context {
-            self.window.layout = start::layout(context);
+            self.window.layout = layout::text(context);
         }
         self.keep_preferences();
     }

@@ -16,6 +16,8 @@ pub mod fates;
 
 pub mod scrub;
 
+mod layout;
+
 mod seam_search;
 
 pub mod theme;

@@ -15,6 +15,7 @@ use super::engine::Shown;
 use super::fates;
 use super::headless::Headless;
 use super::lab;
+use super::layout;
 use super::panels::bottom::Tab;
 use super::place;
 use super::session::{Level, PictureSize, Preferences, Session, WindowState};
@@ -196,7 +197,7 @@ pub fn run_window(start: WindowStart) -> Result<(), String> {
 /// Returns the application in a window: resumed from the preferences in `folder`, with a renderer of its own.
 fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &eframe::CreationContext<'_>) -> Workbench {
     let preferences = found.preferences;
-    restore_layout(&cc.egui_ctx, &preferences.window.layout);
+    layout::restore(&cc.egui_ctx, &preferences.window.layout);
     theme::install(&cc.egui_ctx);
     cc.egui_ctx.set_theme(if preferences.window.light_theme { egui::Theme::Light } else { egui::Theme::Dark });
     if preferences.window.scale > 0.0 {
@@ -218,19 +219,6 @@ fn windowed(start: WindowStart, folder: Option<PathBuf>, found: Found, cc: &efra
         workbench.session_mut().report(Level::Error, warning);
     }
     workbench
-}
-
-/// Returns the state of panels and headings as text.
-pub(super) fn layout(context: &egui::Context) -> String {
-    // If it cannot be written, the next window has the default layout.
-    context.memory(ron::to_string).unwrap_or_default()
-}
-
-/// Restores what [`layout`] returned; any other text changes nothing.
-fn restore_layout(context: &egui::Context, layout: &str) {
-    if let Ok(memory) = ron::from_str(layout) {
-        context.memory_mut(|current| *current = memory);
-    }
 }
 
 /// Closes the window in the ordinary way on SIGTERM, SIGHUP and SIGINT. A window that does not answer ends all the same:
@@ -395,22 +383,6 @@ mod tests {
             memory_limit: MemoryLimit::default(),
             pending: None,
             seen: Seen::default(),
-        }
-    }
-
-    #[test]
-    fn the_layout_is_restored_and_damaged_text_ignored() {
-        let mut headless = Headless::new(DEFAULT_SIZE, 1.0, egui::Theme::Dark);
-        let (before, after) = (headless.context().clone(), egui::Context::default());
-        let id = egui::Id::unique("heading");
-        before.data_mut(|data| data.insert_persisted(id, 12.5_f32));
-        // A floating window fills the maps of areas.
-        headless.pass(Vec::new(), |ui| drop(egui::Window::new("floating").show(ui, |ui| ui.label("text"))));
-        let kept = layout(&before);
-        for text in ["", "{", &kept[..kept.len() / 2], &*kept] {
-            restore_layout(&after, text);
-            let expected = (text == kept).then_some(12.5_f32);
-            assert_eq!(after.data_mut(|data| data.get_persisted::<f32>(id)), expected, "{text}");
         }
     }
 

@@ -1,0 +1,39 @@
+//! What the window keeps on disk between runs.
+
+use eframe::egui::Ui;
+
+use super::Workbench;
+use crate::ui::session::Level;
+use crate::ui::store::Store;
+
+impl Workbench {
+    /// Keeps the preferences on disk from now on.
+    pub(in crate::ui) fn keep_in(&mut self, store: Store) {
+        self.window = store.window().clone();
+        self.store = Some(store);
+    }
+
+    /// Hands changed preferences to the thread that writes them, and reports what could not be written.
+    pub(in crate::ui) fn keep_preferences(&mut self) {
+        let Some(store) = &mut self.store else { return };
+        store.keep(self.session.preferences(&self.window));
+        for failure in store.failures().collect::<Vec<_>>() {
+            self.session.report(Level::Error, failure);
+        }
+    }
+
+    /// Records theme, scale and size of the window.
+    pub(super) fn observe_window(&mut self, ui: &Ui) {
+        self.context.get_or_insert_with(|| ui.ctx().clone());
+        self.window.light_theme = !ui.visuals().dark_mode;
+        self.window.scale = ui.ctx().zoom_factor();
+        ui.input(|i| {
+            let viewport = i.viewport();
+            self.window.maximized = viewport.maximized.unwrap_or(false);
+            let is_ordinary = !self.window.maximized && !viewport.fullscreen.unwrap_or(false);
+            if is_ordinary {
+                self.window.window_size = Some((i.viewport_rect().size() * self.window.scale).round().into());
+            }
+        });
+    }
+}
